@@ -25,9 +25,6 @@ from tests.simulation.real.burger import way
 PERIOD = 0.05
 """Seconds between two poses of the record."""
 
-PATIENCE = 300.0
-"""Seconds for the slowest construction to load."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Drive:
@@ -90,7 +87,7 @@ def _run(construction: Construction, seed: int, world: Path, gazebo: Installatio
     field = field_of(construction, seed)
     began = time.monotonic()
     options = gazebo.simulator.record_options(PERIOD)
-    with running_server(gazebo, world, options=options, timeout=PATIENCE) as server:
+    with running_server(gazebo, world, options=options) as server:
         loaded, load = usage(server.pid), time.monotonic() - began
         with server.connect() as live:
             seen = _stepped(live, SECONDS if options else PERIOD)

@@ -13,6 +13,7 @@ import pytest
 
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.patience import Patience
 from tests.simulation.real.conftest import missing
 
 PROGRAM = Path.home() / ".cache/rsegen/gazebo-engine/gazebo-transport"
@@ -36,5 +37,5 @@ def transport_world(name: str = "lab", partition: str = "") -> Iterator[Mapping[
 @contextmanager
 def connected_to(address: Mapping[str, str]) -> Iterator[LiveWorld]:
     """The world at these variables."""
-    with SIMULATORS["sim"].connect(address, PATIENCE) as live:
+    with SIMULATORS["sim"].connect(address, Patience(seconds=PATIENCE, sign=PATIENCE)) as live:
         yield live

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.commands.parameters import Force, MapReference, RobotModel, Seed, SimulatorName
+from rsegen.commands.parameters import Force, MapReference, RobotModel, Seed, SimulatorName, Timeout
 from rsegen.errors import ParameterError
 from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, command
@@ -80,6 +80,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         bool, Flag(help="add gazebo.jpg to the folder, from a camera in Gazebo; needs a screen")
     ] = False,
     force: Force = False,
+    timeout: Timeout = 20.0,
     progress: Callable[[float], None] = lambda _: None,
 ) -> DriveResult:
     """Drive robots over a map in a Gazebo server without a window, and report how far each got.
@@ -101,7 +102,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     seed = fresh_seed() if seed is None else seed
     refuse_output(None if output is None else Path(output), picture=picture, force=force)
     world = world_of(target, map)
-    here, scene = choose_installation(world.made_for, simulator), world.scene()
+    here, scene = choose_installation(world.made_for, simulator, timeout), world.scene()
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
     with world.on_disk() as file:
         extent = scene.field.extent if picture and "pictures" not in here.simulator.drives_without else None

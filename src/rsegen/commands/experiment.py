@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.commands.parameters import Force, OutputFolder
+from rsegen.commands.parameters import Force, OutputFolder, Timeout
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import ListOf, Reference
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @command
-def experiment(
+def experiment(  # noqa: PLR0913  # each is a flag
     plan: str | os.PathLike[str] | ExperimentPlan,
     output: OutputFolder,
     *,
@@ -30,6 +30,7 @@ def experiment(
         Shell(metavar="NAME[,NAME]", default="the newest that is installed"),
     ] = None,
     force: Force = False,
+    timeout: Timeout = 20.0,
     progress: Callable[[int, Cell], None] = lambda *_: None,
     watch: Callable[[], None] = lambda: None,
 ) -> ExperimentResult:
@@ -43,4 +44,4 @@ def experiment(
     """
     from rsegen.simulation.experiment.run import run_experiment
 
-    return run_experiment(plan, Path(output), simulator, force=force, progress=progress, watch=watch)
+    return run_experiment(plan, Path(output), simulator, force=force, timeout=timeout, progress=progress, watch=watch)

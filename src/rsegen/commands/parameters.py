@@ -79,6 +79,12 @@ RunningSimulator = Annotated[
     Shell(metavar="NAME", default="whichever runs"),
 ]
 
+Timeout = Annotated[
+    float,
+    Float(1.0, 1e6, unit="s", help="give a simulator up that shows no progress for so long; more on a busy machine"),
+    Shell(metavar="S"),
+]
+
 MapsFolder = Annotated[
     str | Path,
     FilePath(help="folder for maps that are made of recipes, which are kept there"),

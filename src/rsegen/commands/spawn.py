@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.commands.parameters import MapReference, MapsFolder, ModelName, RunningSimulator
+from rsegen.commands.parameters import MapReference, MapsFolder, ModelName, RunningSimulator, Timeout
 from rsegen.errors import ParameterError, shown
 from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Float, Json, parameters
@@ -51,7 +51,7 @@ class Place:
 
 
 @command
-def spawn(
+def spawn(  # noqa: PLR0913  # each is a flag
     target: Target | Robot | SdfRobot,
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
@@ -70,6 +70,7 @@ def spawn(
     ] = None,
     output: MapsFolder = Path("worlds"),
     simulator: RunningSimulator = None,
+    timeout: Timeout = 20.0,
 ) -> SpawnResult:
     """Spawn a map or a robot in the running simulation, and give its name and pose there.
 
@@ -79,7 +80,7 @@ def spawn(
     """
     from rsegen.simulation.spawning.spawn import spawn_model
 
-    return spawn_model(target, map, name, at, Path(output), simulator)
+    return spawn_model(target, map, name, at, Path(output), simulator, timeout)
 
 
 @command
@@ -90,6 +91,7 @@ def respawn(
     name: Annotated[ModelName, Shell(help="name of the model to replace, if several could be meant")] = None,
     output: MapsFolder = Path("worlds"),
     simulator: RunningSimulator = None,
+    timeout: Timeout = 20.0,
 ) -> RespawnResult:
     """Replace the map of the running simulation by the next one of a recipe or folder, at the same pose.
 
@@ -98,15 +100,15 @@ def respawn(
     """
     from rsegen.simulation.spawning.respawn import replace_map
 
-    return replace_map(target, map, name, Path(output), simulator)
+    return replace_map(target, map, name, Path(output), simulator, timeout)
 
 
 @command
-def remove(*names: str, simulator: RunningSimulator = None) -> RemoveResult:
+def remove(*names: str, simulator: RunningSimulator = None, timeout: Timeout = 20.0) -> RemoveResult:
     """Delete maps, robots and other models from the running simulation; none of them if one does not exist.
 
     UnknownName lists the models if one does not exist.
     """
     from rsegen.simulation.spawning.respawn import remove_models
 
-    return remove_models(names, simulator)
+    return remove_models(names, simulator, timeout)

@@ -7,14 +7,13 @@ failure, except for harmless ones (docs/gazebo.md).
 
 from __future__ import annotations
 
-import math
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, shown
+from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, shown
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.process import ErrorRelay
 from rsegen.simulation.simulators.server import choose_installation, has_screen, run_until_end
@@ -49,12 +48,12 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
     headless: bool,
     seconds: float | None,
     shared: bool,
+    timeout: float,
     on_start: Callable[[OpenedWorld], None],
     on_error: Callable[[str], None],
 ) -> OpenResult:
     """Open a world in a simulator, and wait until it ends or the seconds are over; see `rsegen.open`."""
-    limit = math.inf if seconds is None else seconds
-    here = choose_installation(world.made_for, simulator)
+    here = choose_installation(world.made_for, simulator, timeout)
     if not (headless or has_screen()):
         where = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
         raise ParameterError("headless", f"{where}, so only a server without a window can be opened; set it")
@@ -62,7 +61,7 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
         launch = _launch(here, OpenRequest(world=file, shared=shared, home=home), headless=headless)
         opened = OpenedWorld(simulator=str(here), file=file, address=_address(launch, here))
         on_start(opened)
-        return _run(here, launch, opened, limit, on_error, headless=headless)
+        return _run(here, launch, opened, seconds, on_error, headless=headless)
 
 
 def launch_command(world: World, target: str, simulator: str | None, *, headless: bool, shared: bool) -> LaunchCommand:
@@ -102,7 +101,7 @@ def _run(
     here: Installation,
     launch: LaunchCommand,
     world: OpenedWorld,
-    seconds: float,
+    seconds: float | None,
     on_error: Callable[[str], None],
     *,
     headless: bool,
@@ -114,6 +113,8 @@ def _run(
     relay = ErrorRelay(on_error)  # the caller hears each sort of error once
     try:
         code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
+    except NothingRuns as error:
+        raise SimulatorFailed(f"{here} printed an error: {relay.first}" if relay.first else str(error)) from None
     except KeyboardInterrupt:
         code = None
     finally:

@@ -154,7 +154,7 @@ def driven_in_sim(levels: Levels, gazebo_sim: Installation, folder: Path, shape:
     plain = written(levels, folder, shape)
     world = plain.with_name("robots.world")
     world.write_text(world_with_robots(plain, models, unthrottled=True, backend=backend))
-    with running_server(gazebo_sim, world, timeout=120) as server, server.connect() as live:
+    with running_server(gazebo_sim, world) as server, server.connect() as live:
         for heading in starts:
             live.send_command(robot.command(f"robot_{heading}", SPEED, 0, live.backend))
         live.step(SECONDS * 1000)

@@ -12,6 +12,7 @@ import psutil
 import pytest
 
 from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.wire import CLASSIC
 from tests.support.patience import until
 
@@ -39,7 +40,7 @@ def a_client() -> Iterator[TransportClient]:
                     pass
 
         threading.Thread(target=serve, daemon=True).start()
-        with transport_client(address, 5) as client:
+        with transport_client(address, Patience(seconds=5.0, sign=5.0)) as client:
             try:
                 yield client
             finally:
@@ -63,7 +64,7 @@ def test_every_subscriber_gets_every_unread_message(
             start(run)
         for other in others:
             other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
-        client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS, 5)
+        client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS)
         client.publish("~/request", "GzString", {"data": "hello"})
         for other in others:
             with other, other.makefile("rb") as stream:
@@ -102,7 +103,7 @@ def test_a_closed_client_leaves_no_thread_and_no_socket() -> None:
             others = [subscriber(client) for _ in range(SUBSCRIBERS)]
             for other in others:
                 other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
-            client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS, 5)
+            client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS)
         for other in others:
             assert other.recv(1) == b""
             other.close()
@@ -134,7 +135,7 @@ def test_junk_ends_or_is_passed_over_and_others_are_served(junk: bytes) -> None:
             hostile.shutdown(socket.SHUT_WR)
             assert hostile.recv(1) == b""
             other.sendall(packet("sub", "Subscribe", {}) + packet("sub", "Subscribe", {"topic": TOPIC}))
-            client._wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]), 5)
+            client._wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]))
             client.publish("~/request", "GzString", {"data": "hello"})
             with other.makefile("rb") as stream:
                 assert CLASSIC.decode("GzString", stream.read(int(stream.read(8), 16))) == {"data": "hello"}
@@ -155,7 +156,7 @@ def test_a_master_may_send_anything() -> None:
 
         thread = threading.Thread(target=serve, daemon=True)
         thread.start()
-        with transport_client(server.getsockname(), 5) as client:
+        with transport_client(server.getsockname(), Patience(seconds=5.0, sign=5.0)) as client:
             assert client.world == "lab"
         thread.join(5)
         assert not thread.is_alive()

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli import main
-from rsegen.simulation.simulators import SIMULATORS
+from rsegen.simulation.simulators import SIMULATORS, server
 from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
 
@@ -48,9 +48,11 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     name: str, program: str, words: Sequence[str], programs: Path, world: Path, capsys: Capture
 ) -> None:
     put(programs, PROGRAMS[name])
+    looks = iter([False, False, True])
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        assert opened(world, "--simulator", name, "--headless", "--seconds", "3") == 0
+        patch.setattr(server, "_has_a_clock", lambda *_: next(looks))
+        assert opened(world, "--simulator", name, "--headless", "--seconds", "2") == 0
     did = start(programs / program)
     assert did.command[1:-1] == tuple(words)
     assert did.folder / did.command[-1] == world
@@ -60,6 +62,18 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address_variables]
     assert out.endswith(f": {world}, at {' '.join(address)}\n")
     assert err == ""
+
+
+@pytest.mark.parametrize("name", ["sim", "classic"])
+def test_open_fails_if_the_server_never_tells_its_time(
+    name: str, programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """It prints no error, and does not end: that alone proves nothing."""
+    put(programs, PROGRAMS[name])
+    monkeypatch.setenv("STAYS", "60")
+    capsys.readouterr()
+    assert opened(world, "--simulator", name, "--headless", "--seconds", "1", "--timeout", "1") == 1
+    assert "has not loaded the world" in the_line(capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(("name", "program"), [("sim", "gz"), ("classic", "gazebo")])
@@ -178,7 +192,7 @@ def test_an_error_of_the_server_is_printed_and_fails(
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SAYS", f"[Msg] hello\\n{says}\\n")
         patch.setenv("STAYS", "60")
-        assert opened(world, "--headless", "--seconds", "2") == 1
+        assert opened(world, "--headless", "--seconds", "2", "--timeout", "1") == 1
     first, line = capsys.readouterr().err.splitlines()
     assert first == told
     assert words in line

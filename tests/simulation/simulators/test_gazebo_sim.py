@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import SIMULATORS, OpenRequest
 from rsegen.simulation.simulators.server import running_server
 from tests.simulation.simulators.standins import PROGRAMS, put, start
-from tests.support.patience import PATIENCE, until
+from tests.support.patience import until
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
 SIM = SIMULATORS["sim"]
@@ -94,7 +95,7 @@ def test_a_server_that_does_not_load_is_an_error_with_its_errors_or_its_last_wor
     monkeypatch.setenv("SAYS", f"{says}[Msg] the last words\\n")
     here = SIM.installation()
     assert here
-    with pytest.raises(SimulatorFailed, match=why), running_server(here, world, timeout=PATIENCE):
+    with pytest.raises(SimulatorFailed, match=why), running_server(here, world):
         pass
 
 
@@ -107,7 +108,10 @@ def test_a_server_that_never_tells_its_models_poses_has_not_loaded(
     monkeypatch.setenv("SAYS", says)
     here = SIM.installation()
     assert here
-    with pytest.raises(SimulatorFailed, match="it did not load in time"), running_server(here, world, timeout=0.5):
+    with (
+        pytest.raises(SimulatorFailed, match=r"it has not loaded its world, after 0.5 s without progress"),
+        running_server(replace(here, timeout=0.5), world),
+    ):
         pass
 
 

@@ -12,11 +12,12 @@ import pytest
 
 import rsegen
 from rsegen.cli import main
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.exporters.gazebo import sdf
 from rsegen.robots import robot
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
@@ -132,8 +133,8 @@ def test_a_map_of_many_boxes_is_spawned(sim_address: Mapping[str, str]) -> None:
 
 def test_a_missing_server_is_reported() -> None:
     with (
-        pytest.raises(SimulatorFailed, match=r"no server answers in the partition no-lab$"),
-        SIMULATORS["sim"].connect({"GZ_PARTITION": "no-lab"}, 0.5),
+        pytest.raises(NothingRuns, match=r"no server answers in the partition no-lab$"),
+        SIMULATORS["sim"].connect({"GZ_PARTITION": "no-lab"}, Patience(sign=0.5)),
     ):
         pass
 
@@ -141,7 +142,7 @@ def test_a_missing_server_is_reported() -> None:
 def test_of_two_servers_none_is_taken(sim_address: Mapping[str, str]) -> None:
     partition = sim_address["GZ_PARTITION"]
     with connected_to(sim_address), transport_world("other", partition) as address:
-        with transport_client(address) as client:
+        with transport_client(address, Patience()) as client:
             client.offers("/world/other/control")
         with pytest.raises(SimulatorFailed, match=f"2 servers run in the partition {partition}; set GZ_PARTITION"):
             connect_again_and_again(address)
@@ -162,17 +163,17 @@ def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() ->
     server, said = Discovery(SERVICES, "gone", address), []
 
     def use() -> None:
-        with transport_client(address) as client:
+        with transport_client(address, Patience()) as client:
             server.send(Event.ADVERTISE, pub=gone)
             with pytest.raises(SimulatorFailed) as failed:
-                client.request(service, "Empty", {}, timeout=2)
+                client.request(service, "Empty", {}, Patience(seconds=2.0))
             said.append(str(failed.value))
 
     using = threading.Thread(target=use, daemon=True)
     using.start()
     using.join(PATIENCE)
     server.close()
-    assert said == [f"Gazebo Sim: {service} does not answer"]
+    assert said == [f"Gazebo Sim: {service} does not answer within 2 s"]
     assert not using.is_alive()
 
 

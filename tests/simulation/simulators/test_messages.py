@@ -12,9 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.robots import robot
 from rsegen.simulation.simulators.classic_transport import transport_client
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TOPICS, Discovery, Event, interfaces
 from rsegen.simulation.simulators.sim_transport import transport_client as transport_client_of_sim
 from rsegen.simulation.simulators.wire import CLASSIC, NO_MESSAGE, SIM, MessageTypes, parse_text
@@ -74,8 +75,8 @@ def test_a_command_for_a_robot_is_a_message(v: float, w: float) -> None:
 
 def test_a_server_that_does_not_answer_is_reported() -> None:
     with (
-        pytest.raises(SimulatorFailed, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
-        transport_client(("127.0.0.1", 1), 1),
+        pytest.raises(NothingRuns, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
+        transport_client(("127.0.0.1", 1), Patience()),
     ):
         pass
 
@@ -112,10 +113,10 @@ def test_an_address_that_this_computer_has_not_is_127_0_0_1(address: str) -> Non
     assert found == (address if address.startswith("127.") else "127.0.0.1") or not address
     assert bool(others) == (not address)
     with (
-        transport_client_of_sim({"IGN_IP": address, "GZ_DISCOVERY_MSG_PORT": "many"}) as client,
+        transport_client_of_sim({"IGN_IP": address, "GZ_DISCOVERY_MSG_PORT": "many"}, Patience()) as client,
         pytest.raises(SimulatorFailed, match="nobody offers /nothing"),
     ):
-        client.offers("/nothing", 0.3)
+        client.offers("/nothing", Patience(seconds=0.3))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a socket cannot be bound to a group")

@@ -11,6 +11,7 @@ import pytest
 import rsegen
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, UnknownName
 from rsegen.simulation.open_world import OpenedWorld
+from rsegen.simulation.simulators import server
 from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -53,6 +54,7 @@ def test_a_map_of_a_recipe_is_chosen_by_index_or_name(
 ) -> None:
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", "600")
+    monkeypatch.setattr(server, "_has_a_clock", lambda *_: True)
     for which in (2, "2", "course_0002"):
         result = rsegen.open(COURSE, map=which, headless=True, seconds=0)
         assert result.world.file.name == "course_0002.world"

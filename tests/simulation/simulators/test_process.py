@@ -13,6 +13,7 @@ import pytest
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import LaunchCommand
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.process import output_of, running
 from tests.support.leftovers import MARK, left, left_in_the_end
 from tests.support.long import long_unless
@@ -116,10 +117,10 @@ def test_nothing_is_left_when_rsegen_is_killed(script: str, word: str, tmp_path:
 
 
 def test_a_program_that_does_not_answer_in_time_is_an_error_and_gone(tmp_path: Path, mark: str) -> None:
-    with pytest.raises(SimulatorFailed, match=r"/bin/sh: no answer in 0.3 s"):
-        output_of(shell("echo something; sleep 60", tmp_path), timeout=0.3)
+    with pytest.raises(SimulatorFailed, match=r"/bin/sh: no answer after 0.3 s without progress"):
+        output_of(shell("echo something; sleep 60", tmp_path), Patience(seconds=0.3))
     assert left(mark) == []
 
 
 def test_an_answer_is_both_outputs(tmp_path: Path) -> None:
-    assert output_of(shell("echo out; echo err >&2; cat", tmp_path), timeout=PATIENCE) == "out\nerr\n"
+    assert output_of(shell("echo out; echo err >&2; cat", tmp_path), Patience()) == "out\nerr\n"

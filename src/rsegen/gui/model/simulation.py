@@ -22,8 +22,9 @@ from rsegen.simulation.driving.robot_runs import ROUTES, spot_generator, spots_o
 from rsegen.simulation.driving.routes import followed
 from rsegen.simulation.experiment.plan import PLANS, load_plan
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest
-from rsegen.simulation.simulators.base import connected
+from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.patience import SECONDS
 from rsegen.simulation.spawning.spawning import SpawnedMap, at_free_place, map_model, spawn_map
 from rsegen.standing.body import Body
 from rsegen.standing.spots import Outline, Spot
@@ -208,7 +209,7 @@ def spawn(recipe: Recipe, folder: Path, number: int, before: SpawnedMap | None) 
     there, else at the free place nearest to the origin.
     """
     one = map_model(recipe, recipe.first_map, folder)
-    with connected(None) as (_, live):
+    with connected(None, SECONDS) as (_, live):
         one.check_spawnable()
         poses = live.poses()
         old = replace(before, at=poses[before.name]) if before and before.name in poses else None

@@ -62,12 +62,13 @@ class ExperimentResult:
         return report_page(self.plan, self.results, self.machine, self.command)
 
 
-def run_experiment(
+def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
     plan: str | os.PathLike[str] | ExperimentPlan,
     folder: Path,
     simulators: Sequence[str] | None,
     *,
     force: bool,
+    timeout: float,
     progress: Callable[[int, Cell], None],
     watch: Callable[[], None],
 ) -> ExperimentResult:
@@ -76,7 +77,7 @@ def run_experiment(
     plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
     plan = in_simulators(plan, simulators)
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
-    installed = {name: choose_installation("both", name) for name in names}
+    installed = {name: choose_installation("both", name, timeout) for name in names}
     refuse_without_frames(plan, installed)
     refuse_undrivable(plan)
     machine = {"simulator": ", ".join(map(str, installed.values())), **description()}

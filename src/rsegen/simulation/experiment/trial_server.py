@@ -38,9 +38,6 @@ _FIRST_FRAME = 120.0
 With less, trials that work would end; with more, a screen without OpenGL is reported later.
 """
 
-TIMEOUT = 600.0
-"""Seconds within which the largest world must load: 80 x 80 models take 87 to load, 160 x 160 boxes more than 100."""
-
 SETTLED = 2.0
 """Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
 
@@ -230,7 +227,7 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
     began = time.monotonic()
     with ExitStack() as stack:
         screen = setup.frames == "camera"
-        running = running_server(here, setup.file, timeout=TIMEOUT, screen=screen, watch=watch)
+        running = running_server(here, setup.file, screen=screen, watch=watch)
         server = stack.enter_context(running)
         live = stack.enter_context(server.connect())
         live.stop_recording()

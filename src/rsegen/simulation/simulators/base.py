@@ -1,8 +1,8 @@
 """The interface of a simulator: how to find and install it, the commands that open a world in it, and how to connect.
 
 A simulator is one file of this folder with one class under `@register`. It starts nothing itself: it gives a
-`LaunchCommand`, which can be printed, tested, or run by `process`. The installed ones are found by `installations`, the
-running one, at the address in the user's environment variables, by `connected`.
+`LaunchCommand`, which can be printed, tested, or run by `process`. The installed ones are found by `installations`; the
+running one is found, and kept connected, by `connecting`.
 """
 
 from __future__ import annotations
@@ -13,27 +13,20 @@ import shlex
 import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
-from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.params.registry import Contract, Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
+from rsegen.simulation.simulators.patience import SECONDS, Patience
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code")
 """Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 """An escape sequence of a terminal, by which Gazebo colours its lines."""
-
-_TIMEOUTS = 0.3, 2.0
-"""Seconds in which a running server must answer.
-
-First each simulator is asked for a moment, as most do not run; a busy server gets more time then. With more, a command
-without any simulation takes longer to say so.
-"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,11 +81,15 @@ class OpenRequest:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Installation:
-    """An installed simulator: its version, and its commands by their names."""
+    """An installed simulator: its version, and its commands by their names.
+
+    timeout: seconds without progress after which what it runs is given up
+    """
 
     simulator: Simulator
     version: str
     commands: Mapping[str, Path]
+    timeout: float = SECONDS
 
     @property
     def backend(self) -> str:
@@ -148,8 +145,8 @@ class Simulator(ABC):
         """Return the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
 
     @abstractmethod
-    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
-        """Connect to the world of the server at this address; SimulatorFailed if none answers in `timeout` s."""
+    def connect(self, environment: Mapping[str, str], patience: Patience) -> AbstractContextManager[LiveWorld]:
+        """Connect to the world of the server at this address; NothingRuns if none gives a sign of being there."""
 
     def window(self, here: Installation, server: LaunchCommand) -> LaunchCommand | None:
         """Return the command of a window on the world of a running server; None if there is none that can be added."""
@@ -211,23 +208,3 @@ def installations(first: str = "") -> Iterator[Installation]:
     """Return the installed simulators, that of a name first, else the newest; each is searched when it is its turn."""
     ordered = sorted(SIMULATORS.values(), key=lambda simulator: simulator.name != first)
     return (here for simulator in ordered if (here := simulator.installation()))
-
-
-@contextmanager
-def connected(name: str | None) -> Iterator[tuple[Simulator, LiveWorld]]:
-    """Connect to the running simulator, of that name if given, and its world; NothingRuns if none runs."""
-    simulators = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
-    with ExitStack() as stack:
-        yield _first_running(stack, simulators)
-
-
-def _first_running(stack: ExitStack, simulators: list[Simulator]) -> tuple[Simulator, LiveWorld]:
-    reasons: list[str] = []
-    for timeout in _TIMEOUTS:
-        reasons.clear()
-        for simulator in simulators:
-            try:
-                return simulator, stack.enter_context(simulator.connect(os.environ, timeout))
-            except SimulatorFailed as error:  # noqa: PERF203  # there are two simulators
-                reasons.append(str(error))
-    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen open --shared")

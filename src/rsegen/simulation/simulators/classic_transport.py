@@ -23,12 +23,10 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any
 
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.wire import CLASSIC, NO_MESSAGE, Message
-
-TIMEOUT = 20.0
-"""Seconds for an answer: a server that loads a large map answers nothing meanwhile; a dead one is noticed this late."""
 
 DISCONNECT_TIMEOUT = 2.0
 """Seconds for publishers to disconnect, ten times the period of a paused server; a client then goes without them."""
@@ -50,8 +48,9 @@ _MOST = 2**26
 class TransportClient:
     """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each."""
 
-    def __init__(self, address: tuple[str, int], timeout: float) -> None:
+    def __init__(self, address: tuple[str, int], patience: Patience) -> None:
         # What threads learn changes inside the inbox's condition; sockets are kept to be closed at the end.
+        self.patience = patience
         self._inbox = Inbox("Gazebo Classic")
         self._types: dict[str, str] = {}
         self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
@@ -62,14 +61,14 @@ class TransportClient:
         self._is_closed = False
         self._world = ""
         self._last = 0.0
-        self._master = self._registered(socket.create_connection(address, timeout))
+        self._master = self._registered(socket.create_connection(address, patience.sign))
         self._host = self._master.getsockname()[0]
         self._own = socket.create_server((self._host, 0))
         self._port = self._own.getsockname()[1]
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
         try:
-            self._wait("no world", lambda: bool(self._world))
+            self._wait("a server is there, but tells of no world", lambda: bool(self._world))
         except SimulatorFailed:
             self.close()
             raise
@@ -78,6 +77,11 @@ class TransportClient:
     def world(self) -> str:
         """The name of the server's world."""
         return self._world
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the server is still there."""
+        return not self._inbox.has_failed
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
         """Subscribe to a topic; `on_message` takes its messages, else they are kept."""
@@ -102,10 +106,10 @@ class TransportClient:
             _send(subscriber, CLASSIC.encode(type_name, message))
 
     def wait_for_message(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
+        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: Patience | None = None
     ) -> dict[str, Any]:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        return self._inbox.wait_for_message(self._full_topic(topic), wanted, timeout)
+        return self._inbox.wait_for_message(self._full_topic(topic), wanted, patience or self.patience)
 
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
@@ -164,7 +168,9 @@ class TransportClient:
                 host, port = other.getsockname()[:2]
                 self._send_to_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
         self._wait(
-            "a publisher does not disconnect", lambda: not topics & set(self._publishers.values()), DISCONNECT_TIMEOUT
+            "a publisher does not disconnect",
+            lambda: not topics & set(self._publishers.values()),
+            Patience(seconds=DISCONNECT_TIMEOUT),
         )
 
     def _wait_until_quiet(self) -> None:
@@ -192,6 +198,8 @@ class TransportClient:
                 elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
                     self._connect_publisher(CLASSIC.decode("Publish", inside))
         self._end(self._master)
+        if not self._is_closed:
+            self._inbox.fail("the server has ended")
 
     def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
         """Connect to a publisher of a subscribed topic."""
@@ -201,16 +209,19 @@ class TransportClient:
 
     def _read_publisher(self, topic: str, host: str, port: int) -> None:
         try:
-            other = self._registered(socket.create_connection((host, port), TIMEOUT))
+            other = self._registered(socket.create_connection((host, port), self.patience.seconds))
         except (OSError, OverflowError, UnicodeError):  # it is gone already, or this is no address
             return
         self._inbox.update(lambda: self._publishers.update({other: topic}))
         with suppress(SimulatorFailed):  # it goes in this moment: then nothing is received
             _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(other):
-            with suppress(*NO_MESSAGE):
-                message = CLASSIC.decode(self._types[topic], content)
-                self._takers.get(topic, partial(self._inbox.add, topic))(message)
+            decode = partial(CLASSIC.decode, self._types[topic], content)
+            if taker := self._takers.get(topic):
+                with suppress(*NO_MESSAGE):
+                    taker(decode())
+            else:
+                self._inbox.add(topic, decode)
             self._last = time.monotonic()
         self._inbox.update(lambda: self._publishers.pop(other))
         self._end(other)
@@ -261,17 +272,17 @@ class TransportClient:
         self._threads.add(thread)
         thread.start()
 
-    def _wait(self, why: str, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:
-        self._inbox.wait(why, until, timeout)
+    def _wait(self, why: str, until: Callable[[], bool], patience: Patience | None = None) -> None:
+        self._inbox.wait(why, until, patience or self.patience)
 
 
 @contextmanager
-def transport_client(address: tuple[str, int], timeout: float) -> Iterator[TransportClient]:
-    """A client of the master at a host and port; it disconnects when this ends."""
+def transport_client(address: tuple[str, int], patience: Patience) -> Iterator[TransportClient]:
+    """A client of the master at a host and port; it disconnects when this ends. NothingRuns if there is no master."""
     try:
-        opened = TransportClient(address, timeout)
+        opened = TransportClient(address, patience)
     except OSError as error:
-        raise SimulatorFailed(
+        raise NothingRuns(
             f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
         ) from None
     try:

@@ -25,6 +25,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
 from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name, wait_until
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.wire import CLASSIC, is_nearer, mesh_file, parse_text, pose_message, pose_of
 
 _DELIVERY_TIME = 0.03
@@ -35,6 +36,9 @@ With less, a world may step before a command has come, and a drive does not repe
 
 _RESPONSES_TIME = 0.6
 """Seconds in which even a paused server has done a request and published all responses: three of its periods."""
+
+_ASK_AGAIN = Patience(seconds=1.0)
+"""Time after which a request is repeated: five periods of a paused server."""
 
 _POSES = "pose/info"
 """The topic of the poses of models that have moved, and of their links, with the simulation time."""
@@ -59,6 +63,11 @@ class ClassicWorld(LiveWorld):
     client: TransportClient
     backend: str = "classic"
     _numbers: Iterator[int] = field(default_factory=lambda: count(randbelow(2**30)))
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the server's master holds its connection."""
+        return self.client.is_connected
 
     def send_command(self, command: Command) -> None:
         """Publish the command, and wait the time that messages take."""
@@ -191,11 +200,21 @@ class ClassicWorld(LiveWorld):
         return self.client.wait_for_message("world_stats", lambda message: message.get("iterations", 0) > after)
 
     def _asked(self, request: str, data: str) -> dict[str, Any]:
-        request_id = next(self._numbers)
-        self.client.publish("request", "Request", {"id": request_id, "request": request, "data": data})
-        return self.client.wait_for_message(
-            "response", lambda message: message["id"] == request_id and "serialized_data" in message
-        )
+        """Return the response to a request, which is repeated: on a busy machine the server learns late who listens."""
+        request_id, wait = next(self._numbers), self.client.patience.begin()
+        while True:
+            self.client.publish("request", "Request", {"id": request_id, "request": request, "data": data})
+            try:
+                return self.client.wait_for_message(
+                    "response",
+                    lambda message: message["id"] == request_id and "serialized_data" in message,
+                    _ASK_AGAIN,
+                )
+            except SimulatorFailed:
+                if wait.is_over or not self.is_current:
+                    raise SimulatorFailed(
+                        f"Gazebo Classic: no answer to {request} within {self.client.patience}"
+                    ) from None
 
     def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
         """Return the message that sets the pose of a model."""
@@ -211,13 +230,13 @@ class ClassicWorld(LiveWorld):
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        wait_until(until, f"Gazebo Classic: {otherwise}", _RESPONSES_TIME / 6)
+        wait_until(until, f"Gazebo Classic: {otherwise}", self.client.patience, pause=_RESPONSES_TIME / 6)
 
 
 @contextmanager
-def classic_world(address: tuple[str, int], timeout: float) -> Iterator[ClassicWorld]:
-    """A connection to the world of the server whose master is at a host and port."""
-    with transport_client(address, timeout) as opened:
+def classic_world(address: tuple[str, int], patience: Patience) -> Iterator[ClassicWorld]:
+    """A connection to the world of the server whose master is at a host and port; NothingRuns if there is none."""
+    with transport_client(address, patience) as opened:
         opened.subscribe("world_stats", "WorldStatistics")
         opened.subscribe("response", "Response")
         yield ClassicWorld(client=opened)

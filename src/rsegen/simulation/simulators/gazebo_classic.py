@@ -20,6 +20,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
 from rsegen.simulation.simulators.classic_world import classic_world
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.process import command_output
 
 _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
@@ -120,9 +121,9 @@ class GazeboClassic(Simulator):
         """Return the only one."""
         return "classic"
 
-    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str], patience: Patience) -> AbstractContextManager[LiveWorld]:
         """Connect through its own transport, so it may run on another machine, and need not be installed here."""
-        return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER), timeout)
+        return classic_world(_address(environment.get("GAZEBO_MASTER_URI") or MASTER), patience)
 
     def record_options(self, period: float) -> tuple[str, ...]:
         """Return the options of a record as text."""

@@ -19,6 +19,7 @@ from typing import ClassVar
 
 from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
 from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.process import command_output
 from rsegen.simulation.simulators.sim_world import sim_world, with_contact_sensors
 
@@ -111,9 +112,9 @@ class GazeboSim(Simulator):
         """Return the model with sensors: a server gives only contacts of collisions that a sensor names."""
         return with_contact_sensors(model)
 
-    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str], patience: Patience) -> AbstractContextManager[LiveWorld]:
         """Connect through its own transport, so it may run on another machine, and need not be installed here."""
-        return sim_world(environment, timeout)
+        return sim_world(environment, patience)
 
 
 def _launch(here: Installation, opening: OpenRequest) -> LaunchCommand:

@@ -9,12 +9,21 @@ from __future__ import annotations
 import threading
 from collections import defaultdict, deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import cached_property
+from itertools import islice
 from typing import Any
 
 from rsegen.errors import SimulatorFailed
+from rsegen.simulation.simulators.patience import Patience
+from rsegen.simulation.simulators.wire import NO_MESSAGE
 
 _KEPT = 64
 """Messages of a topic that are kept: a second of Gazebo's poses, so that none that is waited for is pushed out."""
+
+
+_LOOK = 0.1
+"""Seconds between two looks whether patience is over: each reads a file."""
 
 
 class Inbox:
@@ -24,11 +33,11 @@ class Inbox:
         self._title = title
         self._failure = ""
         self._changed = threading.Condition()
-        self._messages: dict[str, deque[dict[str, Any]]] = defaultdict(lambda: deque(maxlen=_KEPT))
+        self._messages: dict[str, deque[_Received]] = defaultdict(lambda: deque(maxlen=_KEPT))
 
-    def add(self, topic: str, message: dict[str, Any]) -> None:
-        """Keep a message."""
-        self.update(lambda: self._messages[topic].append(message))
+    def add(self, topic: str, decode: Callable[[], dict[str, Any]]) -> None:
+        """Keep a message, which is decoded when somebody looks at it."""
+        self.update(lambda: self._messages[topic].append(_Received(decode)))
 
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
@@ -44,22 +53,51 @@ class Inbox:
         """End all waiting, now and later, with a SimulatorFailed."""
         self.update(lambda: setattr(self, "_failure", why))
 
-    def wait(self, why: str, until: Callable[[], bool], timeout: float) -> None:
-        """Wait until a condition holds; SimulatorFailed with the reason after `timeout` seconds."""
+    @property
+    def has_failed(self) -> bool:
+        """Whether nothing more will come."""
+        return bool(self._failure)
+
+    def wait(self, why: str, until: Callable[[], bool], patience: Patience) -> None:
+        """Wait until a condition holds; SimulatorFailed with the reason when patience is over."""
+        wait = patience.begin()
         with self._changed:
-            has_come = self._changed.wait_for(lambda: bool(self._failure) or until(), timeout)
-            if self._failure or not has_come:
-                raise SimulatorFailed(f"{self._title}: {self._failure or why}")
+            while not (self._failure or until()):
+                if wait.is_over:
+                    raise SimulatorFailed(f"{self._title}: {why} within {patience}")
+                self._changed.wait(min(_LOOK, patience.seconds))
+            if self._failure:
+                raise SimulatorFailed(f"{self._title}: {self._failure}")
 
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
         with self._changed:
-            return next(reversed(self._messages[topic]), None)
+            return next((received.message for received in reversed(self._messages[topic]) if received.message), None)
 
     def wait_for_message(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float
+        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: Patience
     ) -> dict[str, Any]:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        self.wait(f"no message on {topic}", lambda: any(map(wanted, self._messages[topic])), timeout)
-        with self._changed:
-            return [message for message in self._messages[topic] if wanted(message)][-1]
+        found: list[dict[str, Any]] = []
+
+        def has_come() -> bool:
+            messages = (received.message for received in reversed(self._messages[topic]))
+            found.extend(islice((message for message in messages if message and wanted(message)), 1))
+            return bool(found)
+
+        self.wait(f"no message on {topic}", has_come, patience)
+        return found[0]
+
+
+class _Received:
+    """A message that was received."""
+
+    def __init__(self, decode: Callable[[], dict[str, Any]]) -> None:
+        self._decode = decode
+
+    @cached_property
+    def message(self) -> dict[str, Any] | None:
+        """The message; None if it is none of its type, as what others send may be anything."""
+        with suppress(*NO_MESSAGE):
+            return self._decode()
+        return None

@@ -10,9 +10,7 @@ from dataclasses import dataclass
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
-
-TIMEOUT = 20.0
-"""Seconds in which a change that was ordered must be done: a map of 320 x 320 blocks takes 5 to 8 to load."""
+from rsegen.simulation.simulators.patience import Patience
 
 Record = list[tuple[float, dict[str, list[float]]]]
 """Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
@@ -55,6 +53,11 @@ class LiveWorld(ABC):
     """
 
     backend: str
+
+    @property
+    @abstractmethod
+    def is_current(self) -> bool:
+        """Whether its server still runs, and is the only one at its address."""
 
     @abstractmethod
     def send_command(self, command: Command) -> None:
@@ -139,10 +142,10 @@ def model_name(sdf: str) -> str:
     return start[1]
 
 
-def wait_until(done: Callable[[], bool], failure: str, pause: float) -> None:
-    """Ask until something is done, with pauses in seconds; SimulatorFailed with the failure if it takes too long."""
-    end = time.monotonic() + TIMEOUT
+def wait_until(done: Callable[[], bool], failure: str, patience: Patience, pause: float) -> None:
+    """Ask until something is done, with pauses in seconds; SimulatorFailed with the failure when patience is over."""
+    wait = patience.begin()
     while not done():
-        if time.monotonic() > end:
-            raise SimulatorFailed(failure)
+        if wait.is_over:
+            raise SimulatorFailed(f"{failure} after {patience}")
         time.sleep(pause)

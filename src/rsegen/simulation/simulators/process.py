@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -23,20 +24,24 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import IO
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.base import LaunchCommand
+from rsegen.simulation.simulators.patience import Patience, share
 
 _WATCH = Path(__file__).with_name("watchdog.py")
 _NAMED = ("/bin/sh", "-c", 'echo $$ >&0; exec "$@" </dev/null', "sh")
 """A shell that writes its id, which is that of the session, into the watch's pipe, and becomes the program."""
 
-_SHORT_COMMAND = 30
-"""Seconds for a short command, such as one that prints a version: on a cold disk Gazebo's take some seconds."""
+_SHORT_COMMAND = Patience(seconds=30.0)
+"""Time for a short command, such as one that prints a version: on a cold disk Gazebo's take some seconds."""
+
+_WORKS = 0.3
+"""Part of a processor's time, of what it can have, from which on a program works, and does not only wait."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -82,34 +87,71 @@ def running(
         yield started
 
 
-def output_of(launch: LaunchCommand, timeout: float) -> str:
-    """stdout and stderr of a program that ends by itself; SimulatorFailed if it takes longer than `timeout` s."""
-    printed, has_ended = _printed(launch, timeout)
+def output_of(launch: LaunchCommand, patience: Patience) -> str:
+    """stdout and stderr of a program that ends by itself; SimulatorFailed if it does not."""
+    printed, has_ended = _printed(launch, patience)
     if not has_ended:
-        raise SimulatorFailed(f"{launch.command[0]}: no answer in {timeout:g} s")
+        raise SimulatorFailed(f"{launch.command[0]}: no answer after {patience} without progress")
     return printed
 
 
 def command_output(command: Sequence[str | Path]) -> str:
-    """stdout and stderr of a short command, also if it does not end; empty if there is no such command."""
+    """stdout and stderr of a short command, empty if there is none; SimulatorFailed if it prints nothing for long."""
+    launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
     try:
-        launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
-        return _printed(launch, _SHORT_COMMAND)[0]
+        printed, has_ended = _printed(launch, _SHORT_COMMAND)
     except OSError:
         return ""
+    if not (printed or has_ended):
+        words = shlex.join(launch.command)
+        raise SimulatorFailed(f"{words} prints nothing, after {_SHORT_COMMAND} without progress")
+    return printed
 
 
-def _printed(launch: LaunchCommand, timeout: float) -> tuple[str, bool]:
-    """Return what a program prints in some seconds, and whether it has ended.
+def _printed(launch: LaunchCommand, patience: Patience) -> tuple[str, bool]:
+    """Return what a program prints until patience is over, and whether it has ended.
 
     Its own end counts, not that of a pipe, which any process that it has started may keep open.
     """
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as file, running(launch, file) as started:
-        with suppress(subprocess.TimeoutExpired):
-            started.process.wait(timeout)
+        wait = replace(patience, works=Work(started)).begin()
+        while started.exit_code is None and not wait.is_over:
+            with suppress(subprocess.TimeoutExpired):
+                started.process.wait(min(PAUSE, patience.seconds))
         has_ended = started.exit_code is not None
         file.seek(0)
         return file.read(), has_ended
+
+
+class Work:
+    """Whether a program and those that it has started work: they use a processor, or write into the files of a folder.
+
+    A paused server of Gazebo that waits for nothing uses 5 to 15 % of a processor, one that loads a world all of one.
+    """
+
+    def __init__(self, program: RunningProgram, folder: Path | None = None) -> None:
+        self._program = program
+        self._output = OutputFiles(folder=folder).paths if folder else ()
+        self._seen = self._look()
+
+    def __call__(self) -> bool:
+        """Return whether they have worked since the last call."""
+        before, self._seen = self._seen, self._look()
+        (began, cpu, size), (now, cpu_now, size_now) = before, self._seen
+        return size_now > size or cpu_now - cpu > _WORKS * (now - began) * share()
+
+    def _look(self) -> tuple[float, float, int]:
+        """Return the time, the seconds of CPU of all processes, and the bytes of the files."""
+        import psutil
+
+        cpu = 0.0
+        with suppress(psutil.Error):
+            first = psutil.Process(self._program.process.pid)
+            for process in (first, *first.children(recursive=True)):
+                with suppress(psutil.Error):  # it ends in this moment
+                    times = process.cpu_times()
+                    cpu += times.user + times.system
+        return time.monotonic(), cpu, sum(file.stat().st_size for file in self._output if file.exists())
 
 
 def _started(

@@ -7,17 +7,18 @@ rsegen ends. Whether it has loaded its world is read from its home and log, as i
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
-from rsegen.errors import NoSimulator, SimulatorFailed
+from rsegen.errors import NoSimulator, NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.base import (
     SIMULATORS,
     Installation,
@@ -28,16 +29,17 @@ from rsegen.simulation.simulators.base import (
     plain_text,
 )
 from rsegen.simulation.simulators.live_world import LiveWorld
-from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, counted, output_of
-
-TIMEOUT = 20.0
-"""Seconds for a world to load, and for a server to answer: a map of 320 x 320 blocks takes 5 to 8 to load."""
+from rsegen.simulation.simulators.patience import SECONDS, Patience
+from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, Work, counted, output_of
 
 _PAUSE = 0.02
 """Seconds between two looks at a server that loads: each reads its log."""
 
 _ERRORS, _LINES = 5, 20
 """The last error lines, or else lines, of a log in a message: more hide the reason, which comes at the end."""
+
+_LOOK = Patience(seconds=1.0, sign=0.3)
+"""Patience of one look whether a server that loads answers already: output is not read meanwhile."""
 
 ATTEMPTS = 4
 """Servers that are tried, as Gazebo 11.1's now and then dies or hangs.
@@ -56,6 +58,7 @@ class Server:
     launch: LaunchCommand
     home: Path
     running: RunningProgram
+    patience: Patience
 
     @property
     def pid(self) -> int:
@@ -77,33 +80,41 @@ class Server:
         """The error lines of its log, no harmless ones; those that differ in numbers alone are one, with a count."""
         return list(counted(self.here.simulator.error_lines(self.log)))
 
-    def connect(self) -> AbstractContextManager[LiveWorld]:
+    @contextmanager
+    def connect(self) -> Iterator[LiveWorld]:
         """Connect to its world."""
-        return self.here.simulator.connect(os.environ | dict(self.environment), TIMEOUT)
+        with ExitStack() as stack:
+            try:
+                variables = os.environ | dict(self.environment)
+                live = stack.enter_context(self.here.simulator.connect(variables, self.patience))
+            except NothingRuns as error:
+                raise self.failure(str(error)) from None
+            yield live
 
-    def wait_until_loaded(self, timeout: float = TIMEOUT, watch: Callable[[], None] = lambda: None) -> None:
-        """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or takes too long.
+    def wait_until_loaded(self, watch: Callable[[], None] = lambda: None) -> None:
+        """Wait until its world is loaded; SimulatorFailed if the server dies, reports a failure, or does nothing more.
 
         `watch` is called often meanwhile, and may raise.
         """
-        end = time.monotonic() + timeout
+        wait = self.patience.begin()
         is_loaded = False
         while not is_loaded:
-            has_died, late = self.running.exit_code is not None, time.monotonic() > end
+            has_died, is_over = self.running.exit_code is not None, wait.is_over
             log = self.log
             is_loaded = self.here.simulator.is_loaded(self.home, log)
             if self.here.simulator.load_failed(log):
                 raise self.failure("the world was not loaded")
-            if has_died or (late and not is_loaded):
-                raise self.failure("the server has died" if has_died else "it did not load in time")
+            if has_died or (is_over and not is_loaded):
+                late = f"it has not loaded its world, after {self.patience} without progress"
+                raise self.failure("the server has died" if has_died else late)
             watch()
             time.sleep(0 if is_loaded else _PAUSE)
 
-    def run_command(self, name: str, *arguments: str, timeout: float = TIMEOUT) -> str:
+    def run_command(self, name: str, *arguments: str) -> str:
         """Return the output of one of the installation's commands with this server's variables."""
         command = (str(self.here.commands[name]), *arguments)
         try:
-            return output_of(replace(self.launch, command=command), timeout)
+            return output_of(replace(self.launch, command=command), Patience(seconds=self.patience.seconds))
         except SimulatorFailed as error:
             raise self.failure(str(error)) from None
 
@@ -113,19 +124,20 @@ class Server:
 
     def failure(self, why: str) -> SimulatorFailed:
         """Return an error with the reason and the last error lines of the log, else its last lines."""
-        errors, lines = self.errors[-_ERRORS:], plain_text(self.log).splitlines()[-_LINES:]
+        harmless = self.here.simulator.harmless_messages
+        lines = [line for line in plain_text(self.log).splitlines() if not any(words in line for words in harmless)]
+        errors, lines = self.errors[-_ERRORS:], lines[-_LINES:]
         what = "its last errors are" if errors else "its log ends with"
         return SimulatorFailed("\n".join([f"{self.here}: {why}; {what}:", *(errors or lines)]))
 
 
 @contextmanager
-def running_server(  # noqa: PLR0913  # options of a server
+def running_server(  # options of a server
     here: Installation,
     world: Path,
     *,
     models: Path | None = None,
     options: tuple[str, ...] = (),
-    timeout: float = TIMEOUT,
     screen: bool = False,
     watch: Callable[[], None] = lambda: None,
 ) -> Iterator[Server]:
@@ -140,8 +152,9 @@ def running_server(  # noqa: PLR0913  # options of a server
         opening = OpenRequest(world=world, models=models, screen=screen)
         launch = here.simulator.paused(here, opening, home).with_options(*options)
         with OutputFiles(folder=home).running(launch) as process:
-            server = Server(here=here, launch=launch, home=home, running=process)
-            server.wait_until_loaded(timeout, watch)
+            patience = Patience(seconds=here.timeout, sign=here.timeout, works=Work(process, home))
+            server = Server(here=here, launch=launch, home=home, running=process, patience=patience)
+            server.wait_until_loaded(watch)
             yield server
 
 
@@ -168,12 +181,14 @@ def retried(once: Callable[[], Result]) -> Result:
     return attempted(once).result
 
 
-def choose_installation(made_for: str, name: str | None) -> Installation:
-    """Return the installation of that name, else of what a map is made for, else the newest."""
+def choose_installation(made_for: str, name: str | None, timeout: float = SECONDS) -> Installation:
+    """Return the installation of that name, else of what a map is made for, else the newest; with this timeout."""
     if name is None:
-        return next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
-    simulator = SIMULATORS.named(name, "simulator")
-    return simulator.installation() or _missing(simulator)
+        here = next(installations(first=made_for), None) or _missing(*SIMULATORS.values())
+    else:
+        simulator = SIMULATORS.named(name, "simulator")
+        here = simulator.installation() or _missing(simulator)
+    return replace(here, timeout=timeout)
 
 
 def has_screen() -> bool:
@@ -182,22 +197,42 @@ def has_screen() -> bool:
 
 
 def run_until_end(
-    here: Installation, launch: LaunchCommand, *, seconds: float, on_error: Callable[[str], None]
+    here: Installation, launch: LaunchCommand, *, seconds: float | None, on_error: Callable[[str], None]
 ) -> int | None:
-    """Return the exit code of a simulator that runs until it ends, or None if it was ended after `seconds`.
+    """Return the exit code of a simulator that runs until it ends, or None if it was ended.
 
-    `on_error` is called with each of its error lines. SimulatorFailed, at once, if it says that it has no world.
+    It is ended `seconds` after its world has loaded, which its clock proves; never, if None. `on_error` is called with
+    each of its error lines. SimulatorFailed, at once, if it says that it has no world; NothingRuns if patience is over
+    before it has loaded its world.
     """
-    end = time.monotonic() + seconds
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         output = OutputFiles(folder=Path(folder))
         with output.running(launch) as program:
-            for line in output.lines(lambda: program.exit_code is None and time.monotonic() < end):
+            wait = Patience(seconds=here.timeout, works=Work(program, Path(folder))).begin()
+            end = math.inf
+
+            def goes_on() -> bool:
+                nonlocal end
+                if seconds is not None and end == math.inf and _has_a_clock(here, launch):
+                    end = time.monotonic() + seconds
+                if seconds is not None and end == math.inf and wait.is_over:
+                    why = f"has not loaded the world {launch.command[-1]}, after {here.timeout:g} s without progress"
+                    raise NothingRuns(f"{here} {why}")
+                return program.exit_code is None and time.monotonic() < end
+
+            for line in output.lines(goes_on):
                 for error in here.simulator.error_lines(line):
                     on_error(error)
                 if here.simulator.load_failed(line):
                     raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}")
             return program.exit_code
+
+
+def _has_a_clock(here: Installation, launch: LaunchCommand) -> bool:
+    """Return whether the server answers with its world's time now: it does not before the world is complete."""
+    with suppress(SimulatorFailed, NothingRuns), here.simulator.connect(os.environ | dict(launch.environment), _LOOK):
+        return True
+    return False
 
 
 def _missing(*able: Simulator) -> Installation:

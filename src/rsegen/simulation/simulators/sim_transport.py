@@ -38,6 +38,7 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
+from rsegen.simulation.simulators.patience import Patience, Wait, share
 from rsegen.simulation.simulators.wire import NO_MESSAGE, SIM, Message
 
 
@@ -221,9 +222,6 @@ def _udp() -> socket.socket:
     return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
 
-TIMEOUT = 20.0
-"""Seconds for an answer: a server that loads a large map answers nothing meanwhile; heartbeats show one that ended."""
-
 _SILENT_BEATS = 5
 """Heartbeats of ours without one of a server, after which it has ended; other programs give it up after three seconds.
 
@@ -243,8 +241,9 @@ _RETRY = 0.002
 class TransportClient:
     """A client in a partition, which publishes, subscribes, and requests services."""
 
-    def __init__(self, environment: Mapping[str, str]) -> None:
+    def __init__(self, environment: Mapping[str, str], patience: Patience) -> None:
         # The thread alone touches the sockets; what it learns changes inside the inbox's condition.
+        self.patience = patience
         self.partition = partition_of(environment)
         self._process, self._node = (str(uuid.uuid4()) for _ in range(2))
         self._inbox = Inbox("Gazebo Sim")
@@ -256,7 +255,7 @@ class TransportClient:
         self._services: dict[str, dict[str, Message]] = {}
         self._responses: dict[str, tuple[bytes, bool]] = {}
         self._heard: set[str] = set()
-        self._attended, self._silent_beats = "", 0
+        self._attended, self._silent_beats = "", 0.0
         self._work: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._wake, self._woken = socket.socketpair()
         self._wake.settimeout(0)
@@ -267,9 +266,14 @@ class TransportClient:
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
+    @property
+    def is_connected(self) -> bool:
+        """Whether the program that is attended is still there."""
+        return not self._inbox.has_failed
+
     def attend(self, process: str) -> None:
         """Fail as soon as this program has ended."""
-        self._attended, self._silent_beats = process, 0
+        self._attended, self._silent_beats = process, 0.0
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
         """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
@@ -277,15 +281,18 @@ class TransportClient:
         if full in self._types:
             return
         self._types[full] = type_name
-        self._takers[full] = on_message or partial(self._inbox.add, full)
+        if on_message:
+            self._takers[full] = on_message
         self._do(lambda: self._sockets.subscribe(full))
         self._ask(self._topics, full)
 
-    def wait_for_publisher(self, topic: str, timeout: float = TIMEOUT) -> None:
+    def wait_for_publisher(self, topic: str, patience: Patience | None = None) -> None:
         """Wait until a topic that is subscribed has a publisher, which knows of it."""
         full = self._full_name(topic)
         known = self._connections
-        self._inbox.wait(f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), timeout)
+        self._inbox.wait(
+            f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), patience or self.patience
+        )
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message, of the full name of a type, to all subscribers of a topic; the first time, wait for one."""
@@ -298,20 +305,20 @@ class TransportClient:
                 "msg_pub": {"ctrl": "", "msg_type": type_name},
             }
             self._do(lambda: self._topics.send(Event.ADVERTISE, pub=self._publications[full]))
-            self._inbox.wait(f"no subscriber of {topic}", lambda: full in self._subscribed, TIMEOUT)
+            self._inbox.wait(f"no subscriber of {topic}", lambda: full in self._subscribed, self.patience)
         content = SIM.encode(type_name.rpartition(".")[2], message)
         parts = [part.encode() for part in (full, self._sockets.publisher_address)]
         self._do(lambda: self._sockets.publisher.send_multipart([*parts, content, type_name.encode()]))
 
-    def offers(self, service: str, timeout: float = TIMEOUT) -> list[Message]:
+    def offers(self, service: str, patience: Patience | None = None) -> list[Message]:
         """Return the publications of all programs that offer a service; SimulatorFailed if none answers."""
-        full, end = self._full_name(service), time.monotonic() + timeout
+        full, wait = self._full_name(service), (patience or self.patience).begin()
         while not self._services.get(full):
-            if time.monotonic() > end:
+            if wait.is_over:
                 raise SimulatorFailed(f"Gazebo Sim: nobody offers {service}")
             self._ask(self._offers, full)
             with suppress(SimulatorFailed):
-                self._inbox.wait("", lambda: bool(self._services.get(full)), _ASK_AGAIN)
+                self._inbox.wait("", lambda: bool(self._services.get(full)), Patience(seconds=_ASK_AGAIN))
         return list(self._services[full].values())
 
     def all_offers(self, service: str) -> list[Message]:
@@ -320,26 +327,27 @@ class TransportClient:
         time.sleep(_ASK_AGAIN / 2)
         return self.offers(service)
 
-    def request(self, service: str, type_name: str, message: Message, timeout: float = TIMEOUT) -> dict[str, Any]:
+    def request(
+        self, service: str, type_name: str, message: Message, patience: Patience | None = None
+    ) -> dict[str, Any]:
         """Return the response of a service to a message of a type; SimulatorFailed if it refuses or does not answer."""
+        patience = patience or self.patience
         # Where the response goes and who asks, then the message, then the types of both.
-        offer, request_id = self.offers(service, timeout)[0], str(uuid.uuid4())
+        offer, request_id = self.offers(service, patience)[0], str(uuid.uuid4())
         publisher, own = offer["srv_pub"], self._sockets.responder_address
         parts = [publisher["socket_id"], offer["topic"], own, self._process, self._node, request_id]
         types = [publisher["request_type"].encode(), publisher["response_type"].encode()]
         content = [*(part.encode() for part in parts), SIM.encode(type_name, message), *types]
-        self._do(lambda: self._send_request(offer["address"], content, time.monotonic() + timeout))
-        self._inbox.wait(f"{service} does not answer", lambda: request_id in self._responses, timeout)
+        self._do(lambda: self._send_request(offer["address"], content, patience.begin()))
+        self._inbox.wait(f"{service} does not answer", lambda: request_id in self._responses, patience)
         answer, is_done = self._responses.pop(request_id)
         if not is_done:
             raise SimulatorFailed(f"Gazebo Sim: {service} refuses")
         return SIM.decode(publisher["response_type"].rpartition(".")[2], answer)
 
-    def wait_for_message(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], timeout: float = TIMEOUT
-    ) -> dict[str, Any]:
+    def wait_for_message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        return self._inbox.wait_for_message(self._full_name(topic), wanted, timeout)
+        return self._inbox.wait_for_message(self._full_name(topic), wanted, self.patience)
 
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
@@ -352,7 +360,7 @@ class TransportClient:
     def close(self) -> None:
         """Unsubscribe from everything, and disconnect."""
         self._do(self._end)
-        self._thread.join(TIMEOUT)
+        self._thread.join()
 
     def _full_name(self, topic: str) -> str:
         return f"@/{self.partition.strip('/')}@{topic}"
@@ -389,7 +397,7 @@ class TransportClient:
             other.close()
 
     def _beat(self) -> None:
-        self._silent_beats = 0 if self._attended in self._heard else self._silent_beats + 1
+        self._silent_beats = 0.0 if self._attended in self._heard else self._silent_beats + share()
         self._heard.clear()
         if self._attended and self._silent_beats >= _SILENT_BEATS:
             self._inbox.fail("the server does not answer any more")
@@ -449,8 +457,12 @@ class TransportClient:
         topic = full.decode(errors="replace")
         name = self._types.get(topic)
         if name and kind.decode(errors="replace").rpartition(".")[2] == name:
-            with suppress(*NO_MESSAGE):
-                self._takers[topic](SIM.decode(name, content))
+            decode = partial(SIM.decode, name, content)
+            if taker := self._takers.get(topic):
+                with suppress(*NO_MESSAGE):
+                    taker(decode())
+            else:
+                self._inbox.add(topic, decode)
 
     def _read_subscription(self) -> None:
         """Note a subscription: a first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
@@ -462,15 +474,15 @@ class TransportClient:
         *_, request_id, content, result = self._sockets.responder.recv_multipart()
         self._inbox.update(lambda: self._responses.update({request_id.decode(): (content, result == b"1")}))
 
-    def _send_request(self, address: str, content: list[bytes], end: float) -> None:
+    def _send_request(self, address: str, content: list[bytes], wait: Wait) -> None:
         """Send a request; while the connection is being made, try again."""
         self._sockets.connect(self._sockets.requester, address)
         try:
             self._sockets.requester.send_multipart(content)
         except self._sockets.Error:
-            if time.monotonic() < end:
+            if not wait.is_over:
                 time.sleep(_RETRY)
-                self._do(lambda: self._send_request(address, content, end))
+                self._do(lambda: self._send_request(address, content, wait))
 
     def _end(self) -> None:
         for topic, process in list(self._connections):
@@ -481,9 +493,9 @@ class TransportClient:
 
 
 @contextmanager
-def transport_client(environment: Mapping[str, str]) -> Iterator[TransportClient]:
+def transport_client(environment: Mapping[str, str], patience: Patience) -> Iterator[TransportClient]:
     """A client at the address in environment variables; it disconnects when this ends."""
-    client = TransportClient(environment)
+    client = TransportClient(environment, patience)
     try:
         yield client
     finally:

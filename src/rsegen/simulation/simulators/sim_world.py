@@ -29,9 +29,10 @@ from statistics import fmean
 from typing import Any
 from xml.etree import ElementTree
 
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.robots.drives import Command
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
+from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.wire import (
     NO_MESSAGE,
@@ -113,14 +114,14 @@ _CONNECTION_TIME = 0.1
 With less, a drive may miss its first poses or contacts; more is added to every drive once.
 """
 
-_SENSORS_TIME = 2.0
-"""Seconds in which the sensors of a loaded world are found: two heartbeats, with which publishers tell of themselves.
+_SENSORS_TIME = Patience(seconds=2.0)
+"""Time in which the sensors of a loaded world are found: two heartbeats, with which publishers tell of themselves.
 
 A world without sensors costs a drive this time once.
 """
 
-_CLIENTS, _FIRST_RESPONSE = 5, 1.0
-"""Clients that are tried, and seconds within which a server must answer one (decision 16)."""
+_CLIENTS, _FIRST_RESPONSE = 5, Patience(seconds=1.0)
+"""Clients that are tried, and the time within which a server must answer one (decision 16)."""
 
 _MODEL = 2
 """The type of a model in a message Entity, by gz-msgs' entity.proto."""
@@ -139,6 +140,11 @@ class SimWorld(LiveWorld):
     _sample: ContactSample | None = None
     _stopped: tuple[int, int] | None = None
     """Steps, and nanoseconds of simulation time, at which our last step has ended; None if time ran since."""
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the server sends heartbeats, and nobody else offers its world's services."""
+        return self.client.is_connected and len(self.client.all_offers(WORLDS)) == 1
 
     def send_command(self, command: Command) -> None:
         """Publish the command, and wait until the server has received it: it reads a message before each request."""
@@ -310,14 +316,17 @@ class SimWorld(LiveWorld):
         return f"/world/{self.world}/{name}"
 
     def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        wait_until(until, f"Gazebo Sim: {otherwise}", _BETWEEN_LOOKS)
+        wait_until(until, f"Gazebo Sim: {otherwise}", self.client.patience, pause=_BETWEEN_LOOKS)
 
 
 @contextmanager
-def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWorld]:
-    """The world of the server at the address in environment variables; SimulatorFailed if none or several answer."""
+def sim_world(environment: Mapping[str, str], patience: Patience) -> Iterator[SimWorld]:
+    """The world of the server at the address in environment variables.
+
+    NothingRuns if no server gives a sign; SimulatorFailed if none answers, or several do.
+    """
     with ExitStack() as stack:
-        client, worlds = _answered_client(stack, environment, timeout)
+        client, worlds = _answered_client(stack, environment, patience)
         offers = client.all_offers(WORLDS)
         if len(offers) > 1 or not worlds:
             what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
@@ -329,7 +338,7 @@ def sim_world(environment: Mapping[str, str], timeout: float) -> Iterator[SimWor
 
 
 def _answered_client(
-    stack: ExitStack, environment: Mapping[str, str], timeout: float
+    stack: ExitStack, environment: Mapping[str, str], patience: Patience
 ) -> tuple[TransportClient, list[str]]:
     """Return a client that a server has answered, and the server's worlds; an unanswered client is replaced.
 
@@ -338,11 +347,11 @@ def _answered_client(
     """
     for _ in range(_CLIENTS):
         with ExitStack() as attempt:  # closes the client, unless it is kept by `stack`
-            client = attempt.enter_context(transport_client(environment))
+            client = attempt.enter_context(transport_client(environment, patience))
             try:
-                client.offers(WORLDS, timeout)
+                client.offers(WORLDS, patience.for_a_sign)
             except SimulatorFailed:
-                raise SimulatorFailed(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
+                raise NothingRuns(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
             with suppress(SimulatorFailed):
                 worlds = client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", [])
                 stack.enter_context(attempt.pop_all())

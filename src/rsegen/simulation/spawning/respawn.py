@@ -18,7 +18,7 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
-from rsegen.simulation.simulators.base import connected
+from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import (
     MapModel,
@@ -43,12 +43,12 @@ class RespawnResult:
     put_on_top: tuple[str, ...] = ()
 
 
-def replace_map(
-    target: Target, which: int | str | None, name: str | None, output: Path, simulator: str | None
+def replace_map(  # as `rsegen.respawn`
+    target: Target, which: int | str | None, name: str | None, output: Path, simulator: str | None, timeout: float
 ) -> RespawnResult:
     """Replace the map in the simulation by another one, by default the next; see `rsegen.respawn`."""
     recipes = _recipes(target)
-    with connected(simulator) as (running, live):
+    with connected(simulator, timeout) as (running, live):
         poses = live.poses()
         known = known_recipes(live, poses, [output, *_homes(target)])
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
@@ -129,12 +129,12 @@ class RemoveResult:
     simulator: str
 
 
-def remove_models(names: Sequence[str], simulator: str | None) -> RemoveResult:
+def remove_models(names: Sequence[str], simulator: str | None, timeout: float) -> RemoveResult:
     """Delete models, or none of them if one does not exist; see `rsegen.remove`."""
     if not names:
         raise ParameterError("names", "nothing is given; give the names of models in the simulation")
     unique = tuple(dict.fromkeys(names))
-    with connected(simulator) as (running, live):
+    with connected(simulator, timeout) as (running, live):
         models = live.poses()
         for name in unique:
             if name not in models:

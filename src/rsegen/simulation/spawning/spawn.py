@@ -20,7 +20,7 @@ from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map, start_pose
-from rsegen.simulation.simulators.base import connected
+from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.spawning.spawning import (
     GROUND,
@@ -58,20 +58,21 @@ class SpawnResult:
     notes: tuple[str, ...] = ()
 
 
-def spawn_model(
+def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
     target: Target | Robot | SdfRobot,
     which: int | str | None,
     name: str | None,
     at: Sequence[float] | None,
     output: Path,
     simulator: str | None,
+    timeout: float,
 ) -> SpawnResult:
     """Spawn a map, by its index or name if the target has several, or a robot; see `rsegen.spawn`."""
     place = list(at or [])
     what = _robot_or_map(target, which, output)
     if name is None:
         name = what.name if isinstance(what, MapModel) else what.kind
-    with connected(simulator) as (running, live):
+    with connected(simulator, timeout) as (running, live):
         poses = live.poses()
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")

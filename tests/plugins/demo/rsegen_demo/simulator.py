@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest, Simulator
 from rsegen.simulation.simulators.live_world import LiveWorld
+from rsegen.simulation.simulators.patience import Patience
 
 
 class Paper(Simulator):
@@ -44,6 +45,6 @@ class Paper(Simulator):
         """That of Gazebo Sim."""
         return "sim"
 
-    def connect(self, environment: Mapping[str, str], timeout: float) -> AbstractContextManager[LiveWorld]:
+    def connect(self, environment: Mapping[str, str], patience: Patience) -> AbstractContextManager[LiveWorld]:
         """It is not."""
         raise NotImplementedError
