@@ -164,6 +164,7 @@ class Judge:
             for number, errors in ((1, "strict"), (2, "backslashreplace"))
         )
         try:
+            self._sandbox.may_connect = case.family == "wire"
             with self._sandbox.watched():
                 code = called(case.argv)
         finally:
@@ -268,6 +269,8 @@ def _small_machine(root: Path) -> None:
     resources: Any = importlib.import_module("rsegen.io.resources")
     resources._free_memory = lambda: FREE_MEMORY
     resources._free_disk = lambda _: FREE_DISK
+    patience: Any = importlib.import_module("rsegen.simulation.simulators.patience")
+    patience.share = lambda: 1.0
     clouds: Any = importlib.import_module("rsegen.io.clouds")
     clouds._SAMPLED = SAMPLED
 

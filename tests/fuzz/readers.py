@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
+
+from tests.support.patience import until
 
 
 def called(argv: tuple[str, ...]) -> object:
@@ -62,11 +66,30 @@ def _read_data_set(name: str) -> None:
     _ = found.recipe_numbers, [found.recipe_of(place) for place in range(min(len(found), 10))]
 
 
+def _talk(wire: str, name: str) -> None:
+    from tests.fuzz import wires
+
+    number = int(Path(name).read_text("ascii"))
+    threads, sockets = threading.active_count(), open_sockets()
+    (wires.talk_to_classic if wire == "classic" else wires.talk_to_sim)(number)
+    until(lambda: threading.active_count() <= threads and open_sockets() <= sockets)
+
+
+def open_sockets() -> int:
+    """How many sockets this process has."""
+    folder = Path("/proc/self/fd")
+    return sum(
+        os.readlink(folder / name).startswith("socket:") for name in os.listdir(folder) if (folder / name).exists()
+    )
+
+
 READERS: Mapping[str, Callable[[str], None]] = {
     "@robot": _read_robot,
     "@plan": _read_plan,
     "@journal": _read_journal,
     "@summary": _read_summary,
     "@dataset": _read_data_set,
+    "@classic": lambda name: _talk("classic", name),
+    "@sim": lambda name: _talk("sim", name),
 }
 """Readers that no command calls alone."""

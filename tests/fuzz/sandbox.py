@@ -54,6 +54,8 @@ class Sandbox:
     def __init__(self, root: Path) -> None:
         self._root = f"{os.path.realpath(root)}{os.sep}"
         self._watching = False
+        self.may_connect = False
+        """Whether the case speaks with servers of its own."""
         self.amiss: list[str] = []
         self.maps = 0
         """Built in this case so far; whoever builds them counts."""
@@ -98,7 +100,7 @@ class Sandbox:
         elif event in _STARTS:
             self.amiss.append(f"started a process: {event}")
             raise PermissionError(1, "Operation not permitted")
-        elif event == "socket.connect":
+        elif event == "socket.connect" and not self.may_connect:
             raise ConnectionRefusedError(111, "Connection refused")
 
     def _stop(self, number: int, _: object) -> NoReturn:

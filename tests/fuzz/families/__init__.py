@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from tests.fuzz.case import Case
-from tests.fuzz.families import clouds, flags, folders, heights, others, recipes
+from tests.fuzz.families import clouds, flags, folders, heights, others, recipes, wires
 
 Family = Callable[[random.Random], Case]
 
@@ -27,6 +27,7 @@ FAMILIES: Mapping[str, tuple[Family, int]] = MappingProxyType(
         "plan": (others.plan, 4),
         "results": (others.results, 3),
         "plug-in": (others.plugin, 1),
+        "wire": (wires.case, 2),
     }
 )
 """Family -> the function that makes its cases, and its weight."""

@@ -9,7 +9,7 @@ import pytest
 
 from rsegen.robots import ROBOTS, Robot
 from rsegen.simulation.simulators.sim_world import CONTACTS, ContactSample, with_contact_sensors
-from rsegen.simulation.simulators.wire import NO_MESSAGE, SIM
+from rsegen.simulation.simulators.wire import SIM, NoMessage
 
 WHEEL, HULL, BLOCK = "a::left::tread", "b::base::hull", "map::link::collision"
 POINTS = [{"x": 1.0, "y": 2.0, "z": 3.0}, {"x": 3.0}]
@@ -46,7 +46,7 @@ def test_a_contact_reported_by_both_robots_counts_once() -> None:
 
 
 def test_messages_that_are_none_are_left_out() -> None:
-    with pytest.raises(NO_MESSAGE):
+    with pytest.raises(NoMessage):
         SIM.decode("Contacts", b"\x10\xff\xff\xff\xff\x0f")  # a number, of which bytes would be that many
     assert sampled(1, message(1, b"\x12\xff"), message(1, contact(WHEEL, HULL, [])), {}) == []
 

@@ -26,7 +26,7 @@ from typing import Any
 from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.wire import CLASSIC, NO_MESSAGE, Message
+from rsegen.simulation.simulators.wire import CLASSIC, Message, NoMessage
 
 DISCONNECT_TIMEOUT = 2.0
 """Seconds for publishers to disconnect, ten times the period of a paused server; a client then goes without them."""
@@ -188,7 +188,7 @@ class TransportClient:
 
     def _read_master(self) -> None:
         for content in _received(self._master):
-            with suppress(KeyError, *NO_MESSAGE):  # what others send may be anything
+            with suppress(KeyError, NoMessage):  # what others send may be anything
                 packet = CLASSIC.decode("Packet", content)
                 kind, inside = packet["type"], packet["serialized_data"]
                 if kind == "topic_namepaces_init":
@@ -218,7 +218,7 @@ class TransportClient:
         for content in _received(other):
             decode = partial(CLASSIC.decode, self._types[topic], content)
             if taker := self._takers.get(topic):
-                with suppress(*NO_MESSAGE):
+                with suppress(NoMessage):
                     taker(decode())
             else:
                 self._inbox.add(topic, decode)
@@ -238,7 +238,7 @@ class TransportClient:
     def _read_subscriber(self, subscriber: socket.socket) -> None:
         topics: list[str] = []
         for content in _received(self._registered(subscriber)):
-            with suppress(KeyError, *NO_MESSAGE):
+            with suppress(KeyError, NoMessage):
                 packet = CLASSIC.decode("Packet", content)
                 if packet["type"] == "sub":
                     topics.append(CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"])

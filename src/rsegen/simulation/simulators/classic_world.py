@@ -88,7 +88,7 @@ class ClassicWorld(LiveWorld):
             message = self.client.wait_for_message("physics/contacts", lambda _: True)
         self._step(steps - 1)
         self._wait_for(target)
-        return [_contact(contact) for contact in message.get("contact", [])]
+        return [_contact(contact) for contact in message["contact"] if contact["position"]]
 
     def unpause(self) -> None:
         """Unpause, and wait until the server reports it."""
@@ -147,9 +147,9 @@ class ClassicWorld(LiveWorld):
 
     def move(self, name: str, pose: Pose) -> None:
         """Set the pose by a modification of the model."""
-        message = self._modified(name, pose)
-        before = pose_of(self._models(hidden=True)[name]["pose"])
-        self.client.publish("model/modify", "Model", message)
+        model = self._model(name)
+        before = pose_of(model["pose"])
+        self.client.publish("model/modify", "Model", _modified(model, pose))
         self._wait(
             f"{name} stays where it was", lambda: name in (at := self.poses()) and is_nearer(at[name], pose, before)
         )
@@ -170,7 +170,8 @@ class ClassicWorld(LiveWorld):
         delete everything, so a model of that name is only hidden.
         """
         if name == self.client.world:
-            self.client.publish("model/modify", "Model", self._modified(name, Pose(x=0, y=0, z=_HIDDEN_HEIGHT)))
+            hidden = _modified(self._model(name), Pose(x=0, y=0, z=_HIDDEN_HEIGHT))
+            self.client.publish("model/modify", "Model", hidden)
             self._wait(f"{name} is still there", lambda: name not in self._models())
             return
         with self.client.muted("response"):
@@ -216,12 +217,12 @@ class ClassicWorld(LiveWorld):
                         f"Gazebo Classic: no answer to {request} within {self.client.patience}"
                     ) from None
 
-    def _modified(self, name: str, pose: Pose) -> dict[str, Any]:
-        """Return the message that sets the pose of a model."""
+    def _model(self, name: str) -> dict[str, Any]:
+        """Return a model, hidden or not."""
         models = self._models(hidden=True)
         if name not in models:
             raise SimulatorFailed(f"Gazebo Classic: no model {name} to move")
-        return {"name": name, "id": models[name]["id"], "pose": pose_message(pose)}
+        return models[name]
 
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
         """Return the models by name, without or with hidden ones."""
@@ -240,6 +241,11 @@ def classic_world(address: tuple[str, int], patience: Patience) -> Iterator[Clas
         opened.subscribe("world_stats", "WorldStatistics")
         opened.subscribe("response", "Response")
         yield ClassicWorld(client=opened)
+
+
+def _modified(model: Mapping[str, Any], pose: Pose) -> dict[str, Any]:
+    """Return the message that sets the pose of a model."""
+    return {"name": model["name"], "id": model["id"], "pose": pose_message(pose)}
 
 
 def _contact(message: Mapping[str, Any]) -> Contact:

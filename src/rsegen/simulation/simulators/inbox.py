@@ -16,7 +16,7 @@ from typing import Any
 
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.wire import NO_MESSAGE
+from rsegen.simulation.simulators.wire import NoMessage
 
 _KEPT = 64
 """Messages of a topic that are kept: a second of Gazebo's poses, so that none that is waited for is pushed out."""
@@ -98,6 +98,6 @@ class _Received:
     @cached_property
     def message(self) -> dict[str, Any] | None:
         """The message; None if it is none of its type, as what others send may be anything."""
-        with suppress(*NO_MESSAGE):
+        with suppress(NoMessage):
             return self._decode()
         return None

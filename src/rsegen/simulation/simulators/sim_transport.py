@@ -39,7 +39,7 @@ from typing import Any
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
 from rsegen.simulation.simulators.patience import Patience, Wait, share
-from rsegen.simulation.simulators.wire import NO_MESSAGE, SIM, Message
+from rsegen.simulation.simulators.wire import SIM, Message, NoMessage
 
 
 class Sockets:
@@ -156,7 +156,7 @@ class Discovery:
 
     def receive(self) -> dict[str, Any] | None:
         """Return the next message of another program of our version; None if it is something else."""
-        with suppress(OSError, KeyError, *NO_MESSAGE):
+        with suppress(OSError, KeyError, struct.error, NoMessage):
             content = self.receiver.recv(2**16)  # more than a datagram of UDP can have
             if struct.unpack_from("<H", content)[0] == len(content) - 2:
                 message = SIM.decode("Discovery", content[2:])
@@ -386,15 +386,18 @@ class TransportClient:
             sockets.responder: self._read_response,
         }
         poller, beat = sockets.poller(*others), 0.0
-        while not self._closing:
-            if time.monotonic() >= beat:
-                self._beat()
-                beat = time.monotonic() + HEARTBEAT_PERIOD
-            for ready, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
-                with suppress(KeyError, ValueError, sockets.Error):  # what others send may be anything
-                    readers[ready]()
-        for other in (sockets, self._topics, self._offers, self._wake, self._woken):
-            other.close()
+        try:
+            while not self._closing:
+                if time.monotonic() >= beat:
+                    self._beat()
+                    beat = time.monotonic() + HEARTBEAT_PERIOD
+                for ready, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
+                    with suppress(KeyError, ValueError, NoMessage, sockets.Error):  # what others send may be anything
+                        readers[ready]()
+        finally:
+            self._inbox.fail("the connection is closed")
+            for other in (sockets, self._topics, self._offers, self._wake, self._woken):
+                other.close()
 
     def _beat(self) -> None:
         self._silent_beats = 0.0 if self._attended in self._heard else self._silent_beats + share()
@@ -459,7 +462,7 @@ class TransportClient:
         if name and kind.decode(errors="replace").rpartition(".")[2] == name:
             decode = partial(SIM.decode, name, content)
             if taker := self._takers.get(topic):
-                with suppress(*NO_MESSAGE):
+                with suppress(NoMessage):
                     taker(decode())
             else:
                 self._inbox.add(topic, decode)

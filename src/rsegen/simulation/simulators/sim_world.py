@@ -35,8 +35,8 @@ from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, P
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.wire import (
-    NO_MESSAGE,
     SIM,
+    NoMessage,
     is_nearer,
     mesh_file,
     nanoseconds,
@@ -89,7 +89,7 @@ def _contact(content: bytes) -> Contact | None:
     """Return the contact of a message; None if it has no points."""
     try:
         message = SIM.decode("Contact", content)
-    except NO_MESSAGE:
+    except NoMessage:
         return None
     points = [tuple(point.get(along, 0.0) for along in "xyz") for point in message.get("position", [])]
     first, second = sorted(message.get(name, {}).get("name", "") for name in ("collision1", "collision2"))
@@ -251,7 +251,9 @@ class SimWorld(LiveWorld):
         if before is None:
             raise SimulatorFailed(f"Gazebo Sim: no model {name} to move")
         self._order("set_pose", "Pose", {"name": name, **pose_message(pose)})
-        self._wait(f"{name} stays where it was", lambda: is_nearer(self.poses()[name], pose, before))
+        self._wait(
+            f"{name} stays where it was", lambda: name in (at := self.poses()) and is_nearer(at[name], pose, before)
+        )
 
     def spawn(self, sdf: str, pose: Pose) -> None:
         """Spawn by a service, under the name in the text."""

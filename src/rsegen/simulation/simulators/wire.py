@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators.live_world import Pose
 
 Message: TypeAlias = Mapping[str, Any]
@@ -28,11 +29,15 @@ Kind: TypeAlias = type | str
 Fields: TypeAlias = Mapping[str, tuple[int, Kind]]
 """Number and kind of each field of a message type, by its name."""
 
-NO_MESSAGE = (AttributeError, IndexError, OverflowError, TypeError, ValueError, struct.error)
-"""Errors that `decode` raises for bytes that are no message of the type."""
+_NONSENSE = (AttributeError, IndexError, OverflowError, TypeError, ValueError, struct.error)
+"""Errors of Python where bytes are no message of a type."""
 
 _MOST_BYTES = 10
 """Bytes of a varint at most: 64 bits, seven each."""
+
+
+class NoMessage(SimulatorFailed):
+    """Bytes that are no message of their type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +52,18 @@ class MessageTypes:
         return b"".join(self._field(*fields[name], value) for name, value in message.items())
 
     def decode(self, type_name: str, content: bytes) -> dict[str, Any]:
-        """Return the message of a type from bytes; missing fields are left out."""
+        """Return the message of a type from bytes, or raise NoMessage; fields that are not in it are left out.
+
+        Such a field reads as a zero or as nothing, as in protobuf.
+        """
+        try:
+            return self._decoded(type_name, content)
+        except _NONSENSE as error:
+            raise NoMessage(f"a simulator sent what is no message {type_name} ({error})") from None
+
+    def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
         names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
-        message: dict[str, Any] = {}
+        message = _Decoded(self, type_name)
         for number, value in _fields(content):
             if number not in names:
                 continue
@@ -59,6 +73,13 @@ class MessageTypes:
             else:
                 message[name] = self._value(kind, value)
         return message
+
+    def default(self, type_name: str, name: str) -> Any:
+        """Return what a field is that a message does not have: a zero, or nothing."""
+        _, kind = self.types[type_name][name]
+        if isinstance(kind, str) and kind not in ("text", "bytes"):
+            return [] if kind.endswith("[]") else _Decoded(self, kind)
+        return {"text": "", "bytes": b""}[kind] if isinstance(kind, str) else kind()
 
     def _field(self, number: int, kind: Kind, value: Any) -> bytes:
         if isinstance(kind, str) and kind.endswith("[]"):
@@ -79,6 +100,17 @@ class MessageTypes:
         if isinstance(kind, str):
             return self.decode(kind, value)
         return kind(value)
+
+
+class _Decoded(dict[str, Any]):
+    """A message that was received, of whoever: a field that it should have and has not is a zero, not an error."""
+
+    def __init__(self, types: MessageTypes, type_name: str) -> None:
+        super().__init__()
+        self._types, self._type_name = types, type_name
+
+    def __missing__(self, name: str) -> Any:
+        return self._types.default(self._type_name, name)
 
 
 def parse_text(text: str) -> Message:
