@@ -148,6 +148,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "simulation/driving/routes",
         "simulation/driving/drive_metrics",
         "simulation/spawning/spawning",
+        "simulation/simulators/patience",
+        "simulation/simulators/connecting",
         "simulation/simulators/wire",
         "simulation/simulators/classic_transport",
         "simulation/simulators/sim_transport",

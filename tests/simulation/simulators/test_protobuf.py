@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from contextlib import suppress
+from math import isnan
 from typing import Any
 
 import pytest
@@ -26,7 +27,7 @@ PLAIN = {
     "text": Field.TYPE_BYTES,
     "bytes": Field.TYPE_BYTES,
 }
-"""Types of fields; texts are bytes, as the library refuses those that are no Unicode, and Gazebo sends what it likes."""
+"""Types of fields; texts are bytes, as the library refuses those that are no Unicode."""
 
 
 def classes(types: MessageTypes, package: str) -> dict[str, Any]:
@@ -70,13 +71,9 @@ def alike(message: Any) -> Any:
         return {name: alike(value) for name, value in sorted(message.items())}
     if isinstance(message, list):
         return [alike(value) for value in message]
-    return (
-        message.decode(errors="replace")
-        if isinstance(message, bytes)
-        else repr(message)
-        if message != message
-        else message
-    )
+    if isinstance(message, float) and isnan(message):
+        return "nan"
+    return message.decode(errors="replace") if isinstance(message, bytes) else message
 
 
 @pytest.mark.slow
