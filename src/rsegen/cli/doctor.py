@@ -12,29 +12,17 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rsegen import __version__
 from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.sim import FoundSimulator, found_simulators
 from rsegen.errors import line_of, pip_install
 from rsegen.params.extras import EXTRAS, GUI, Extra
 from rsegen.params.registry import entry_points
 
-if TYPE_CHECKING:
-    from rsegen.simulation.simulators import Installation, Simulator
-
-
 SECONDS = 20
 """How long to wait for the check of OpenGL, which takes a fraction of one."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FoundSimulator:
-    """A simulator, its installation if there is one, and what went wrong when it was asked for its version."""
-
-    simulator: Simulator
-    here: Installation | None
-    problem: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -81,11 +69,9 @@ class Environment:
 
 def environment() -> Environment:
     """Look; no server is started, and what fails is a line of the result."""
-    from rsegen.simulation.simulators import SIMULATORS
-
     with ThreadPoolExecutor() as pool:
         opengl = pool.submit(_opengl)
-        simulators = tuple(pool.map(_found_simulator, SIMULATORS.values()))
+        simulators = tuple(found_simulators())
         found, problem = opengl.result()
     needed = _requirements()
     return Environment(
@@ -100,14 +86,6 @@ def environment() -> Environment:
         opengl_problem=problem,
         plugins=tuple(dict.fromkeys(f"{each.source}: {each.name}" for each in entry_points())),
     )
-
-
-def _found_simulator(simulator: Simulator) -> FoundSimulator:
-    """A plug-in's simulator may raise anything."""
-    try:
-        return FoundSimulator(simulator=simulator, here=simulator.installation())
-    except Exception as error:  # a report about a machine in disorder is wanted most
-        return FoundSimulator(simulator=simulator, here=None, problem=line_of(f"{type(error).__name__}: {error}"))
 
 
 def _found_extra(extra: Extra, packages: list[str]) -> FoundExtra:
@@ -170,16 +148,7 @@ def run(arguments: argparse.Namespace) -> Report:
 
 def _summary(found: Environment) -> dict[str, Any]:
     plain = {name: getattr(found, name) for name in ("rsegen", "python", "executable", "platform", "libraries")}
-    simulators = [
-        {
-            "name": each.simulator.name,
-            "title": each.simulator.title,
-            "version": each.here.version if each.here else None,
-            "commands": {name: str(path) for name, path in each.here.commands.items()} if each.here else {},
-            "problem": each.problem,
-        }
-        for each in found.simulators
-    ]
+    simulators = [each.summary for each in found.simulators]
     extras = [
         {"name": each.extra.name, "for": each.extra.use, "missing": each.missing, "versions": each.versions}
         for each in found.extras

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli import main
-from rsegen.simulation.simulators import SIMULATORS, server
+from rsegen.simulation.simulators import SIMULATORS, process, server
+from rsegen.simulation.simulators.patience import Patience
 from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
 
@@ -216,3 +217,18 @@ def test_shared_leaves_the_address_to_the_user(
             assert opened(world, "--headless", *flags) == 0
         assert (start(programs / "gz").variables["GZ_PARTITION"] == "lab") == is_shared
         (programs / "gz.started").unlink()
+
+
+def test_an_installed_simulator_that_does_not_answer_is_told_as_such(
+    programs: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """On a busy machine Gazebo's programs may take long to say their version; then they are not "not installed"."""
+    programs.mkdir(exist_ok=True)
+    (programs / "gzserver").write_text("#!/bin/sh\nexec sleep 60\n")
+    (programs / "gzserver").chmod(0o755)
+    monkeypatch.setattr(process, "_SHORT_COMMAND", Patience(seconds=0.5))
+    assert main(["sim"]) == 0
+    why = f"{programs}/gzserver --version prints nothing, after 0.5 s without progress"
+    assert f"Gazebo Classic {why}\n" in capsys.readouterr().out
+    assert main(["open", "mixed-course", "--simulator", "classic", "--headless"]) == 1
+    assert the_line(capsys.readouterr().err) == f"rsegen: {why}"
