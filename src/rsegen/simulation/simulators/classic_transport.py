@@ -111,6 +111,14 @@ class TransportClient:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         return self._inbox.wait_for_message(self._full_topic(topic), wanted, patience or self.patience)
 
+    def wait_until(self, holds: Callable[[], bool], patience: Patience) -> None:
+        """Wait until something holds that messages change; SimulatorFailed when patience is over."""
+        self._inbox.wait("not all has come", holds, patience)
+
+    def kept(self, topic: str) -> list[dict[str, Any]]:
+        """Return the messages of a topic that are kept, the oldest first."""
+        return self._inbox.kept(self._full_topic(topic))
+
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
         return self._inbox.last(self._full_topic(topic))
@@ -174,9 +182,9 @@ class TransportClient:
         )
 
     def _wait_until_quiet(self) -> None:
-        began = time.monotonic()
-        while self._publishers and (now := time.monotonic()) < began + DISCONNECT_TIMEOUT:
-            if now > began + _QUIET_AFTER and now > self._last + _QUIET_TIME:
+        quiet, wait = Patience(seconds=_QUIET_AFTER).begin(), Patience(seconds=DISCONNECT_TIMEOUT).begin()
+        while self._publishers and not wait.is_over:
+            if quiet.is_over and time.monotonic() > self._last + _QUIET_TIME:
                 return
             time.sleep(_QUIET_TIME / 5)
 

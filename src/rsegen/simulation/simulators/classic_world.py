@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import count
 from secrets import randbelow
@@ -201,21 +201,27 @@ class ClassicWorld(LiveWorld):
         return self.client.wait_for_message("world_stats", lambda message: message.get("iterations", 0) > after)
 
     def _asked(self, request: str, data: str) -> dict[str, Any]:
-        """Return the response to a request, which is repeated: on a busy machine the server learns late who listens."""
-        request_id, wait = next(self._numbers), self.client.patience.begin()
-        while True:
-            self.client.publish("request", "Request", {"id": request_id, "request": request, "data": data})
-            try:
-                return self.client.wait_for_message(
-                    "response",
-                    lambda message: message["id"] == request_id and "serialized_data" in message,
-                    _ASK_AGAIN,
-                )
-            except SimulatorFailed:
-                if wait.is_over or not self.is_current:
-                    raise SimulatorFailed(
-                        f"Gazebo Classic: no answer to {request} within {self.client.patience}"
-                    ) from None
+        """Return the response to a request, which is repeated: on a busy machine the server learns late who listens.
+
+        All responses are waited for: who disconnects while one is about to be sent makes the server deaf (`close`).
+        """
+        request_id, wait, asked = next(self._numbers), self.client.patience.begin(), 0
+        message = {"id": request_id, "request": request, "data": data}
+        while not (answers := self._answers(request_id)):
+            if wait.is_over or not self.is_current:
+                raise SimulatorFailed(f"Gazebo Classic: no answer to {request} within {self.client.patience}")
+            self.client.publish("request", "Request", message)
+            asked += 1
+            with suppress(SimulatorFailed):
+                self.client.wait_for_message("response", lambda _: bool(self._answers(request_id)), _ASK_AGAIN)
+        with suppress(SimulatorFailed):  # some got lost
+            self.client.wait_until(lambda: len(self._answers(request_id)) >= asked, _ASK_AGAIN)
+        return answers[0]
+
+    def _answers(self, request_id: int) -> list[dict[str, Any]]:
+        """Return the responses to a request that have come."""
+        answers = self.client.kept("response")
+        return [answer for answer in answers if answer["id"] == request_id and "serialized_data" in answer]
 
     def _model(self, name: str) -> dict[str, Any]:
         """Return a model, hidden or not."""

@@ -69,10 +69,14 @@ class Inbox:
             if self._failure:
                 raise SimulatorFailed(f"{self._title}: {self._failure}")
 
+    def kept(self, topic: str) -> list[dict[str, Any]]:
+        """Return the messages of a topic that are kept, the oldest first."""
+        with self._changed:
+            return [received.message for received in self._messages[topic] if received.message]
+
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
-        with self._changed:
-            return next((received.message for received in reversed(self._messages[topic]) if received.message), None)
+        return next(reversed(self.kept(topic)), None)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: Patience
@@ -81,8 +85,7 @@ class Inbox:
         found: list[dict[str, Any]] = []
 
         def has_come() -> bool:
-            messages = (received.message for received in reversed(self._messages[topic]))
-            found.extend(islice((message for message in messages if message and wanted(message)), 1))
+            found.extend(islice(filter(wanted, reversed(self.kept(topic))), 1))
             return bool(found)
 
         self.wait(f"no message on {topic}", has_come, patience)
