@@ -14,7 +14,7 @@ from rsegen.cli import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints
 from rsegen.standing.lanes import End, straight
-from rsegen.standing.ways import BEST, Lattice, crossing, no_way, reach
+from rsegen.standing.ways import BEST, Lattice, crossing, events, no_way, reach
 from tests.standing.stands import BODIES, field_of
 
 KINDS = sorted(BODIES)
@@ -55,6 +55,19 @@ def test_on_a_flat_field_all_is_reached_and_the_way_is_straight() -> None:
         assert way.crosses
         assert way.length_ratio == pytest.approx(1, abs=1e-9)
         assert way.tilt == pytest.approx(0, abs=0.005)
+
+
+def test_a_way_over_a_high_edge_tells_where_the_robot_falls() -> None:
+    levels = np.zeros((16, 8), int)
+    levels[4:8], levels[8:11] = 9, 18
+    way = crossing(field_of(levels), BODIES["crawler"], 0)
+    assert way.crosses
+    edge = 1.1 - 0.8
+    assert way.drops
+    assert all(edge < x < edge + BODIES["crawler"].length for x, _ in way.drops)
+    assert events(way).startswith(", falls at 0.")
+    flat = crossing(field_of(np.zeros((16, 8), int)), BODIES["crawler"], 0)
+    assert (flat.drops, flat.slips, events(flat)) == ((), (), "")
 
 
 def walled(*, has_gap: bool) -> Ints:

@@ -282,7 +282,9 @@ def _way(found: Crossing | Way) -> str:
     straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
     if isinstance(cost := getattr(found, "cost", None), float):
         return f"{straight}; with rises {cost:.2f} m, {getattr(found, 'cost_ratio', 0):.2f} x"
-    return f"{straight}, tilts up to {degrees(getattr(found, 'tilt', 0.0)):.0f} degrees"
+    from rsegen.standing.ways import events
+
+    return f"{straight}, tilts up to {degrees(getattr(found, 'tilt', 0.0)):.0f} degrees{events(found)}"
 
 
 def _plain(value: float | None) -> str:

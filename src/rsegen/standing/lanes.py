@@ -75,15 +75,28 @@ class Lanes:
         """Return the largest tilt on each lane, radians, (L,)."""
         return np.asarray(self.poses.tilt.reshape(len(self.end), -1).max(axis=1))
 
-    def poses_of(self, number: int) -> Settled:
-        """Return the poses of one lane."""
-        count = len(self.poses.x) // len(self.end)
-        return self.poses.some(slice(number * count, (number + 1) * count))
+    def lane(self, number: int) -> Lanes:
+        """Return one of them."""
+        count, one = len(self.poses.x) // len(self.end), slice(number, number + 1)
+        poses = self.poses.some(slice(number * count, (number + 1) * count))
+        return Lanes(poses=poses, end=self.end[one], last=self.last[one], drops=self.drops[one], slips=self.slips[one])
+
+    def begins(self, which: Mask, body: Body) -> list[tuple[float, float]]:
+        """Return where the robot's origin is, metres, at the beginning of each stretch of a mask (L, K) of poses."""
+        begins = which & ~np.pad(which, ((0, 0), (1, 0)))[:, :-1]
+        x, y = origins(self.poses.some(np.flatnonzero(begins)), body)
+        return list(zip(x.tolist(), y.tolist(), strict=True))
 
     @property
     def passed(self) -> Mask:
         """Return which lanes are driven to their ends, (L,)."""
         return np.asarray(self.end == End.NONE)
+
+
+def origins(poses: Settled, body: Body) -> tuple[Array, Array]:
+    """Return x and y of the origin of a robot at some poses, metres, (n,) each; the poses tell its centre of mass."""
+    c, s, (along, across, _) = np.cos(poses.yaw), np.sin(poses.yaw), body.centre
+    return poses.x - c * along + s * across, poses.y - s * along - c * across
 
 
 def step_of(body: Body) -> float:

@@ -11,7 +11,7 @@ breaks it: what breaks lanes; and each move begins at the robot's full speed, wh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import Any
@@ -21,7 +21,7 @@ import numpy as np
 from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, step_of, steps_on, straight
+from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
 from rsegen.standing.resting import has_stood, of_settled
 from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
@@ -33,6 +33,7 @@ class Way:
     crosses: whether there is one; length: metres, with turns as the path of its sides; length_ratio: to straight across
     tilt: the largest on it, and margin: the least turn by which the robot tips over on it; radians
     points: (k, 2), x and y of the robot's origin, metres, empty without a way
+    drops, slips: the places on it where the robot falls, or slides by itself, metres; they do not end it
     reason: without a way, what ends the straight lane that gets farthest, and `at` which place, metres
     """
 
@@ -42,6 +43,8 @@ class Way:
     tilt: float | None
     margin: float | None
     points: Array
+    drops: tuple[tuple[float, float], ...] = ()
+    slips: tuple[tuple[float, float], ...] = ()
     reason: str | None = None
     at: tuple[float, float] | None = None
 
@@ -286,29 +289,50 @@ class Lattice:
         ends = points[[0, -1]].copy()
         ends[:, axis] = -entry(self.field, self.body, axis), self.field.extent[axis] / 2 - float(self.body.low[0])
         length = cost + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
-        # Once more the poses on its lanes, with those at both ends, and where it turns.
-        line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k) * np.pi / 4
-        counts = [steps_on(self.body, length) + 1 for length in np.hypot(*np.diff(line, axis=0).T)]
-        legs = [np.linspace(*leg) for leg in zip(line[:-1], line[1:], counts, strict=True)]
+        # Once more its lanes from turn to turn, with those at both ends, and where it turns.
+        line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
+        turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(line) - 1)
+        lanes = [
+            drive(self.ground, self.body, begin[:1], begin[1:], np.array([yaw]), float(np.hypot(*(end - begin))))
+            for begin, end, yaw in zip(line[turns[:-1]], line[turns[1:]], heading[turns[:-1]] * np.pi / 4, strict=True)
+            if np.any(begin != end)
+        ]
         turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
-        x, y = np.concatenate([*legs, np.tile(points[:-1], (3, 1))]).T
-        yaw = np.concatenate([np.repeat(heading, counts), turning.ravel()])
-        tilt, margin = worst_of(self.ground, self.body, settle(self.ground, self.body, x, y, yaw))
+        x, y = np.tile(points[:-1], (3, 1)).T
+        turned = settle(self.ground, self.body, x, y, turning.ravel())
         kept = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
         return Way(
             crosses=True,
             length=length,
             length_ratio=length / float(ends[1, axis] - ends[0, axis]),
-            tilt=tilt,
-            margin=margin,
             points=np.concatenate([ends[:1], points[kept], ends[1:]]),
+            **_told(self.ground, self.body, lanes, [turned] if len(turned.x) else []),
         )
 
 
-def worst_of(ground: Ground, body: Body, rest: Settled) -> tuple[float, float]:
-    """Return the largest tilt and the least margin of some poses, radians."""
-    found = of_settled(ground, body, rest)
-    return float(found.tilt.max()), float(found.tip_angle.min())
+_PLACES = 3
+"""Places that a sentence names: more hide the others."""
+
+
+def events(way: Any) -> str:
+    """Return the falls and slides on a way in words, each after a comma; way: what has `drops` and `slips`."""
+    told = []
+    for verb, at in (("falls", way.drops), ("slides", way.slips)):
+        named = "; ".join(f"{x:.2f}, {y:.2f}" for x, y in at[:_PLACES])
+        others = f" and {len(at) - _PLACES} other places" if len(at) > _PLACES else ""
+        told.append(f", {verb} at {named} m{others}" if at else "")
+    return "".join(told)
+
+
+def _told(ground: Ground, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()) -> dict[str, Any]:
+    """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
+    rests = [of_settled(ground, body, rest) for rest in (*turned, *(lane.poses for lane in lanes))]
+    return {
+        "tilt": max(float(rest.tilt.max()) for rest in rests),
+        "margin": min(float(rest.tip_angle.min()) for rest in rests),
+        "drops": tuple(place for lane in lanes for place in lane.begins(lane.drops, body)),
+        "slips": tuple(place for lane in lanes for place in lane.begins(lane.slips, body)),
+    }
 
 
 def _shifted(values: Any, along_x: int, along_y: int) -> Any:
@@ -350,14 +374,12 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
     best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
     points = np.array([(low, (middle := middles_of(field, 1 - axis)[best])), (high, middle)])
-    tilt, margin = worst_of(Ground.of(field, reach_of(body)), body, lanes.poses_of(best))
     return Way(
         crosses=True,
         length=high - low,
         length_ratio=1.0,
-        tilt=tilt,
-        margin=margin,
         points=points if axis == 0 else points[:, ::-1].copy(),
+        **_told(Ground.of(field, reach_of(body)), body, [lanes.lane(best)]),
     )
 
 
@@ -366,9 +388,7 @@ def no_way(lanes: Lanes, body: Body) -> Way:
     best = int(lanes.last.argmax())
     count = len(lanes.poses.x) // len(lanes.end)
     place = best * count + int(lanes.last[best])
-    # Where the robot's origin was put down there; the centre of mass is beside it.
-    c, s, (along, across, _) = np.cos(lanes.poses.yaw[place]), np.sin(lanes.poses.yaw[place]), body.centre
-    at = lanes.poses.x[place] - c * along + s * across, lanes.poses.y[place] - s * along - c * across
+    x, y = origins(lanes.poses.some(slice(place, place + 1)), body)
     return Way(
         crosses=False,
         length=None,
@@ -377,5 +397,5 @@ def no_way(lanes: Lanes, body: Body) -> Way:
         margin=None,
         points=np.empty((0, 2)),
         reason=End(int(lanes.end[best])).words,
-        at=(float(at[0]), float(at[1])),
+        at=(float(x[0]), float(y[0])),
     )

@@ -187,6 +187,8 @@ class PlannedWay:
     length: float | None
     tilt: float | None = None
     margin: float | None = None
+    drops: Sequence[tuple[float, float]] = ()
+    slips: Sequence[tuple[float, float]] = ()
     reason: str | None = None
     at: tuple[float, float] | None = None
 
@@ -203,7 +205,9 @@ class PlannedWay:
         if self.length is None or self.tilt is None or self.margin is None:
             return {"crosses": False, "reason": self.reason, "at": self.at}
         figures = {"length": self.length, "tilt": self.tilt, "margin": self.margin}
-        return {"crosses": True, **{name: round(value, 9) for name, value in figures.items()}}
+        places = {"drops": self.drops, "slips": self.slips}
+        rounded = {name: [[round(x, 9), round(y, 9)] for x, y in at] for name, at in places.items()}
+        return {"crosses": True, **{name: round(value, 9) for name, value in figures.items()}, **rounded}
 
     def csv(self) -> Iterator[str]:
         """Yield the lines of a CSV file."""
@@ -220,7 +224,8 @@ def planned_way(field: StepField, body: Body, best: str = "length") -> PlannedWa
 def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
     """Return a way from west to east with points also where there is none: those of the lane that gets farthest."""
     if way.crosses:
-        return PlannedWay(points=way.points, length=way.length, tilt=way.tilt, margin=way.margin)
+        figures = {name: getattr(way, name) for name in ("points", "length", "tilt", "margin", "drops", "slips")}
+        return PlannedWay(**figures)
     line = (way.at or (0.0, 0.0))[1]
     ends = -entry(field, body, 0), field.extent[0] / 2 - float(body.low[0])
     return PlannedWay(points=np.array([(x, line) for x in ends]), length=None, reason=way.reason, at=way.at)
