@@ -63,7 +63,7 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "maximum recursion depth"),
         ('<xacro:include filename="mine.xacro"/>', "maximum recursion depth"),
         ('<xacro:include filename="none.xacro"/>', "No such file"),
-        ('<xacro:include filename="$(find none_description)/x.xacro"/>', "the package none_description is not found"),
+        ('<gazebo><a b="$(find none_description)/x"/></gazebo>', "the package none_description is not found"),
         ('<gazebo><a b="$(arg none)"/></gazebo>', "Undefined substitution argument none"),
         ('<gazebo><a b="$(eval 1 + 1)"/></gazebo>', "$(eval ...) is not evaluated; use ${...}"),
         ('<gazebo><a b="${[0] * 10**10}"/></gazebo>', "xacro cannot expand it"),
