@@ -241,8 +241,8 @@ def test_tracks_and_flippers_are_those_that_the_user_names(tmp_path: Path) -> No
     plugin = model.find("plugin")
     assert plugin is not None
     assert (plugin.findtext("left_track"), plugin.findtext("left_flipper")) == ("r", "rf")  # Classic calls left right
-    # Nothing moves a flipper, so it keeps its angle.
-    assert [joint.get("type") for joint in model.findall("joint")] == ["revolute", "revolute", "fixed", "fixed"]
+    # Nothing moves tracks or flippers, so they keep their angles.
+    assert [joint.get("type") for joint in model.findall("joint")] == ["fixed"] * 4
     for text, says in (("l", "is not LEFT,RIGHT"), ("l,x", "unknown link 'x'"), ("l,l", "in one place")):
         with pytest.raises((ParameterError, UnknownName)) as caught:
             from_file(tmp_path / "mine.sdf", tracks=text)

@@ -130,7 +130,7 @@ def test_extensions_of_gazebo_go_where_they_belong() -> None:
       <visual><geometry><sphere radius="1"/></geometry><material name="m"><color rgba="1 0 0 1"/></material></visual>
     </link>{JOINT.format("fixed", "fixed", "base", "part", '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>')}
     {HEAVY.format("arm")}{JOINT.format("arm_joint", "revolute", "part", "arm", "")}
-    <gazebo reference="part"><mu1>0.3</mu1><mu2>0.4</mu2><kp>1e6</kp><kd>10</kd><fdir1>1 0 0</fdir1>
+    <gazebo reference="part"><mu1 value="0.3"/><mu2>0.4</mu2><kp>1e6</kp><kd>10</kd><fdir1>1 0 0</fdir1>
       <material>Gazebo/Blue</material><selfCollide>true</selfCollide>
       <sensor name="s" type="imu"><pose>1 0 0 0 0 0</pose></sensor></gazebo>
     <gazebo reference="arm_joint"><springStiffness>3</springStiffness><stopCfm>0.1</stopCfm></gazebo>

@@ -1,9 +1,9 @@
 """Make a model of a file drivable: a drive of the simulator's own, joints that keep their angles, and nothing more.
 
-Sensors, and plug-ins that the simulator has not, are taken out. Joints that have limits, and flippers, become fixed at
-the angle that the model has them at, as nothing else holds an arm, a flipper or a leg. A joint with a spring is a
-suspension and stays, as does one that turns without end, such as that of a caster. What breaks it: an arm that hangs on
-endless joints, and a rocker without a spring, which becomes stiff.
+Sensors, and plug-ins that the simulator has not, are taken out. Joints that have limits, and those of tracks and
+flippers, become fixed at the angle that the model has them at, as nothing else holds an arm, a flipper or a leg. A
+joint with a spring is a suspension and stays, as does one that turns without end, such as that of a caster. What breaks
+it: an arm that hangs on endless joints, and a rocker without a spring, which becomes stiff.
 """
 
 from __future__ import annotations
@@ -69,13 +69,13 @@ def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
     """Make the joints that nothing drives fixed, and return their names; without a drive, all that move."""
     frames = ModelFrames(model, model.get("name", ""))
     wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
-    flippers = (*drive.left[1:], *drive.right[1:]) if isinstance(drive, Tracks) else ()
+    tracks = (*drive.left, *drive.right) if isinstance(drive, Tracks) else ()
     held = []
     for name, joint in frames.joints.items():
         if joint.get("type") not in _MOVING or name in wheels:
             continue
         child = (joint.findtext("child") or "").strip()
-        if drive is None or child in flippers or not (is_endless(joint) or _has_spring(joint)):
+        if drive is None or child in tracks or not (is_endless(joint) or _has_spring(joint)):
             joint.set("type", "fixed")
             for element in [*joint.findall("axis"), *joint.findall("physics")]:
                 joint.remove(element)

@@ -253,7 +253,7 @@ def _heads(
         if joint and not kept and bodies[name].mass:
             of_joint = extensions.get(joint.name, {}) if bodies[joint.parent].mass else {}
             kept = name in separate or any(
-                _is_true(element.text) for tag in _KEEPS for element in of_joint.get(tag, ())
+                _is_true(_value(element)) for tag in _KEEPS for element in of_joint.get(tag, ())
             )
         heads[name] = name if joint is None or kept else heads[joint.parent]
     return heads
@@ -333,7 +333,7 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
             counts[tag] += 1
             link.append(made)
     for tag, elements in source.extensions.get(name, {}).items():
-        text = elements[-1].text
+        text = _value(elements[-1])
         if tag == "turnGravityOff":
             _put(link, "gravity", "false" if _is_true(text) else "true")
         elif tag in _OF_LINK:
@@ -358,7 +358,7 @@ def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) 
     for tag, path in _SURFACE.items():
         element = source.last(name, tag)
         if element is not None:
-            _put(made, path, element.text)
+            _put(made, path, _value(element))
     return made
 
 
@@ -371,9 +371,9 @@ def _append_material(visual: Element, material: Element | None, name: str, sourc
         rgba = _text(floats(colour, 4, f"{source.where}: the colour of a material"))
         _put_all(visual, ("material/ambient", "material/diffuse"), rgba)
     script = source.last(name, "material")
-    if script is not None and script.text:
+    if script is not None and _value(script):
         _put(visual, "material/script/uri", _SCRIPTS)
-        _put(visual, "material/script/name", script.text)
+        _put(visual, "material/script/name", _value(script))
 
 
 def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
@@ -385,7 +385,7 @@ def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
         _append_axis(made, joint, f"{source.where}: joint {shown(joint.name)}")
     for tag, elements in source.extensions.get(joint.name, {}).items():
         if tag in _OF_JOINT:
-            _put_all(made, _OF_JOINT[tag], elements[-1].text)
+            _put_all(made, _OF_JOINT[tag], _value(elements[-1]))
         elif tag not in _ELSEWHERE:
             made.extend(map(deepcopy, elements))
 
@@ -501,6 +501,11 @@ def _put(element: Element, path: str, text: str | None) -> None:
         inner = element.find(tag)
         element = SubElement(element, tag) if inner is None else inner
     element.text = (text or "").strip()
+
+
+def _value(extension: Element) -> str:
+    """Return the value of an element in <gazebo>, as <mu1>1</mu1> or <mu1 value="1"/>."""
+    return extension.get("value") or (extension.text or "").strip()
 
 
 def _is_true(text: str | None) -> bool:
