@@ -19,6 +19,7 @@ from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
 from rsegen.io.input_files import regular_content
+from rsegen.io.recipe_file import parse_yaml
 from rsegen.robots.uris import packages_around
 
 _MOST_FILES = 300
@@ -116,14 +117,10 @@ def _controllers(files: Iterator[Path], joints: set[str]) -> Iterator[Controller
 
 def _loaded(content: bytes, file: Path) -> Any:
     """Return what is in a YAML file; None for one that is not, or that may not be, read."""
-    import yaml
-
-    from rsegen.io.yaml_loader import Loader
-
     try:
-        return Loader(content.decode("utf-8"), file).get_single_data()
-    except (yaml.YAMLError, FileError, ValueError, TypeError, RecursionError, OverflowError):
-        return None  # of another program, or a launch file's template
+        return parse_yaml(content.decode("utf-8"), file)
+    except (FileError, UnicodeDecodeError):
+        return None  # of another program, or a template of a launch file
 
 
 def _tables(value: Any) -> Iterator[Mapping[Any, Any]]:

@@ -13,6 +13,7 @@ import ast
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -27,7 +28,10 @@ from rsegen.params.extras import XACRO
 from rsegen.robots.uris import found_package
 
 _SECONDS = 20
-"""Time of the other process; the macros of a robot with an arm and a gripper take about one second."""
+"""CPU time of the other process; the macros of a robot with an arm and a gripper take about one second."""
+
+_WAIT = 3
+"""Times that, in which a busy machine, or one without limits of CPU time, has to be done."""
 
 _MEMORY = 2 * 2**30
 """Bytes of address space of the other process, of which Python with numpy takes about a half."""
@@ -87,15 +91,23 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> Expanded:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
     command = [sys.executable, "-m", "rsegen.robots.xacro_files", where]
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
-    task = json.dumps({"text": text, "arguments": dict(arguments)})
+    task = json.dumps({"text": text, "arguments": dict(arguments), "seconds": _SECONDS})
     try:
         ended = subprocess.run(  # noqa: S603  # no shell, and only our own words
-            command, input=task, encoding="utf-8", capture_output=True, env=environment, timeout=_SECONDS, check=False
+            command,
+            input=task,
+            encoding="utf-8",
+            capture_output=True,
+            env=environment,
+            timeout=_WAIT * _SECONDS,
+            check=False,
         )
     except subprocess.TimeoutExpired:
-        raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s") from None
+        raise FileError(f"{where}: its macros are not expanded after {_WAIT * _SECONDS} s") from None
     except (OSError, ValueError) as error:  # a name with a null character, or an output that is no text
         raise FileError(f"{where}: {said_by(error)}") from None
+    if ended.returncode == -getattr(signal, "SIGXCPU", 0):
+        raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s")
     if ended.returncode:
         raise FileError(f"{where}: xacro cannot expand it: {line_of(ended.stdout) or 'it needs too much memory'}")
     result = json.loads(ended.stdout)
@@ -106,6 +118,7 @@ def main(where: str) -> int:
     """Print the expanded text of what comes by stdin, or why there is none; the exit code says which."""
     result, sys.stdout = sys.stdout, sys.stderr  # messages of the macros go there
     task, missing = json.load(sys.stdin), dict[str, None]()
+    _limit(task["seconds"])
     try:
         text = _expanded(task["text"], where, task["arguments"], missing)
     except Exception as error:  # macros fail in as many ways as programs
@@ -131,6 +144,15 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
 _ADVICE = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
 
 
+def _limit(seconds: int) -> None:
+    """Limit the CPU time and the memory of this process."""
+    with suppress(ImportError):  # there is none in Windows
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+
+
 class _Missing(ValueError):
     """A package in $(find ...) is not found."""
 
@@ -144,10 +166,6 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
     import xacro
     from xacro import substitution_args
 
-    with suppress(ImportError):  # there is none in Windows
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     include_files = xacro.get_include_files
 
     def found_files(filename: str, symbols: Any) -> Iterator[str]:
