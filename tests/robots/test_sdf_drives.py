@@ -97,6 +97,12 @@ def test_notes_list_derived_and_omitted_values(tmp_path: Path) -> None:
     assert sensors.endswith(": eye")
 
 
+def test_a_plug_in_that_contradicts_the_wheels_is_named(tmp_path: Path) -> None:
+    robot = read(tmp_path, two_wheels(ROS_1.replace("Diameter>0.1", "Diameter>0.02")))
+    assert robot.drive.radius == 0.01
+    assert "radius 0.01 m by its plug-in, although its wheels measure 0.05 m;" in next(robot.notes("classic"))
+
+
 def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "libgazebo_ros_joint_state_publisher.so").touch()
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", f"/nowhere:{tmp_path}")

@@ -64,6 +64,10 @@ _LIKE = 0.8
 """Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
 
 
+_LIKE_SIZE = 0.2
+"""Share of a wheel's measured radius by which that of a plug-in may differ without a word."""
+
+
 class ReadDrive(NamedTuple):
     """A drive as it was read from a model.
 
@@ -301,18 +305,21 @@ def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive 
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
     # Sizes that the plug-in does not give are measured on the wheels.
-    given = bool(separation and radius)
+    measured = _radius(left, frames, shapes)
+    origin = "its plug-in" if separation and radius else "its wheels"
+    if radius and measured and abs(radius - measured) > _LIKE_SIZE * measured:
+        origin += f", although its wheels measure {measured:.4g} m"
     drive = _made(
         left,
         right,
         separation or _separation(left, right, frames, shapes),
-        radius or _radius(left, frames, shapes),
+        radius or measured,
         frames,
     )
     if not drive.separation or not drive.radius:
         return None
     limits = _limits(plugin, frames, drive, left + right)
-    return ReadDrive("", drive, "", "its plug-in" if given else "its wheels", limits)
+    return ReadDrive("", drive, "", origin, limits)
 
 
 def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: float, frames: ModelFrames) -> Wheels:
