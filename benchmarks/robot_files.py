@@ -115,7 +115,7 @@ def row(file: str, wheels: str | None, tracks: str | None, unit_cm: float, here:
     """Return the row of a robot."""
     robot = from_file(file, wheels, tracks)
     if robot.read_drive is None:
-        return f"| {file} | {' '.join(robot.spawn_notes())} | {standing(robot, here)} | - | - |"
+        return f"| {file} | {' '.join(robot.spawn_notes(here.backend))} | {standing(robot, here)} | - | - |"
     ahead, turned = ahead_and_round(robot, here)
     blocks = over_blocks(robot, unit_cm)
     return f"| {file} | {' '.join(robot.notes(here.backend))} | {ahead} | {turned} | {blocks} |"

@@ -77,6 +77,12 @@ def test_speeds_are_those_of_the_controller_else_of_the_joints(
     assert robot.drive.separation == pytest.approx(0.3)
 
 
+def test_a_turn_rate_without_a_speed_is_that_of_the_controller(tmp_path: Path) -> None:
+    controller = CONTROLLER.replace("    linear.x.max_velocity: 0.35\n", "")
+    note = next(from_file(makers_robot(tmp_path, controller)).notes("classic"))
+    assert note.endswith("speed 0.4 m/s, turn rate 1.25 rad/s by ros2_control and rover_control/config/rover.yaml")
+
+
 def test_wheels_that_skid_turn_faster_as_their_controller_makes_them(tmp_path: Path) -> None:
     robot = from_file(makers_robot(tmp_path, CONTROLLER + "    wheel_separation_multiplier: 1.5\n"))
     assert robot.drive.separation == 0.3

@@ -152,7 +152,7 @@ def test_a_model_without_a_drive_says_how_to_name_one_and_stands(tmp_path: Path)
     assert "\n" not in line
     spawned = ElementTree.fromstring(robot.file("one"))
     assert [joint.get("type") for joint in spawned.iter("joint")] == ["fixed"] * 2
-    assert list(robot.spawn_notes()) == [
+    assert list(robot.spawn_notes("classic")) == [
         "my_robot: has no wheels or tracks, so its joints are held as its model has them: left_hub, right_hub"
     ]
 
@@ -160,13 +160,17 @@ def test_a_model_without_a_drive_says_how_to_name_one_and_stands(tmp_path: Path)
 def test_joints_that_a_controller_of_ros_may_move_are_not_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ends = "<limit><lower>-1</lower><upper>1</upper></limit></axis>"
     text = two_wheels('<plugin name="ros" filename="libgazebo_ros_control.so"/>').replace("</axis>", ends)
-    assert list(read(tmp_path, text).spawn_notes())
+    assert list(read(tmp_path, text).spawn_notes("classic"))
     (tmp_path / "libgazebo_ros_control.so").touch()
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
     robot = read(tmp_path, text)
-    assert not list(robot.spawn_notes())
+    assert not list(robot.spawn_notes("classic"))
     joints = ElementTree.fromstring(robot.file("one")).iter("joint")
     assert [joint.get("type") for joint in joints] == ["revolute"] * 2
+    own = two_wheels('<plugin name="j" filename="gz-sim-joint-position-controller-system"/>').replace("</axis>", ends)
+    robot = read(tmp_path, own)
+    assert list(robot.spawn_notes("classic"))
+    assert not list(robot.spawn_notes("sim"))
 
 
 def wheel(name: str, place: str, radius: float = 0.05, parent: str = "base", axis: str = "0 0 1") -> str:

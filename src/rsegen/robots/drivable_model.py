@@ -9,7 +9,6 @@ it: an arm that hangs on endless joints, and a rocker without a spring, which be
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -19,9 +18,6 @@ from rsegen.exporters.gazebo.sdf import numbers, prefixes
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.sdf_drives import KNOWN, TRACK_CONTROLLER, ReadDrive, is_endless, plugin_key
 from rsegen.robots.sdf_shapes import ModelFrames, floats
-
-_ROS = re.compile(r"(?:^|_)ros\d?(?:_|$)|^hector_gazebo_")
-"""Names of plug-ins of ROS, as in libgazebo_ros_diff_drive.so or gz_ros2_control-system."""
 
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""
@@ -83,10 +79,10 @@ def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
     return tuple(held)
 
 
-def has_controllers(model: Element) -> bool:
-    """Return whether a model has a plug-in of ROS that is here, which may move its joints."""
+def has_controllers(model: Element, backend: str) -> bool:
+    """Return whether a model has a plug-in that a simulator loads and that may move its joints, of ROS or its own."""
     files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
-    return any(_ROS.search(plugin_key(file)) and "control" in file and _is_installed(file) for file in files)
+    return any("control" in file.lower() and _is_loadable(file, backend) for file in files)
 
 
 def _has_spring(joint: Element) -> bool:

@@ -46,7 +46,6 @@ _JOINTS = ("{}_joint", "{}Joint", "{}_front", "{}FrontJoint", "front_{}_joint", 
 _REAR = ("{}_rear", "{}RearJoint", "back_{}_joint", "{}_rear_joint")
 """Tags of the joints of a side in plug-ins; those before name front joints, these rear ones."""
 
-
 TRACK_CONTROLLER = "gz-sim-track-controller-system"
 """The plug-in of Gazebo Sim that moves a single track, for one that drives tracks."""
 
@@ -63,8 +62,7 @@ above that of the robot, and its middle away from its axis."""
 _LIKE = 0.8
 """Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
 
-
-_LIKE_SIZE = 0.2
+_AGREES = 0.2
 """Share of a wheel's measured radius by which that of a plug-in may differ without a word."""
 
 
@@ -176,7 +174,8 @@ def _controlled(controller: Controller, ros: Controls, frames: ModelFrames, shap
     if read is None:
         return None
     speed, turn = (_limit(sort, of, frames) for sort, of in ((SPEED, controller.speed), (TURN, controller.turn)))
-    limits, by = ((speed, turn), controller.where) if speed else ((read.limits[0], turn), read.limits_by)
+    origins = [None if speed else read.limits_by, controller.where if speed or turn else None]
+    limits, by = (speed or read.limits[0], turn), " and ".join(filter(None, origins))
     measured = "its wheels" if None in sizes else "it"
     return read._replace(origin=controller.where, sizes=measured, limits=limits, limits_by=by)
 
@@ -307,7 +306,7 @@ def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive 
     # Sizes that the plug-in does not give are measured on the wheels.
     measured = _radius(left, frames, shapes)
     origin = "its plug-in" if separation and radius else "its wheels"
-    if radius and measured and abs(radius - measured) > _LIKE_SIZE * measured:
+    if radius and measured and abs(radius - measured) > _AGREES * measured:
         origin += f", although its wheels measure {measured:.4g} m"
     drive = _made(
         left,

@@ -120,7 +120,7 @@ class SdfRobot(Standing):
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
-        if self._stands:
+        if self._stands(simulator):
             hold(model, None)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
@@ -144,10 +144,10 @@ class SdfRobot(Standing):
         if changes.sensors:
             yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(changes.sensors)}"
 
-    def spawn_notes(self) -> Iterator[str]:
+    def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if self._stands and (held := hold(self._model(), None)):
+        if self._stands(simulator) and (held := hold(self._model(), None)):
             yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
@@ -157,10 +157,9 @@ class SdfRobot(Standing):
         )
         return replace(self, derived=derived, assumed=assumed, **values)
 
-    @property
-    def _stands(self) -> bool:
-        """Whether nothing drives it, nor moves its joints: it then stands as its model has it."""
-        return self.read_drive is None and not has_controllers(self._model())
+    def _stands(self, simulator: str) -> bool:
+        """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
+        return self.read_drive is None and not has_controllers(self._model(), simulator)
 
     def _model(self) -> ElementTree.Element:
         return ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements

@@ -82,7 +82,7 @@ def spawn_model(
             pose = spot or _on_top(what, occupied(poses, maps), maps, place)
             live.spawn(what.file(name, live.backend), pose)
             notes = list(_notes(poses, maps)) if not spot and len(place) <= 2 else []
-            notes += what.spawn_notes() if isinstance(what, SdfRobot) else []
+            notes += what.spawn_notes(live.backend) if isinstance(what, SdfRobot) else []
             return SpawnResult(name=name, simulator=running.name, at=pose, notes=tuple(notes))
         what.check_spawnable()
         new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
