@@ -143,6 +143,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Robots and simulators": (
         "robots/sdf_shapes",
         "robots/sdf_drives",
+        "robots/controllers",
+        "robots/drivable_model",
         "robots/urdf",
         "robots/xacro_files",
         "simulation/driving/routes",

@@ -199,6 +199,15 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a map of nothing": (["generate", "nowhere#1", "-o", "out"], ["nowhere: has no manifest.json"]),
     "a map in a file": (["info", "two.yaml#1"], ["two.yaml: has no manifest.json"]),
     "a map of a word": (["info", "folder#first"], ["folder#first: No such file"]),
+    "tracks of a kind": (["drive", "two.yaml", "--tracks", "a,b"], ["--tracks: is for the robot of a file; 'burger'"]),
+    "wheels and tracks": (
+        ["drive", "two.yaml", "--robot", "cart.sdf", "--wheels", "a,b", "--tracks", "c,d"],
+        ["--tracks: excludes wheels"],
+    ),
+    "arguments of a robot without macros": (
+        ["spots", "two.yaml", "--robot", "cart.sdf a:=b"],
+        ["cart.sdf: a:= is for"],
+    ),
     "metrics drawn without a robot": (["metrics", "two.yaml", "-o", "p.png"], ["-o/--output", "--climb-cm 10"]),
     "metrics drawn on a text": (["metrics", "two.yaml", "-o", "p.txt"], ["p.txt: ", ".png, .svg, .pdf"]),
     "metrics drawn on what is there": (
@@ -215,6 +224,7 @@ def test_a_command_line(refused: Refused, arguments: Sequence[str], words: Seque
     recipe("seed: 7\nchunk_size: 61\n", "large.yaml")
     recipe("an old picture", "old.png")
     recipe("an old table", "old.csv")
+    recipe('<sdf version="1.6"><model name="cart"><link name="l"/></model></sdf>', "cart.sdf")
     Path("folder").mkdir()
     Path("folder.png").mkdir()
     Path("loop").symlink_to("loop")

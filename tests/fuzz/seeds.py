@@ -199,7 +199,7 @@ def clouds() -> Mapping[str, bytes]:
 
 @cache
 def robots() -> tuple[bytes, ...]:
-    """Robots: a small one, one with a mesh, and those that come along, for every simulator, as SDF; one as URDF."""
+    """Robots: a small one, one with a mesh, and those that come along, for every simulator, as SDF; two as URDF."""
     from rsegen.robots import BACKENDS, ROBOTS
 
     box = b"<box><size>0.4 0.3 0.1</size></box>"
@@ -207,7 +207,8 @@ def robots() -> tuple[bytes, ...]:
     return (
         ROBOT,
         URDF,
-        URDF,
+        CONTROLLED,
+        CONTROLLED,
         meshed,
         meshed,
         *(robot.file("cart", each).encode() for robot in ROBOTS.values() for each in BACKENDS),
@@ -254,6 +255,28 @@ URDF = b"""<?xml version="1.0"?>
 <gazebo reference="base"><mu1>0.5</mu1><sensor name="s" type="imu"><pose>0 0 1 0 0 0</pose></sensor></gazebo>
 <gazebo><plugin name="drive" filename="libDiffDrivePlugin.so"><left_joint>k</left_joint></plugin></gazebo></robot>
 """
+_HAND = b"""<joint name="m" type="revolute"><origin xyz="0 -0.1 0" rpy="-1.5708 0 0"/><parent link="base"/>
+<child link="other"/><axis xyz="0 0 1"/></joint>
+<link name="other"><inertial><mass value="0.2"/><inertia ixx="5e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="8e-4"/>
+</inertial><collision><geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
+<ros2_control name="c" type="system"><joint name="k"><command_interface name="velocity"><param name="max">8</param>
+</command_interface></joint><joint name="m"><command_interface name="velocity"/></joint></ros2_control>
+<transmission name="t"><joint name="m"><hardwareInterface>hardware_interface/VelocityJointInterface</hardwareInterface>
+</joint></transmission><gazebo><plugin name="ros" filename="libgazebo_ros2_control.so"><parameters>c.yaml</parameters>
+</plugin></gazebo></robot>
+"""
+CONTROLLED = URDF.partition(b"<gazebo><plugin")[0] + _HAND
+CONTROLLER = b"""c:
+  ros__parameters:
+    left_wheel_names: ["k"]
+    right_wheel_names: ["m"]
+    wheel_separation: 0.2
+    wheel_separation_multiplier: 1.5
+    wheel_radius: 0.05
+    linear.x.max_velocity: 0.5
+    angular: {z: {has_velocity_limits: true, max_velocity: 1}}
+"""
+PACKAGE = b'<?xml version="1.0"?><package format="3"><name>cart_description</name></package>'
 PLAN: dict[str, Any] = {
     "name": "small",
     "seconds": 5,

@@ -44,7 +44,10 @@ def test_wheels_that_the_user_names_are_measured_on_the_model(tmp_path: Path, ax
         assert isinstance(drive, Wheels)
         assert drive.left == ("left_hub",)
         assert (drive.separation, drive.radius) == pytest.approx((SEPARATION, RADIUS))
-        assert f"x: {0.2 * axis:g}" in robot.command("one", 0.2, 0).text
+        # The plug-ins of drives take it that axes point to the left.
+        model = ElementTree.fromstring(robot.model("one"))
+        assert [joint.findtext("axis/xyz") for joint in model.findall("joint")] == ["0 0 1"] * 2
+        assert "x: 0.2" in robot.command("one", 0.2, 0).text
 
 
 @pytest.mark.parametrize("name", [name for name in PLUGINS if name != "none"])
@@ -86,12 +89,18 @@ def test_size_limits_and_height_come_from_the_user_else_from_the_model(tmp_path:
 def test_notes_list_derived_and_omitted_values(tmp_path: Path) -> None:
     derived, files, sensors = read(tmp_path, two_wheels(ROS_1)).notes("classic")
     assert derived == (
-        "my_robot: its drive is read from gazebo_ros_diff_drive, with wheels 0.3 m apart, radius 0.05 m, by its"
+        "my_robot: its wheels are left_hub,right_hub by gazebo_ros_diff_drive, 0.3 m apart, radius 0.05 m by its"
         " plug-in; size 0.400 x 0.320 x 0.130 m around its origin by its model; speed 0.2 m/s, turn rate 0.5"
         " rad/s by assumption"
     )
     assert files.endswith("not here: libgazebo_ros_joint_state_publisher.so")
     assert sensors.endswith(": eye")
+
+
+def test_a_plug_in_that_contradicts_the_wheels_is_named(tmp_path: Path) -> None:
+    robot = read(tmp_path, two_wheels(ROS_1.replace("Diameter>0.1", "Diameter>0.02")))
+    assert robot.drive.radius == 0.01
+    assert "radius 0.01 m by its plug-in, although its wheels measure 0.05 m;" in next(robot.notes("classic"))
 
 
 def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +114,7 @@ def test_axes_of_old_files_are_read_in_the_frame_of_the_model(tmp_path: Path) ->
     text = two_wheels(version="1.4").replace("<xyz>0 0 1</xyz>", "<xyz>0 1 0</xyz>")
     robot = read(tmp_path, text, "left_hub,right_hub")
     assert robot.read_drive is not None
-    assert not robot.read_drive.backwards
+    assert not robot.read_drive.turned
     assert robot.text.count("<use_parent_model_frame>true") == 2
 
 
@@ -114,7 +123,7 @@ def test_axes_of_old_files_are_read_in_the_frame_of_the_model(tmp_path: Path) ->
     [
         ("left_hub", "'left_hub' is not LEFT,RIGHT"),
         ("left_hub,", "is not LEFT,RIGHT"),
-        ("left_hub+a,right_hub", "is not LEFT,RIGHT"),
+        ("left_hub+right_hub,left_hub", "is not LEFT,RIGHT"),
         ("left_hub,right", "unknown joint 'right'; did you mean 'right_hub'"),
     ],
 )
@@ -131,15 +140,138 @@ def test_wheels_without_a_shape_or_along_another_axis_are_refused(tmp_path: Path
         read(tmp_path, two_wheels().replace("<xyz>0 0 1</xyz>", "<xyz>1 0 0</xyz>"), "left_hub,right_hub")
 
 
-def test_a_model_without_a_drive_says_which_are_known_and_which_joints_could_be_wheels(tmp_path: Path) -> None:
-    robot = read(tmp_path, two_wheels())
+def test_a_model_without_a_drive_says_how_to_name_one_and_stands(tmp_path: Path) -> None:
+    ends = "<limit><lower>-1</lower><upper>1</upper></limit></axis>"
+    robot = read(tmp_path, two_wheels().replace("</axis>", ends))
     assert (robot.read_drive, robot.backend, robot.topic) == (None, None, None)
     with pytest.raises(ParameterError) as caught:
         robot.command("one", 0, 0)
     line = str(caught.value)
-    assert line.startswith("my_robot: no drive that rsegen knows (gazebo_ros_diff_drive, ")
-    assert line.endswith("--wheels LEFT,RIGHT (left_hub, right_hub)")
+    assert line.startswith("my_robot: no wheels or tracks: ")
+    assert "--tracks LEFT,RIGHT, or --wheels LEFT,RIGHT (left_hub, right_hub)" in line
     assert "\n" not in line
+    spawned = ElementTree.fromstring(robot.file("one"))
+    assert [joint.get("type") for joint in spawned.iter("joint")] == ["fixed"] * 2
+    assert list(robot.spawn_notes("classic")) == [
+        "my_robot: has no wheels or tracks, so its joints are held as its model has them: left_hub, right_hub"
+    ]
+
+
+def test_joints_that_a_controller_of_ros_may_move_are_not_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ends = "<limit><lower>-1</lower><upper>1</upper></limit></axis>"
+    text = two_wheels('<plugin name="ros" filename="libgazebo_ros_control.so"/>').replace("</axis>", ends)
+    assert list(read(tmp_path, text).spawn_notes("classic"))
+    (tmp_path / "libgazebo_ros_control.so").touch()
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    robot = read(tmp_path, text)
+    assert not list(robot.spawn_notes("classic"))
+    joints = ElementTree.fromstring(robot.file("one")).iter("joint")
+    assert [joint.get("type") for joint in joints] == ["revolute"] * 2
+    own = two_wheels('<plugin name="j" filename="gz-sim-joint-position-controller-system"/>').replace("</axis>", ends)
+    robot = read(tmp_path, own)
+    assert list(robot.spawn_notes("classic"))
+    assert not list(robot.spawn_notes("sim"))
+
+
+def wheel(name: str, place: str, radius: float = 0.05, parent: str = "base", axis: str = "0 0 1") -> str:
+    """A wheel of two_wheels at another place, on a joint of its name and _hub."""
+    return (
+        f'<link name="{name}"><pose>{place} -1.5707963267948966 0 0</pose><collision name="tyre"><geometry><cylinder>'
+        f"<radius>{radius}</radius><length>0.02</length></cylinder></geometry></collision></link>"
+        f'<joint name="{name}_hub" type="revolute"><parent>{parent}</parent><child>{name}</child>'
+        f"<axis><xyz>{axis}</xyz></axis></joint>"
+    )
+
+
+def test_wheels_are_found_by_their_shapes_and_casters_are_not(tmp_path: Path) -> None:
+    robot = read(tmp_path, two_wheels())
+    assert robot.drive == read(tmp_path, two_wheels(), "left_hub,right_hub").drive
+    assert "by the shapes of its links, as nothing in its file says, 0.3 m apart" in next(robot.notes("classic"))
+    others = {
+        "in the middle": wheel("back", "-0.2 0 0.02"),
+        "smaller": wheel("l", "-0.2 0.1 -0.01", 0.02) + wheel("r", "-0.2 -0.1 -0.01", 0.02),
+        "above the ground": wheel("l", "-0.2 0.1 0.2") + wheel("r", "-0.2 -0.1 0.2"),
+        "along x": wheel("l", "-0.2 0.1 0.02", axis="1 0 0") + wheel("r", "-0.2 -0.1 0.02", axis="1 0 0"),
+        "steered": "".join(
+            f'<link name="{side}_fork"><pose>-0.2 {y} 0.02 0 0 0</pose></link><joint name="{side}_swivel"'
+            f' type="revolute"><parent>base</parent><child>{side}_fork</child><axis><xyz>0 0 1</xyz></axis></joint>'
+            + wheel(side, f"-0.2 {y} 0.02", parent=f"{side}_fork")
+            for side, y in (("l", 0.1), ("r", -0.1))
+        ),
+    }
+    for case, more in others.items():
+        drive = read(tmp_path, two_wheels(more)).drive
+        assert isinstance(drive, Wheels), case
+        assert (drive.left, drive.right) == (("left_hub",), ("right_hub",)), case
+    four = read(tmp_path, two_wheels(wheel("r", "-0.2 -0.15 0.02") + wheel("l", "-0.2 0.15 0.02"))).drive
+    assert isinstance(four, Wheels)
+    assert (four.left, four.right) == (("left_hub", "l_hub"), ("right_hub", "r_hub"))
+
+
+def test_arms_are_held_in_a_drive_and_suspensions_are_not(tmp_path: Path) -> None:
+    def joint(name: str, inner: str, limits: str = "<limit><lower>-1</lower><upper>1</upper></limit>") -> str:
+        return (
+            f'<link name="{name}"/><joint name="{name}_joint" type="revolute"><parent>base</parent>'
+            f"<child>{name}</child><axis><xyz>0 1 0</xyz>{limits}{inner}</axis></joint>"
+        )
+
+    spring = "<dynamics><spring_stiffness>5</spring_stiffness></dynamics>"
+    parts = joint("arm", "") + joint("damper", spring) + joint("lidar", "", "")
+    robot = read(tmp_path, two_wheels(GZ + parts))
+    for backend in BACKENDS:
+        model = ElementTree.fromstring(robot.model("one", backend))
+        kinds = {each.get("name"): each.get("type") for each in model.findall("joint")}
+        assert kinds["arm_joint"] == "fixed"
+        assert {kinds[name] for name in kinds.keys() - {"arm_joint"}} == {"revolute"}
+    assert any(
+        note.endswith("held as its model has them, as nothing drives them: arm_joint") for note in robot.notes("sim")
+    )
+
+
+BOX = "<collision name='c'><geometry><box><size>{} 0.1 0.2</size></box></geometry></collision>"
+TRACKS = "".join(
+    f"<link name='{name}'><pose>{x} {y} 0.1 0 0 0</pose>{BOX.format(length)}</link><joint name='{name}_joint'"
+    f" type='revolute'><parent>base</parent><child>{name}</child><axis><xyz>0 1 0</xyz></axis></joint>"
+    for name, x, y, length in (("l", 0, 0.3, 0.6), ("r", 0, -0.3, 0.6), ("lf", 0.4, 0.3, 0.3), ("rf", 0.4, -0.3, 0.3))
+)
+
+
+def tracked(plugin: str = "") -> str:
+    return f'<sdf version="1.6"><model name="t"><link name="base"/>{TRACKS}{plugin}</model></sdf>'
+
+
+def test_tracks_and_flippers_are_those_that_the_user_names(tmp_path: Path) -> None:
+    (tmp_path / "mine.sdf").write_text(tracked())
+    robot = from_file(tmp_path / "mine.sdf", tracks="r+rf,l+lf")
+    drive = robot.drive
+    assert isinstance(drive, Tracks)
+    assert (drive.body, drive.left, drive.right) == ("base", ("l", "lf"), ("r", "rf"))
+    assert (drive.separation, drive.radius) == pytest.approx((0.6, 0.1))
+    model = ElementTree.fromstring(robot.model("one"))
+    plugin = model.find("plugin")
+    assert plugin is not None
+    assert (plugin.findtext("left_track"), plugin.findtext("left_flipper")) == ("r", "rf")  # Classic calls left right
+    # Nothing moves tracks or flippers, so they keep their angles.
+    assert [joint.get("type") for joint in model.findall("joint")] == ["fixed"] * 4
+    for text, says in (("l", "is not LEFT,RIGHT"), ("l,x", "unknown link 'x'"), ("l,l", "in one place")):
+        with pytest.raises((ParameterError, UnknownName)) as caught:
+            from_file(tmp_path / "mine.sdf", tracks=text)
+        assert says in str(caught.value)
+
+
+@pytest.mark.parametrize("file", ["gz-sim-track-controller-system", "libignition-gazebo-track-controller-system.so"])
+def test_tracks_are_those_with_a_controller_of_their_own(tmp_path: Path, file: str) -> None:
+    controllers = "".join(
+        f"<plugin filename='{file}' name='c'><link>{link}</link><max_velocity>0.6</max_velocity></plugin>"
+        for link in ("lf", "rf", "l", "r")
+    )
+    robot = read(tmp_path, tracked(controllers))
+    drive = robot.drive
+    assert isinstance(drive, Tracks)
+    assert (drive.left, drive.right) == (("l", "lf"), ("r", "rf"))
+    assert robot.speed == 0.6
+    files = plugins(robot, "sim")
+    assert (files.count("gz-sim-tracked-vehicle-system"), files.count("gz-sim-track-controller-system")) == (1, 4)
 
 
 def test_tracks_of_either_gazebo_are_driven_in_both(tmp_path: Path) -> None:

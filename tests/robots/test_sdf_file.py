@@ -33,7 +33,7 @@ def test_our_own_robots_are_found_again(tmp_path: Path, kind: str, simulator: st
 def test_a_robot_without_a_known_drive_is_read_and_not_commanded(tmp_path: Path) -> None:
     found = from_file(written(tmp_path, MODEL.format("")))
     assert (found.kind, found.backend, found.topic) == ("mine", None, None)
-    with pytest.raises(ParameterError, match="mine: no drive that rsegen knows"):
+    with pytest.raises(ParameterError, match="mine: no wheels or tracks: "):
         found.command("mine", 1, 0)
 
 

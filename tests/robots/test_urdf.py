@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from rsegen.errors import FileError
 from rsegen.robots import SdfRobot, from_file
+from rsegen.robots.drives import Tracks
 from rsegen.robots.sdf_shapes import ModelFrames, inertials, tensor_of
 from rsegen.robots.urdf import converted
 from tests.robots.two_wheels import ROS_1, two_wheels
@@ -129,7 +130,7 @@ def test_extensions_of_gazebo_go_where_they_belong() -> None:
       <visual><geometry><sphere radius="1"/></geometry><material name="m"><color rgba="1 0 0 1"/></material></visual>
     </link>{JOINT.format("fixed", "fixed", "base", "part", '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>')}
     {HEAVY.format("arm")}{JOINT.format("arm_joint", "revolute", "part", "arm", "")}
-    <gazebo reference="part"><mu1>0.3</mu1><mu2>0.4</mu2><kp>1e6</kp><kd>10</kd><fdir1>1 0 0</fdir1>
+    <gazebo reference="part"><mu1 value="0.3"/><mu2>0.4</mu2><kp>1e6</kp><kd>10</kd><fdir1>1 0 0</fdir1>
       <material>Gazebo/Blue</material><selfCollide>true</selfCollide>
       <sensor name="s" type="imu"><pose>1 0 0 0 0 0</pose></sensor></gazebo>
     <gazebo reference="arm_joint"><springStiffness>3</springStiffness><stopCfm>0.1</stopCfm></gazebo>
@@ -159,6 +160,21 @@ def test_a_joint_is_preserved_if_both_of_its_links_have_a_mass() -> None:
         model = model_of(f'<robot name="r">{parent}{HEAVY.format("b")}{joint}{keep}</robot>')
         assert len(model.findall("link")) == count
         assert [joint.get("type") for joint in model.findall("joint")] == ["fixed"] * (count - 1)
+
+
+def test_tracks_that_the_user_names_stay_links_on_their_fixed_joints(tmp_path: Path) -> None:
+    box = '<collision><geometry><box size="0.6 0.1 0.2"/></geometry></collision></link>'
+    links = "".join(HEAVY.format(name).replace("</link>", box) for name in ("a", "b"))
+    joints = "".join(
+        JOINT.format(f"{name}_joint", "fixed", "base", name, f'<origin xyz="0 {y} 0"/>')
+        for name, y in (("a", 0.3), ("b", -0.3))
+    )
+    file = written(tmp_path, "mine.urdf", f'<robot name="r">{HEAVY.format("base")}{links}{joints}</robot>')
+    drive = from_file(file, tracks="b,a").drive
+    assert isinstance(drive, Tracks)
+    assert (drive.body, drive.left, drive.right) == ("base", ("a",), ("b",))
+    assert drive.separation == pytest.approx(0.6)
+    assert len(ElementTree.fromstring(from_file(file).text).findall("link")) == 1
 
 
 def test_a_robot_may_be_fixed_in_the_world() -> None:

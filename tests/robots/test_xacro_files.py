@@ -63,7 +63,7 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "maximum recursion depth"),
         ('<xacro:include filename="mine.xacro"/>', "maximum recursion depth"),
         ('<xacro:include filename="none.xacro"/>', "No such file"),
-        ('<xacro:include filename="$(find none_description)/x.xacro"/>', "the package none_description is not found"),
+        ('<gazebo><a b="$(find none_description)/x"/></gazebo>', "the package none_description is not found"),
         ('<gazebo><a b="$(arg none)"/></gazebo>', "Undefined substitution argument none"),
         ('<gazebo><a b="$(eval 1 + 1)"/></gazebo>', "$(eval ...) is not evaluated; use ${...}"),
         ('<gazebo><a b="${[0] * 10**10}"/></gazebo>', "xacro cannot expand it"),
@@ -81,8 +81,9 @@ def test_macros_that_cannot_be_expanded_are_refused_in_one_line(tmp_path: Path, 
 @with_xacro
 @pytest.mark.slow
 def test_macros_that_never_end_are_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After 2 s of CPU time, or after 6 s on a busy machine."""
     monkeypatch.setattr(xacro_files, "_SECONDS", 2)
-    with pytest.raises(FileError, match=r"mine\.xacro: its macros are not expanded after 2 s"):
+    with pytest.raises(FileError, match=r"mine\.xacro: its macros are not expanded after [26] s"):
         expanding(tmp_path, '<gazebo><a b="${len(str(10**10**9))}"/></gazebo>')
 
 

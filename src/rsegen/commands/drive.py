@@ -30,7 +30,15 @@ def drive(  # noqa: PLR0913  # each is a flag
             "LEFT,RIGHT or FRONT+REAR,FRONT+REAR",
             help="joints of the wheels of a model in a file",
         ),
-        Shell(metavar="LEFT,RIGHT", default="from its drive plug-in"),
+        Shell(metavar="LEFT,RIGHT", default="of its drive plug-in, of ROS's controllers, or by their shapes"),
+    ] = None,
+    tracks: Annotated[
+        str | None,
+        Reference(
+            "LEFT,RIGHT or TRACK+FLIPPER,TRACK+FLIPPER",
+            help="links of the tracks of a model in a file, and of their flippers",
+        ),
+        Shell(metavar="LEFT,RIGHT", default="of its drive plug-in"),
     ] = None,
     size: Annotated[
         tuple[float, float, float] | None,
@@ -40,12 +48,12 @@ def drive(  # noqa: PLR0913  # each is a flag
     speed: Annotated[
         float | None,
         replace(SPEED, help="maximum speed of the robot in the file"),
-        Shell(metavar="V", default="of its plug-in or joints, else 0.2"),
+        Shell(metavar="V", default="of its plug-in, controller or joints, else 0.2"),
     ] = None,
     turn: Annotated[
         float | None,
         replace(TURN, help="maximum turn rate of the robot in the file"),
-        Shell(metavar="W", default="of its plug-in, else 0.5"),
+        Shell(metavar="W", default="of its plug-in or controller, else 0.5"),
     ] = None,
     robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,
     simulator: SimulatorName = None,
@@ -98,7 +106,7 @@ def drive(  # noqa: PLR0913  # each is a flag
 
     if best is not None and route != AlongWay.name:
         raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
-    model = drivable(robot, wheels, size=size, speed=speed, turn=turn)
+    model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
     refuse_output(None if output is None else Path(output), picture=picture, force=force)
     world = world_of(target, map)

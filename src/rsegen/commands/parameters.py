@@ -97,7 +97,10 @@ Seed = Annotated[
 
 RobotModel = Annotated[
     "str | os.PathLike[str] | DrivableRobot",
-    Reference("a kind of robot, or a file of one", help="kind of robot, or SDF, URDF or Xacro file of a model"),
+    Reference(
+        "a kind of robot, or a file of one",
+        help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments",
+    ),
     Shell(metavar="KIND|FILE"),
 ]
 

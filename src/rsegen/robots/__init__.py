@@ -4,6 +4,7 @@ from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import BACKENDS, Command
 from rsegen.robots.lookup import poses, robot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
+from rsegen.robots.xacro_files import with_arguments
 
 __all__ = [
     "BACKENDS",
@@ -16,4 +17,5 @@ __all__ = [
     "poses",
     "robot",
     "robot_of",
+    "with_arguments",
 ]

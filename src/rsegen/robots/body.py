@@ -108,8 +108,6 @@ def body_of_file(robot: SdfRobot) -> Body:
     )
     lifted = np.eye(4)
     lifted[2, 3] = robot.lift  # the origin of a robot in a world is below its lowest shape
-    if robot.read_drive and robot.read_drive.backwards:
-        lifted[:2, :2] *= -1
     shapes, masses = list(_shapes_of(frames, driven, lifted, distance)), inertials(frames).values()
     centre = np.average([inertial.centre for inertial in masses], axis=0, weights=[one.mass for one in masses])
     return body_of_shapes(

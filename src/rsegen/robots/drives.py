@@ -97,9 +97,12 @@ def elements(tag: str, values: tuple[str, ...]) -> str:
 class Drive(ABC):
     """A drive for speed v, m/s, and turn rate w, rad/s.
 
+    left, right: what it drives on either side, hinges of wheels or links of tracks
     separation: of wheels or tracks, from middle to middle, metres   speed, turn: the maximum v and w
     """
 
+    left: tuple[str, ...]
+    right: tuple[str, ...]
     separation: float
     radius: float
     speed: float
@@ -132,8 +135,6 @@ class Wheels(Drive):
                  tip over; Classic's has the limits of its motors
     """
 
-    left: tuple[str, ...]
-    right: tuple[str, ...]
     slip: float = 1
     spread: float = 1
     acceleration: float | None = None
@@ -179,8 +180,6 @@ class Tracks(Drive):
     """
 
     body: str
-    left: tuple[str, ...]
-    right: tuple[str, ...]
     mu: float
     mu2: float
     efficiency: float

@@ -1,15 +1,17 @@
-"""Read the drive of a model in an SDF file from its plug-in, be it one of a simulator or of ROS.
+"""Find the drive of a model: by a plug-in, by what ROS controls, or by the shapes of its wheels.
 
-A plug-in names joints (wheels) or links (tracks), and perhaps separation, radius and limits; what it does not say is
-measured on the collision shapes. Left and right follow from the places of the joints, as Gazebo Classic's plug-ins call
-left what is right. Without a known plug-in the user names the wheels. What breaks it: wheels in an <include>, and
-shapes of unknown size (docs/robots.md).
+A plug-in, of a simulator or of ROS, names joints (wheels) or links (tracks), and perhaps separation, radius and limits;
+what it does not say is measured on the collision shapes. Left and right follow from the places of the joints, as Gazebo
+Classic's plug-ins call left what is right. Without a known plug-in, wheels are those of a controller of ROS, else the
+joints that take a velocity, else what looks like wheels; or the user names wheels or tracks. What breaks it: wheels in
+an <include>, shapes of unknown size, wheels that are steered (docs/robots.md).
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -19,6 +21,7 @@ from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.field.limits import SPEED, TURN
 from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
+from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats
 
@@ -43,20 +46,41 @@ _JOINTS = ("{}_joint", "{}Joint", "{}_front", "{}FrontJoint", "front_{}_joint", 
 _REAR = ("{}_rear", "{}RearJoint", "back_{}_joint", "{}_rear_joint")
 """Tags of the joints of a side in plug-ins; those before name front joints, these rear ones."""
 
+TRACK_CONTROLLER = "gz-sim-track-controller-system"
+"""The plug-in of Gazebo Sim that moves a single track, for one that drives tracks."""
+
+_ALONG = 0.99
+"""Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""
+
+_ENDLESS = 100.0
+"""Radians between the limits of a joint from which on it may be that of a wheel: no arm turns 16 times."""
+
+_ROUND, _GROUNDED, _CENTRED = 0.05, 0.2, 0.2
+"""Shares of a wheel's size: by which its height and length may differ; of its radius: by which its lowest point may be
+above that of the robot, and its middle away from its axis."""
+
+_LIKE = 0.8
+"""Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
+
+_AGREES = 0.2
+"""Share of a wheel's measured radius by which that of a plug-in may differ without a word."""
+
 
 class ReadDrive(NamedTuple):
     """A drive as it was read from a model.
 
-    plugin: its plug-in, by its key in KNOWN, empty if the user named the wheels; sizes: the origin of separation and
-    radius; limits: of the speed and the turn rate, None if the model has none; backwards: whether the wheels' axes
-    point to the right, so that they roll backwards
+    plugin: its plug-in, by its key in KNOWN, empty for none; origin: what says which its wheels or tracks are, in
+    words; sizes: the origin of separation and radius; limits: of the speed and the turn rate, None if unknown, and
+    limits_by their origin; turned: wheels whose axes point to the right: they are turned to the left for a drive
     """
 
     plugin: str
     drive: Drive
+    origin: str
     sizes: str
     limits: tuple[float | None, float | None] = (None, None)
-    backwards: bool = False
+    limits_by: str = "its model"
+    turned: tuple[str, ...] = ()
 
 
 def plugin_key(file: str) -> str:
@@ -65,40 +89,208 @@ def plugin_key(file: str) -> str:
     return re.sub(r"^(gz-sim|ignition-gazebo)\d*-", "gz-sim-", name)
 
 
-def find_drive(model: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
-    """Return the drive of the first plug-in that is known and names what it drives; None if there is none.
+def find_drive(model: Element, frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive | None:
+    """Return the drive of a model; None if it has none that is known, nor wheels."""
+    return (
+        _plugged(model, frames, shapes)
+        or next(filter(None, (_controlled(controller, ros, frames, shapes) for controller in ros.controllers)), None)
+        or _by_interfaces(ros, frames, shapes)
+        or _by_shapes(frames, shapes)
+    )
+
+
+def _plugged(model: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+    """Return the drive of the first plug-in that is known and names what it drives.
 
     Classic's DiffDrive knows one pair of wheels, so a model may have several: plug-ins of one kind are one drive.
     """
     merged: dict[str, Element] = {}
     for plugin in model.iter("plugin"):
         key = plugin_key(plugin.get("filename", ""))
-        if key in KNOWN:
+        if key in (*KNOWN, TRACK_CONTROLLER):
             merged.setdefault(key, Element("plugin")).extend(list(plugin))
     readers = {"wheels": _wheels, "belts": _belts, "tracks": _tracks}
-    read = ((key, readers[KNOWN[key]](plugin, frames, shapes)) for key, plugin in merged.items())
-    return next((drive._replace(plugin=key) for key, drive in read if drive), None)
+    read = ((key, readers[KNOWN[key]](plugin, frames, shapes)) for key, plugin in merged.items() if key in KNOWN)
+    drives = (drive._replace(plugin=key, origin=key) for key, drive in read if drive)
+    controllers = merged.get(TRACK_CONTROLLER)
+    return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames, shapes))
 
 
-def named_wheels(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
+class _Sizes(NamedTuple):
+    """Separation and radius, metres, None for what is measured, and how much faster the wheels turn as they skid."""
+
+    separation: float | None = None
+    radius: float | None = None
+    slip: float = 1
+
+
+_MEASURED = _Sizes()
+
+
+def named_wheels(text: str, frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive:
     """Return the drive of wheels whose joints the user names: LEFT,RIGHT; several of a side joined by +."""
-    sides = [side.split("+") for side in text.split(",")]
-    if len(sides) != 2 or len(sides[0]) != len(sides[1]) or not all(joint for side in sides for joint in side):
+    left, right = _sides(text, "wheels", "joint", frames.joints)
+    if len(left) != len(right):
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
-    joints = list(frames.joints)
-    for joint in (joint for side in sides for joint in side):
-        if joint not in joints:
-            raise UnknownName.among("wheels", "joint", joint, joints)
-    # 1 for an axis to the left, -1 for one to the right, 0 for an axis that is not along y, within a milliradian.
-    ways = {np.sign(frames.axis(joint)[1].round(3)) for side in sides for joint in side}
-    if len(ways) != 1 or 0 in ways:
-        raise ParameterError("wheels", f"{text}: their axes are not all along y, to the same side")
-    left, right = _by_side(sides[0], sides[1], frames, shapes)
-    drive = _made(left, right, _separation(left, right, frames, shapes), _radius(left, frames, shapes), frames)
-    if not drive.separation or not drive.radius:
+    if any(abs(frames.axis(joint)[1]) < _ALONG for joint in (*left, *right)):
+        raise ParameterError("wheels", f"{text}: their axes are not all along y")
+    drive = _of_joints(left, right, frames, shapes, ros)
+    if drive is None:
         problem = "their places or shapes are unknown; a wheel needs a collision shape such as a cylinder or sphere"
         raise ParameterError("wheels", f"{text}: {problem}")
-    return ReadDrive("", drive, "its wheels", backwards=ways == {-1.0})
+    return drive._replace(origin="--wheels")
+
+
+def named_tracks(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
+    """Return the drive of tracks whose links the user names: LEFT,RIGHT; a side's flippers joined to it by +."""
+    links = {name: element for name, element in frames.elements.items() if element.tag == "link"}
+    left, right = _sides(text, "tracks", "link", links)
+    drive = _tracked(Element("plugin"), left, right, frames, shapes, body=_first_link(frames))
+    if drive is None or not drive.drive.separation:
+        raise ParameterError("tracks", f"{text}: their shapes are unknown, or in one place")
+    return drive._replace(origin="--tracks", sizes="its shapes")
+
+
+def _sides(text: str, what: str, of: str, known: Mapping[str, object]) -> list[list[str]]:
+    """Return the names of the two sides in LEFT,RIGHT or FRONT+REAR,FRONT+REAR; an error for one that is unknown."""
+    sides = [side.split("+") for side in text.split(",")]
+    if len(sides) != 2 or not all(name for side in sides for name in side):
+        raise ParameterError(what, f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, {of}s of {what}")
+    for name in (name for side in sides for name in side):
+        if name not in known:
+            raise UnknownName.among(what, of, name, known)
+    return sides
+
+
+def _controlled(controller: Controller, ros: Controls, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+    """Return the drive of a controller of ROS, whose file says which wheels are left."""
+    wheels = [joint for joint in (*controller.left, *controller.right) if joint in frames.joints]
+    if len(wheels) < len(controller.left) + len(controller.right):  # some were left out, as they have no mass
+        return None
+    if any(abs(frames.axis(joint)[1]) < _ALONG for joint in wheels):
+        return None
+    sizes = _Sizes(controller.separation, controller.radius, controller.slip)
+    read = _of_joints(controller.left, controller.right, frames, shapes, ros, sizes)
+    if read is None:
+        return None
+    speed, turn = (_limit(sort, of, frames) for sort, of in ((SPEED, controller.speed), (TURN, controller.turn)))
+    origins = [None if speed else read.limits_by, controller.where if speed or turn else None]
+    limits, by = (speed or read.limits[0], turn), " and ".join(filter(None, origins))
+    measured = "its wheels" if None in sizes else "it"
+    return read._replace(origin=controller.where, sizes=measured, limits=limits, limits_by=by)
+
+
+def _by_interfaces(ros: Controls, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+    """Return the drive of the joints that take a velocity, if they are wheels on both sides."""
+    wheels = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
+    read = _paired(wheels, frames, shapes, ros)
+    return read and read._replace(origin="ros2_control")
+
+
+def _by_shapes(frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+    """Return the drive of what looks like wheels: round, on the ground, on endless joints across, and not swivelling.
+
+    Casters that do not swivel look the same, unless they are smaller.
+    """
+    if not shapes.known:
+        return None
+    radii = {joint: _wheel_radius(joint, frames, shapes) for joint in _rolling(frames.joints, frames)}
+    largest = max(radii.values(), default=0.0)
+    wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
+    read = _paired(wheels, frames, shapes, Controls())
+    return read and read._replace(origin="the shapes of its links, as nothing in its file says")
+
+
+def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
+    """Return the joints that are endless, along y, and not on one that turns about another axis, as a caster is."""
+    above = {_child(name, frames): name for name in frames.joints}
+    swivels: dict[str, bool] = {}  # whether a link is turned about another axis than y
+
+    def is_swivelling(link: str) -> bool:
+        way = []
+        while link in above and link not in swivels:
+            swivels[link] = False  # until more is known; it ends a circle
+            way.append(link)
+            link = _parent(above[link], frames)
+        turned = swivels.get(link, False)
+        for part in reversed(way):
+            joint = above[part]
+            turns = frames.joints[joint].get("type") in ("revolute", "continuous")
+            turned = turned or (turns and abs(frames.axis(joint)[1]) < _ALONG)
+            swivels[part] = turned
+        return turned
+
+    return [
+        joint
+        for joint in joints
+        if is_endless(frames.joints[joint])
+        and abs(frames.axis(joint)[1]) >= _ALONG
+        and not is_swivelling(_parent(joint, frames))
+    ]
+
+
+def is_endless(joint: Element) -> bool:
+    """Return whether a joint turns without end."""
+    if joint.get("type") not in ("revolute", "continuous"):
+        return False
+    low, high = (_end(joint.findtext(f"axis/limit/{name}"), sign) for name, sign in (("lower", -1), ("upper", 1)))
+    return high - low >= _ENDLESS
+
+
+def _end(text: str | None, sign: int) -> float:
+    try:
+        return float(text or sign * np.inf)
+    except ValueError:
+        return 0.0
+
+
+def _wheel_radius(joint: str, frames: ModelFrames, shapes: Extents) -> float:
+    """Return the radius of what a joint turns if it is round about it and on the ground; 0 if not."""
+    shape = shapes.of(_child(joint, frames))
+    if shape is None:
+        return 0.0
+    length, _, height = shape.high - shape.low
+    off = np.linalg.norm(((shape.low + shape.high) / 2 - frames.joint(joint)[:3, 3])[[0, 2]])
+    is_round = abs(length - height) <= _ROUND * height and off <= _CENTRED * height / 2
+    is_on_ground = shape.low[2] - shapes.low[2] <= _GROUNDED * height / 2
+    return float(height / 2) if is_round and is_on_ground else 0.0
+
+
+def _paired(wheels: Sequence[str], frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive | None:
+    """Return the drive of wheels on two sides, as many on either; those in the middle are casters."""
+    middles = {joint: _middle(_child(joint, frames), frames, shapes) for joint in wheels}
+    if not middles:
+        return None
+    ys = [middle[1] for middle in middles.values()]
+    centre, half = (min(ys) + max(ys)) / 2, (max(ys) - min(ys)) / 2
+    from_front = sorted(wheels, key=lambda joint: -middles[joint][0])
+    left = [joint for joint in from_front if middles[joint][1] - centre > half / 2]
+    right = [joint for joint in from_front if centre - middles[joint][1] > half / 2]
+    return _of_joints(left, right, frames, shapes, ros) if left and len(left) == len(right) else None
+
+
+def _of_joints(
+    first_side: Sequence[str],
+    second_side: Sequence[str],
+    frames: ModelFrames,
+    shapes: Extents,
+    ros: Controls,
+    sizes: _Sizes = _MEASURED,
+) -> ReadDrive | None:
+    """Return the drive of wheels on joints along y; what is not given is measured; None if it cannot be."""
+    left, right = _by_side(first_side, second_side, frames, shapes)
+    separation = sizes.separation or _separation(left, right, frames, shapes)
+    radius = sizes.radius or _radius(left, frames, shapes)
+    if not separation or not radius:
+        return None
+    drive = replace(_made(left, right, separation, radius, frames), slip=sizes.slip)
+    rates = [rate for joint in (*left, *right) if (rate := ros.rates.get(joint))]
+    speed = _limit(SPEED, min(rates, default=0) * radius, frames)
+    by = "ros2_control"
+    if not speed:
+        speed, by = _limits(Element("plugin"), frames, drive, (*left, *right))[0], "its joints"
+    turned = tuple(joint for joint in (*left, *right) if frames.axis(joint)[1] < 0)
+    return ReadDrive("", drive, "", "its wheels", (speed, None), by, turned)
 
 
 def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
@@ -112,18 +304,21 @@ def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive 
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
     # Sizes that the plug-in does not give are measured on the wheels.
-    given = bool(separation and radius)
+    measured = _radius(left, frames, shapes)
+    origin = "its plug-in" if separation and radius else "its wheels"
+    if radius and measured and abs(radius - measured) > _AGREES * measured:
+        origin += f", although its wheels measure {measured:.4g} m"
     drive = _made(
         left,
         right,
         separation or _separation(left, right, frames, shapes),
-        radius or _radius(left, frames, shapes),
+        radius or measured,
         frames,
     )
     if not drive.separation or not drive.radius:
         return None
     limits = _limits(plugin, frames, drive, left + right)
-    return ReadDrive("", drive, "its plug-in" if given else "its wheels", limits)
+    return ReadDrive("", drive, "", origin, limits)
 
 
 def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: float, frames: ModelFrames) -> Wheels:
@@ -151,8 +346,27 @@ def _belts(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive |
 def _tracks(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
     """Return the drive of Gazebo Sim's TrackedVehicle; its body is the first link of its model."""
     left, right = ([_text(element.find("link")) for element in plugin.findall(f"{side}_track")] for side in _SIDES)
-    body = next((name for name, element in frames.elements.items() if element.tag == "link"), "")
-    return _tracked(plugin, left, right, frames, shapes, body=body)
+    return _tracked(plugin, left, right, frames, shapes, body=_first_link(frames))
+
+
+def _track_controllers(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+    """Return the drive of tracks that have a TrackController each; the longest of a side is the main one."""
+    links = [link for link in dict.fromkeys(_named(plugin, ["link"])) if link in frames.elements]
+    ys = [float(_middle(link, frames, shapes)[1]) for link in links]
+    centre = (min(ys, default=0) + max(ys, default=0)) / 2
+    longest = sorted(zip(links, ys, strict=True), key=lambda link: -_length(link[0], shapes))
+    left, right = ([link for link, y in longest if sign * (y - centre) > 0] for sign in (1, -1))
+    drive = _tracked(plugin, left, right, frames, shapes, body=_first_link(frames))
+    return drive and drive._replace(origin=TRACK_CONTROLLER, sizes="its shapes")
+
+
+def _length(link: str, shapes: Extents) -> float:
+    shape = shapes.of(link)
+    return 0.0 if shape is None else float(shape.high[0] - shape.low[0])
+
+
+def _first_link(frames: ModelFrames) -> str:
+    return next((name for name, element in frames.elements.items() if element.tag == "link"), "")
 
 
 def _tracked(
@@ -179,7 +393,7 @@ def _tracked(
         mu2=_number(plugin, frames, "track_mu2") or 0.5,
         efficiency=_number(plugin, frames, "steering_efficiency") or 0.5,
     )
-    return ReadDrive("", drive, "its plug-in", _limits(plugin, frames, drive, ()))
+    return ReadDrive("", drive, "", "its plug-in", _limits(plugin, frames, drive, ()))
 
 
 def _by_side(
@@ -209,9 +423,18 @@ def _middle(link: str, frames: ModelFrames, shapes: Extents) -> np.ndarray[tuple
 
 def _child(joint: str, frames: ModelFrames) -> str:
     """Return the link that a joint turns."""
+    return _link(joint, "child", frames)
+
+
+def _parent(joint: str, frames: ModelFrames) -> str:
+    """Return the link that a joint hangs on."""
+    return _link(joint, "parent", frames)
+
+
+def _link(joint: str, tag: str, frames: ModelFrames) -> str:
     scope = joint.rpartition("::")[0]
-    child = _text(frames.joints[joint].find("child"))
-    return f"{scope}::{child}" if scope else child
+    name = _text(frames.joints[joint].find(tag))
+    return f"{scope}::{name}" if scope else name
 
 
 def _limits(

@@ -1,37 +1,47 @@
 """A robot from an SDF or URDF file of the user, which is parsed as untrusted input.
 
 The model is kept as text, URDF as SDF. Its drive, size and limits are read once; for a world it gets a drive plug-in of
-the simulator that runs it, in place of its own or ROS's, and loses what that simulator cannot load, and its sensors.
-URIs of meshes become absolute paths first, as the world is written elsewhere. What breaks it: a drive that no known
-plug-in gives, meshes in packages that are not found, and joints inside an <include> (docs/robots.md).
+the simulator that runs it, in place of its own or ROS's, and loses what that simulator cannot load, and its sensors;
+flippers, arms and legs keep their angles. URIs of meshes become absolute paths first, as the world is written
+elsewhere. What breaks it: meshes in packages that are not found, and joints inside an <include> (docs/robots.md).
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any
 from xml.etree import ElementTree
-from xml.etree.ElementTree import Element, SubElement, fromstring
 
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.exporters.gazebo.sdf import numbers, prefixes
+from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.field.limits import SIDE
 from rsegen.io.input_files import elements, text_of
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
+from rsegen.robots.controllers import Controls, controls
+from rsegen.robots.drivable_model import Changes, has_controllers, hold, make_drivable
 from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
-from rsegen.robots.sdf_drives import DEFAULT_SPEED, DEFAULT_TURN, KNOWN, ReadDrive, find_drive, named_wheels, plugin_key
+from rsegen.robots.sdf_drives import (
+    DEFAULT_SPEED,
+    DEFAULT_TURN,
+    ReadDrive,
+    find_drive,
+    named_tracks,
+    named_wheels,
+    plugin_key,
+)
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_inertias, inertials
 from rsegen.robots.urdf import converted
 from rsegen.robots.uris import resolve_uris
-from rsegen.robots.xacro_files import expanded, is_xacro
+from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import Standing
 from rsegen.standing.spots import body_of_size
@@ -51,26 +61,16 @@ _MOST_NAMES = 12
 _LARGEST_TURN = 3.0
 """Largest turn rate, rad/s, of a command to Classic's drive, which takes it as an angle below pi."""
 
-_TRACK_CONTROLLER = "gz-sim-track-controller-system"
-"""The plug-in of Gazebo Sim that moves a single track, and belongs to a drive of tracks."""
-
-_ROS = re.compile(r"(?:^|_)ros\d?(?:_|$)|^hector_gazebo_")
-"""Names of plug-ins of ROS, as in libgazebo_ros_diff_drive.so or gz_ros2_control-system."""
-
-_LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
-"""Variables that list the folders of plug-ins."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SdfRobot(Standing):
     """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
-    if it
-    has none that is known: then it cannot be driven; joints: those that could be wheels; size: of a box around its
-    origin that holds its collision shapes; lift: how far its origin is above the lowest of them, metres; derived,
-    assumed: which of size, speed and turn are from the model, and which from nowhere; remarks: sentences about
-    links that were left out, or whose inertia no body has.
+    if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
+    be wheels; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above the
+    lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from nowhere;
+    remarks: sentences about links that were left out, or whose inertia no body has, and packages that are not found.
     """
 
     kind: str
@@ -116,16 +116,17 @@ class SdfRobot(Standing):
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
-        """Return the text of an SDF file of it with its own plug-ins, ROS's too."""
+        """Return the text of an SDF file of it with its own plug-ins, ROS's too; what has no drive stands still."""
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
-        return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(self._placed(name, ORIGIN))}</sdf>\n'
+        model = self._placed(name, ORIGIN)
+        if self._stands(simulator):
+            hold(model, None)
+        return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
         """Return the command for speed v forward, m/s, and turn rate w, rad/s."""
         drive = self.drive
-        if self.read_drive and self.read_drive.backwards:
-            v, w = -v, -w
         if simulator == "classic" and isinstance(drive, Wheels):
             most = _LARGEST_TURN * drive.spread
             w = max(-most, min(most, w))
@@ -135,11 +136,19 @@ class SdfRobot(Standing):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        left_out = self._make_drivable(ElementTree.fromstring(self.text), self.kind, simulator)  # noqa: S314  # as above
-        if left_out.plugins:
-            yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(left_out.plugins)}"
-        if left_out.sensors:
-            yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(left_out.sensors)}"
+        changes = self._make_drivable(self._model(), self.kind, simulator)
+        if changes.held:
+            yield f"{self.kind}: held as its model has them, as nothing drives them: {_some(changes.held)}"
+        if changes.plugins:
+            yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(changes.plugins)}"
+        if changes.sensors:
+            yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(changes.sensors)}"
+
+    def spawn_notes(self, simulator: str) -> Iterator[str]:
+        """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
+        yield from (f"{self.kind}: {remark}" for remark in self.remarks)
+        if self._stands(simulator) and (held := hold(self._model(), None)):
+            yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
         """Return the robot with the size, speed or turn rate that the user gives."""
@@ -148,17 +157,24 @@ class SdfRobot(Standing):
         )
         return replace(self, derived=derived, assumed=assumed, **values)
 
-    def _make_drivable(self, model: ElementTree.Element, name: str, simulator: str) -> LeftOut:
+    def _stands(self, simulator: str) -> bool:
+        """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
+        return self.read_drive is None and not has_controllers(self._model(), simulator)
+
+    def _model(self) -> ElementTree.Element:
+        return ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
+
+    def _make_drivable(self, model: ElementTree.Element, name: str, simulator: str) -> Changes:
         if simulator == "classic" and model.find("allow_auto_disable") is None:
             ElementTree.SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
         drive = self.drive if self.read_drive else None
-        left_out = make_drivable(model, drive, self.read_drive.plugin if self.read_drive else "", name, simulator)
+        changes = make_drivable(model, drive, self.read_drive, name, simulator)
         if simulator != "classic":
             model.append(ElementTree.fromstring(pose_publisher(simulator)))  # noqa: S314  # ours
-        return left_out
+        return changes
 
     def _placed(self, name: str, at: SdfPose) -> ElementTree.Element:
-        model = ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
+        model = self._model()
         model.set("name", name)
         for pose in model.findall("pose"):
             model.remove(pose)
@@ -169,25 +185,39 @@ class SdfRobot(Standing):
 
 
 def is_robot_file(what: object) -> bool:
-    """Return whether this is a path, or a text that ends as the name of a robot's file does."""
-    return isinstance(what, os.PathLike) or (isinstance(what, str) and what.endswith(_SUFFIXES))
+    """Return whether this is a path, or a text that ends as the name of a robot's file does, before any arguments."""
+    return isinstance(what, os.PathLike) or (isinstance(what, str) and with_arguments(what)[0].endswith(_SUFFIXES))
 
 
-def from_file(path: str | os.PathLike[str], wheels: str | None = None) -> SdfRobot:
+def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: str | None = None) -> SdfRobot:
     """Return the robot of the one model in an SDF, URDF or Xacro file; FileError if the file has anything else.
 
-    wheels: the joints of its wheels as LEFT,RIGHT, several of a side joined by +, for a model without a drive that is
-    known.
+    path: a text may have arguments of Xacro after it, as in "robot.urdf.xacro laser:=true". wheels: the joints of its
+    wheels as LEFT,RIGHT; tracks: the links of its tracks; several of a side joined by +, the flippers of a track after
+    it. They are for a model that does not say it, or says it otherwise.
     """
-    return parsed(text_of(Path(path), MAX_MIB, "a robot"), str(path), wheels)
+    file, arguments = with_arguments(path) if isinstance(path, str) else (os.fspath(path), {})
+    return parsed(text_of(Path(file), MAX_MIB, "a robot"), file, wheels, tracks, arguments)
 
 
-def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
+def parsed(
+    text: str,
+    where: str,
+    wheels: str | None = None,
+    tracks: str | None = None,
+    arguments: Mapping[str, str] = MappingProxyType({}),
+) -> SdfRobot:
     """Return the one model in a text; a document type and entities are refused, as bombs are made of them."""
     root = elements(text, where)
+    remarks: list[str] = []
     if is_xacro(root, where):
-        root = elements(expanded(text, where), where)
-    root, left_out = converted(root, where) if root.tag == "robot" else (root, ())
+        text, missing = expanded(text, where, arguments)
+        root = elements(text, where)
+        remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
+    elif arguments:
+        raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
+    ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
+    root, left_out = converted(root, where, _names(tracks)) if root.tag == "robot" else (root, ())
     model = _model(root, where)
     resolve_uris(model, Path(where))
     version = _version(root)
@@ -196,7 +226,10 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
     frames = ModelFrames(model, where)
     shapes = extents(frames)
     inertials(frames)  # an error for a mass that no simulator takes
-    drive = named_wheels(wheels, frames, shapes) if wheels else find_drive(model, frames, shapes)
+    if wheels:
+        drive: ReadDrive | None = named_wheels(wheels, frames, shapes, ros)
+    else:
+        drive = named_tracks(tracks, frames, shapes) if tracks else find_drive(model, frames, shapes, ros)
     if drive:
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
@@ -215,8 +248,13 @@ def parsed(text: str, where: str, wheels: str | None = None) -> SdfRobot:
         lift=-float(shapes.low[2]) if shapes.known else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
-        remarks=tuple(_remarks(left_out, impossible_inertias(frames))),
+        remarks=(*remarks, *_remarks(left_out, impossible_inertias(frames))),
     )
+
+
+def _names(tracks: str | None) -> set[str]:
+    """Return the links in LEFT,RIGHT, or none."""
+    return set(re.split(r"[,+]", tracks)) if tracks else set()
 
 
 def _remarks(left_out: Sequence[str], impossible: Sequence[str]) -> Iterator[str]:
@@ -283,119 +321,39 @@ def _backend(model: ElementTree.Element, drive: ReadDrive | None) -> str | None:
 
 
 def _derived(robot: SdfRobot) -> str:
-    """Return what was taken from its file, and what was assumed."""
-    read_drive, phrases = robot.read_drive, []
-    if read_drive:
-        origin = read_drive.plugin or "the given wheels"
-        what = "wheels" if isinstance(read_drive.drive, Wheels) else "tracks"
-        sizes = f"{read_drive.drive.separation:.4g} m apart, radius {read_drive.drive.radius:.4g} m"
-        phrases.append(f"its drive is read from {origin}, with {what} {sizes}, by {read_drive.sizes}")
+    """Return what was taken from its file or from those around it, and what was assumed."""
+    read, phrases = robot.read_drive, []
+    limits_by = "its model"
+    if read:
+        limits_by = read.limits_by
+        drive = read.drive
+        what = "wheels" if isinstance(drive, Wheels) else "tracks"
+        sides = ",".join("+".join(side) for side in (drive.left, drive.right))
+        skid = f", times {drive.slip:g} as they skid" if isinstance(drive, Wheels) and drive.slip != 1 else ""
+        sizes = f"{drive.separation:.4g} m apart{skid}, radius {drive.radius:.4g} m"
+        phrases.append(f"its {what} are {sides} by {read.origin}, {sizes} by {read.sizes}")
     values = {
         "size": f"size {' x '.join(f'{side:.3f}' for side in robot.size)} m around its origin",
-        "speed": f"speed {robot.speed:g} m/s",
-        "turn": f"turn rate {robot.turn:g} rad/s",
+        "speed": f"speed {robot.speed:.4g} m/s",
+        "turn": f"turn rate {robot.turn:.4g} rad/s",
     }
-    for origin, names in (("its model", robot.derived), ("assumption", robot.assumed)):
-        if names:
-            phrases.append(", ".join(values[name] for name in names) + f" by {origin}")
+    origins = {"size": "its model", "speed": limits_by, "turn": limits_by}
+    origins |= dict.fromkeys(robot.assumed, "assumption")
+    for origin in dict.fromkeys(origins.values()):
+        names = [name for name in (*robot.derived, *robot.assumed) if origins[name] == origin]
+        phrases += [", ".join(values[name] for name in names) + f" by {origin}"] if names else []
     return "; ".join(phrases)
 
 
 def _no_drive(robot: SdfRobot) -> str:
-    joints = _some(robot.joints)
-    wheels = f"name its wheels' joints with --wheels LEFT,RIGHT ({joints})" if joints else "it has no joint that turns"
-    return f"no drive that rsegen knows ({', '.join(KNOWN)}); {wheels}"
+    joints = f" ({_some(robot.joints)})" if robot.joints else ""
+    return (
+        "no wheels or tracks: no plug-in that rsegen knows has them, nor ros2_control or a file of a controller, and no"
+        f" links look like wheels; name them with --tracks LEFT,RIGHT, or --wheels LEFT,RIGHT{joints}; without them it"
+        " only stands, with rsegen spawn"
+    )
 
 
 def _outer(model: ElementTree.Element) -> str:
     model.tail = "\n"
     return ElementTree.tostring(model, encoding="unicode")
-
-
-class LeftOut(NamedTuple):
-    """The files of the plug-ins, and the names of the sensors, that were taken out of a model."""
-
-    plugins: tuple[str, ...]
-    sensors: tuple[str, ...]
-
-
-def make_drivable(model: Element, drive: Drive | None, own: str, name: str, backend: str) -> LeftOut:
-    """Give a model a drive of the simulator's own in place of all that it has; what else was taken out of it.
-
-    own: the key of the plug-in that the drive was read from; if it is the simulator's, the plug-in is kept, with its
-    limits of acceleration. ROS's plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or
-    of the simulator's plug-ins.
-    """
-    kept = [
-        plugin for plugin in model.iter("plugin") if _is_own_drive(plugin_key(plugin.get("filename", "")), own, backend)
-    ]
-    left_out = _leave_out(model, backend)
-    for plugin in kept:
-        for topic in plugin.findall("topic"):
-            plugin.remove(topic)
-        if plugin_key(plugin.get("filename", "")) == own:
-            SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
-    if drive and not kept:
-        kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
-    model.extend(kept)
-    _respell(model, backend)
-    return left_out
-
-
-def _is_own_drive(key: str, own: str, backend: str) -> bool:
-    """Return whether a plug-in is the drive that was read, and the simulator has it.
-
-    Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
-    """
-    missing = ("classic",) if own != "gz-sim-mecanum-drive-system" else ("classic", "fortress")
-    return backend not in missing and own.startswith("gz-sim-") and key in (own, _TRACK_CONTROLLER)
-
-
-def _leave_out(model: Element, backend: str) -> LeftOut:
-    """Take out what a drive cannot use, and return its names; drives are not counted, as another takes their place.
-
-    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot.
-    """
-    names = tuple(_without(model, "sensor", lambda _: True, "name"))
-    if backend != "classic":
-        list(_without(model, "script", lambda _: True, "name"))  # colours of Classic's, which later versions refuse
-    files = _without(model, "plugin", lambda plugin: not _is_loadable(plugin.get("filename", ""), backend), "filename")
-    return LeftOut(
-        tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, _TRACK_CONTROLLER))), names
-    )
-
-
-def _respell(model: Element, backend: str) -> None:
-    """Rename the systems of Gazebo Sim in a model as its version does: ignition-gazebo-... up to Fortress."""
-    file, space = prefixes(backend)
-    for plugin in model.iter("plugin"):
-        key = plugin_key(plugin.get("filename", ""))
-        if key.startswith("gz-sim-"):
-            plugin.set("filename", file + key.removeprefix("gz-sim"))
-            plugin.set("name", f"{space}::systems::{plugin.get('name', '').rpartition('::')[2]}")
-
-
-def _is_loadable(file: str, backend: str) -> bool:
-    key = plugin_key(file)
-    if key in (*KNOWN, _TRACK_CONTROLLER):
-        return False
-    if key.startswith("gz-sim-"):
-        return backend != "classic"
-    if _ROS.search(key):
-        return _is_installed(file)
-    return backend == "classic" or not key.endswith("Plugin")
-
-
-def _is_installed(file: str) -> bool:
-    folders = [folder for variable in _LIBRARIES for folder in os.environ.get(variable, "").split(os.pathsep)]
-    names = {file, file if file.startswith("lib") else f"lib{file}.so"}
-    return any(Path(folder, name).is_file() for folder in folders if folder for name in names)
-
-
-def _without(model: Element, tag: str, is_out: Callable[[Element], bool], attribute: str) -> Iterator[str]:
-    """Take elements of a tag out, wherever they are, and give an attribute of each."""
-    for parent in list(model.iter()):
-        for element in parent.findall(tag):
-            if is_out(element):
-                parent.remove(element)
-                yield element.get(attribute, "")

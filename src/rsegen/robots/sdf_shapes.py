@@ -10,6 +10,8 @@ Cost: the shapes times the depth of their frames; reading meshes costs most.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from math import radians
 from pathlib import Path
 from typing import NamedTuple
@@ -230,29 +232,37 @@ class Extent(NamedTuple):
     high: Array
 
 
-class Extents(NamedTuple):
+@dataclass(frozen=True)
+class Extents:
     """The boxes of all collision shapes whose size is known, and the names of the links that have others too."""
 
     known: tuple[Extent, ...]
     unknown: tuple[str, ...]
 
-    @property
+    @cached_property
     def low(self) -> Array:
         """The lowest x, y and z of all, metres."""
         return np.asarray(np.min([extent.low for extent in self.known], axis=0))
 
-    @property
+    @cached_property
     def high(self) -> Array:
         """The highest x, y and z of all, metres."""
         return np.asarray(np.max([extent.high for extent in self.known], axis=0))
 
     def of(self, link: str) -> Extent | None:
         """Return the box of all shapes of one link; None if one is unknown, or there is none."""
-        boxes = [extent for extent in self.known if extent.link == link]
-        if not boxes or link in self.unknown:
-            return None
-        low, high = np.min([extent.low for extent in boxes], axis=0), np.max([extent.high for extent in boxes], axis=0)
-        return Extent(link, low, high)
+        return self._by_link.get(link)
+
+    @cached_property
+    def _by_link(self) -> dict[str, Extent]:
+        """The boxes of the links all of whose shapes are known."""
+        boxes: dict[str, Extent] = {}
+        for link, low, high in self.known:
+            box = boxes.setdefault(link, Extent(link, low, high))
+            boxes[link] = Extent(link, np.minimum(box.low, low), np.maximum(box.high, high))
+        for link in self.unknown:
+            boxes.pop(link, None)
+        return boxes
 
 
 class _SweptBox(NamedTuple):

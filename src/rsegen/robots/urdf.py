@@ -5,14 +5,14 @@ first of them, which keeps its name, with their masses, shapes and sensors. So a
 physics engines make 1 kg, or an error, is one body with what hangs on it. preserveFixedJoint keeps a joint if both of
 its links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass,
 is left out, with all that hangs on it. Gazebo's elements go into their link, its shapes or their joint, or into the
-model. Cost: linear. What breaks it: mimic, transmission and ros2_control are not read, so such joints move freely;
-planar joints are refused; names of links that are no more stay in plug-ins.
+model. Cost: linear. What breaks it: mimic is not read, so such joints move freely; planar joints are refused; names of
+links that are no more stay in plug-ins.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from math import atan2, hypot, isnan, nan
@@ -138,15 +138,18 @@ class _Source:
 _NOTHING = _Body(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
-def converted(robot: Element, where: str) -> Converted:
-    """Return a <robot> as SDF; FileError, which begins with `where`, if its links are no tree, or a value is none."""
+def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Converted:
+    """Return a <robot> as SDF; FileError, which begins with `where`, if its links are no tree, or a value is none.
+
+    separate: links that remain links of their own on fixed joints, if they have a mass: tracks
+    """
     links = dict(_named(robot.findall("link"), "link", where))
     joints = [_joint(name, joint, links, where) for name, joint in _named(robot.findall("joint"), "joint", where)]
     above = _above(joints, links, where)
     order = _from_the_root_on(above, links, where)
     bodies = {name: _body(link, f"{where}: link {shown(name)}") for name, link in links.items()}
     extensions = _extensions(robot)
-    heads = _heads(order, above, bodies, extensions)
+    heads = _heads(order, above, bodies, extensions, separate)
     source = _Source(where=where, links=links, heads=heads, extensions=extensions, colours=_colours(robot))
 
     # Places of links in the model, and in the link of SDF that they become a part of.
@@ -240,15 +243,18 @@ def _heads(
     above: Mapping[str, _Joint],
     bodies: Mapping[str, _Body],
     extensions: Mapping[str, Mapping[str, Sequence[Element]]],
+    separate: Collection[str],
 ) -> dict[str, str]:
     """Return the link that each link becomes a part of: the first on this side of a joint that moves, or is kept."""
     heads: dict[str, str] = {}
     for name in order:
         joint = above.get(name)
         kept = joint is None or joint.kind != "fixed" or joint.parent == order[0] == _WORLD
-        if joint and not kept and bodies[name].mass and bodies[joint.parent].mass:
-            of_joint = extensions.get(joint.name, {})
-            kept = any(_is_true(element.text) for tag in _KEEPS for element in of_joint.get(tag, ()))
+        if joint and not kept and bodies[name].mass:
+            of_joint = extensions.get(joint.name, {}) if bodies[joint.parent].mass else {}
+            kept = name in separate or any(
+                _is_true(_value(element)) for tag in _KEEPS for element in of_joint.get(tag, ())
+            )
         heads[name] = name if joint is None or kept else heads[joint.parent]
     return heads
 
@@ -327,7 +333,7 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
             counts[tag] += 1
             link.append(made)
     for tag, elements in source.extensions.get(name, {}).items():
-        text = elements[-1].text
+        text = _value(elements[-1])
         if tag == "turnGravityOff":
             _put(link, "gravity", "false" if _is_true(text) else "true")
         elif tag in _OF_LINK:
@@ -352,7 +358,7 @@ def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) 
     for tag, path in _SURFACE.items():
         element = source.last(name, tag)
         if element is not None:
-            _put(made, path, element.text)
+            _put(made, path, _value(element))
     return made
 
 
@@ -365,9 +371,9 @@ def _append_material(visual: Element, material: Element | None, name: str, sourc
         rgba = _text(floats(colour, 4, f"{source.where}: the colour of a material"))
         _put_all(visual, ("material/ambient", "material/diffuse"), rgba)
     script = source.last(name, "material")
-    if script is not None and script.text:
+    if script is not None and _value(script):
         _put(visual, "material/script/uri", _SCRIPTS)
-        _put(visual, "material/script/name", script.text)
+        _put(visual, "material/script/name", _value(script))
 
 
 def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
@@ -379,7 +385,7 @@ def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
         _append_axis(made, joint, f"{source.where}: joint {shown(joint.name)}")
     for tag, elements in source.extensions.get(joint.name, {}).items():
         if tag in _OF_JOINT:
-            _put_all(made, _OF_JOINT[tag], elements[-1].text)
+            _put_all(made, _OF_JOINT[tag], _value(elements[-1]))
         elif tag not in _ELSEWHERE:
             made.extend(map(deepcopy, elements))
 
@@ -495,6 +501,11 @@ def _put(element: Element, path: str, text: str | None) -> None:
         inner = element.find(tag)
         element = SubElement(element, tag) if inner is None else inner
     element.text = (text or "").strip()
+
+
+def _value(extension: Element) -> str:
+    """Return the value of an element in <gazebo>, as <mu1>1</mu1> or <mu1 value="1"/>."""
+    return extension.get("value") or (extension.text or "").strip()
 
 
 def _is_true(text: str | None) -> bool:

@@ -1,18 +1,23 @@
 """Find the files that a robot's file names: relative paths, file://, model:// and package://.
 
 A package is looked for in the folders above the file and next to these, so that a clone of a repository is found as it
-is, then in the folders that Gazebo's and ROS's environments list. What breaks it: a package whose folder has another
-name than it.
+is, then in the folders that Gazebo's and ROS's environments list, then by the <name> in package.xml, as a clone may
+have another name than the package in it: of the package that holds the file, and of those around it. Cost: a look into
+at most _MOST_FOLDERS folders. What breaks it: a workspace with more folders than that.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
+from rsegen.io.input_files import regular_content
 
 _PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH", "ROS_PACKAGE_PATH")
 """Variables that list the folders of models and of packages."""
@@ -22,6 +27,17 @@ _PREFIXES = "AMENT_PREFIX_PATH"
 
 _HIGHEST = 6
 """Folders above a file that are searched: a package holds models/NAME/model.sdf, or less deep."""
+
+
+_MANIFEST = "package.xml"
+_LARGEST_MANIFEST = 2**16
+"""Bytes of package.xml that are read; it has some hundreds, and the name of its package comes first."""
+
+_AROUND = 2
+"""Folders above a package in which others are looked for: its repository, and the workspace of repositories."""
+
+_MOST_FOLDERS = 1000
+"""Folders that are looked into for packages; a workspace has some hundreds, a home folder any number."""
 
 
 def resolve_uris(model: Element, file: Path) -> None:
@@ -44,6 +60,51 @@ def resolve_uris(model: Element, file: Path) -> None:
 def found_package(name: str, file: Path) -> Path | None:
     """Return the folder of a package that a file names, None if it is not found."""
     return next((path for path in _of_package(name, file) if _exists(path)), None)
+
+
+def packages_around(file: Path) -> Iterator[Path]:
+    """Yield the folders of the packages around a file, its own first: each has a package.xml.
+
+    Those are its own package, those next to it, and those in the repositories next to it.
+    """
+    own = next((folder for folder in file.absolute().parents if _is_file(folder / _MANIFEST)), None)
+    if own is None:
+        return
+    yield own
+    seen, waiting, left = {own}, [(own, 0), *((folder, 0) for folder in list(own.parents)[:_AROUND])], _MOST_FOLDERS
+    while waiting:
+        folder, depth = waiting.pop(0)
+        for inner in _folders(folder, left):
+            left -= 1
+            if inner in seen:
+                continue
+            seen.add(inner)
+            if _is_file(inner / _MANIFEST):
+                yield inner
+            elif not depth:
+                waiting.append((inner, 1))
+
+
+def _folders(folder: Path, most: int) -> list[Path]:
+    """Return at most so many folders in a folder by their names; none if it cannot be read."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        names = sorted(entry.name for entry in islice(entries, _MOST_FOLDERS) if entry.is_dir())
+        return [folder / name for name in names if not name.startswith(".")][:most]
+    return []
+
+
+def _package_name(folder: Path) -> str:
+    """Return the name in a package.xml; an empty text if there is none."""
+    text = (regular_content(folder / _MANIFEST, _LARGEST_MANIFEST) or b"").decode("utf-8", "replace")
+    name = re.search(r"<name>\s*([^<\s]+)\s*</name>", text)
+    return name[1] if name else ""
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _resolved(uri: str, file: Path) -> Path | None:
@@ -72,6 +133,7 @@ def _of_package(rest: str, file: Path) -> Iterator[Path]:
     for variable in _PATHS:
         yield from (Path(folder, rest) for folder in _listed(variable))
     yield from (Path(prefix, "share", rest) for prefix in _listed(_PREFIXES))
+    yield from (folder / inner for folder in packages_around(file) if _package_name(folder) == name)
 
 
 def _listed(variable: str) -> list[str]:

@@ -2,20 +2,25 @@
 
 Xacro evaluates Python, and what it forbids is not enough to keep a file from running code. Here an expression may be
 arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS, and a package in $(find ...) is
-found as that of a mesh is, without ROS. The process has little time and memory, as macros may call themselves. What
-breaks it: arguments without a default, lambdas, comprehensions and $(eval ...); `xacro FILE > r.urdf` expands them.
+found as that of a mesh is, without ROS. A file of a package that is not found is not included: makers' robots include
+the macros of sensors that most of them do not carry. The process has little time and memory, as macros may call
+themselves. What breaks it: lambdas, comprehensions and $(eval ...); `xacro FILE > r.urdf` expands them.
 """
 
 from __future__ import annotations
 
 import ast
+import json
 import os
+import re
+import signal
 import subprocess
 import sys
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, UserError, line_of, pip_install, said_by
@@ -23,7 +28,10 @@ from rsegen.params.extras import XACRO
 from rsegen.robots.uris import found_package
 
 _SECONDS = 20
-"""Time of the other process; the macros of a robot with an arm and a gripper take about one second."""
+"""CPU time of the other process; the macros of a robot with an arm and a gripper take about one second."""
+
+_WAIT = 3
+"""Times that, in which a busy machine, or one without limits of CPU time, has to be done."""
 
 _MEMORY = 2 * 2**30
 """Bytes of address space of the other process, of which Python with numpy takes about a half."""
@@ -62,57 +70,132 @@ def is_xacro(root: Element, where: str) -> bool:
     return root.tag == "robot" and any("${" in text or "$(" in text for text in texts)
 
 
-def expanded(text: str, where: str) -> str:
-    """Return the XML of a text of Xacro, in which every argument has its default."""
+class Expanded(NamedTuple):
+    """The XML of a file, and the packages of which it includes files that are not found, and that it does not need."""
+
+    text: str
+    missing: tuple[str, ...]
+
+
+def with_arguments(file: str) -> tuple[str, dict[str, str]]:
+    """Return the path and the arguments in FILE NAME:=VALUE ..., as ROS's xacro takes them on a command line."""
+    match = re.search(r"(?:\s+[A-Za-z_]\w*:=\S*)+\s*$", file, re.ASCII)
+    if match is None:
+        return file, {}
+    return file[: match.start()], dict(word.split(":=", 1) for word in match[0].split())
+
+
+def expanded(text: str, where: str, arguments: Mapping[str, str]) -> Expanded:
+    """Return the XML of a text of Xacro; an argument that is not given has its default."""
     if XACRO.is_missing:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
     command = [sys.executable, "-m", "rsegen.robots.xacro_files", where]
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
+    task = json.dumps({"text": text, "arguments": dict(arguments), "seconds": _SECONDS})
     try:
         ended = subprocess.run(  # noqa: S603  # no shell, and only our own words
-            command, input=text, encoding="utf-8", capture_output=True, env=environment, timeout=_SECONDS, check=False
+            command,
+            input=task,
+            encoding="utf-8",
+            capture_output=True,
+            env=environment,
+            timeout=_WAIT * _SECONDS,
+            check=False,
         )
     except subprocess.TimeoutExpired:
-        raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s") from None
+        raise FileError(f"{where}: its macros are not expanded after {_WAIT * _SECONDS} s") from None
     except (OSError, ValueError) as error:  # a name with a null character, or an output that is no text
         raise FileError(f"{where}: {said_by(error)}") from None
+    if ended.returncode == -getattr(signal, "SIGXCPU", 0):
+        raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s")
     if ended.returncode:
         raise FileError(f"{where}: xacro cannot expand it: {line_of(ended.stdout) or 'it needs too much memory'}")
-    return ended.stdout
+    result = json.loads(ended.stdout)
+    return Expanded(result["text"], tuple(result["missing"]))
 
 
 def main(where: str) -> int:
-    """Print the expanded text that comes by stdin, or why there is none; the exit code says which."""
+    """Print the expanded text of what comes by stdin, or why there is none; the exit code says which."""
     result, sys.stdout = sys.stdout, sys.stderr  # messages of the macros go there
+    task, missing = json.load(sys.stdin), dict[str, None]()
+    _limit(task["seconds"])
     try:
-        text = _expanded(sys.stdin.read(), where)
+        text = _expanded(task["text"], where, task["arguments"], missing)
     except Exception as error:  # macros fail in as many ways as programs
-        inner = getattr(error, "exc", None)
-        # Xacro says the class and the message of what $(...) raises, and the message once more.
-        result.write(said_by(inner if inner and str(error).startswith("<class") else error))
+        result.write(_reason(error, missing))
         return 1
-    result.write(text)
+    json.dump({"text": text, "missing": list(missing)}, result)
     return 0
 
 
-def _expanded(text: str, where: str) -> str:
-    import xacro
-    from xacro import substitution_args
+def _reason(error: Exception, missing: Mapping[str, None]) -> str:
+    """Return why a file cannot be expanded, with what may be done about it."""
+    inner = getattr(error, "exc", None)
+    # Xacro says the class and the message of what $(...) raises, and the message once more.
+    reason = said_by(inner if inner and str(error).startswith("<class") else error)
+    undefined = re.search(r"Undefined substitution argument (\w+)", reason)
+    if undefined:
+        return f"{reason}; give it after the file, as in 'FILE {undefined[1]}:=VALUE'"
+    if missing and "nknown macro" in reason:
+        return f"{reason}; these packages are not found: {', '.join(missing)}; {_ADVICE}"
+    return reason
 
+
+_ADVICE = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
+
+
+def _limit(seconds: int) -> None:
+    """Limit the CPU time and the memory of this process."""
     with suppress(ImportError):  # there is none in Windows
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+
+
+class _Missing(ValueError):
+    """A package in $(find ...) is not found."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"the package {name} is not found")
+        self.package = name
+
+
+def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict[str, None]) -> str:
+    """Return the expanded text; `missing` gets the packages of which nothing could be included."""
+    import xacro
+    from xacro import substitution_args
+
+    include_files = xacro.get_include_files
+
+    def found_files(filename: str, symbols: Any) -> Iterator[str]:
+        """Yield the files that an element includes; none if their package is not found."""
+        try:
+            yield from include_files(filename, symbols)
+        except Exception as error:  # xacro wraps ours in one or two of its own
+            name = _missing_package(error)
+            if name is None:
+                raise
+            missing[name] = None
+
+    xacro.get_include_files = found_files
     xacro.safe_eval = _evaluated
     substitution_args._eval = _refused
     substitution_args._eval_find = partial(_package, where)
     xacro.init_stacks(where)
     document = xacro.parse(text)
-    xacro.process_doc(document, mappings={})
+    xacro.process_doc(document, mappings=dict(arguments))
     result: str = document.documentElement.toxml()
     if len(result) > _LARGEST:
         raise ValueError(f"its macros make {len(result) / 2**20:.0f} MiB of it")
     return result
+
+
+def _missing_package(error: BaseException | None) -> str | None:
+    """Return the package of which an error says that it is missing, None for any other error."""
+    while error is not None and not isinstance(error, _Missing):
+        error = getattr(error, "exc", None) or error.__cause__ or error.__context__
+    return error.package if error else None
 
 
 def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | None = None) -> Any:
@@ -153,7 +236,7 @@ def _refused(*_: object) -> str:
 def _package(where: str, name: str) -> str:
     folder = found_package(name, Path(where))
     if folder is None:
-        raise ValueError(f"the package {name} is not found")
+        raise _Missing(name)
     return str(folder)
 
 

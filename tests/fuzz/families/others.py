@@ -58,9 +58,15 @@ def inventory(rng: random.Random) -> Case:
 
 
 def robot(rng: random.Random) -> Case:
-    """A model of a robot in SDF."""
+    """A model of a robot in SDF or URDF, with the file of its controller in its package."""
     content = rng.choice(seeds.robots())
     files: dict[str, Content] = {"part.stl": seeds.clouds()[rng.choice(("mesh.stl", "ascii.stl"))]}
+    if content == seeds.CONTROLLED:
+        files["package.xml"] = damaged_text(rng, seeds.PACKAGE) if rng.random() < 0.2 else seeds.PACKAGE
+        controller = damaged_text(rng, seeds.CONTROLLER) if rng.random() < 0.8 else seeds.CONTROLLER
+        files["config/c.yaml"] = special_or(rng, controller)
+        if rng.random() < 0.5:
+            return Case(family="robot", argv=_with_robot(rng), files={"cart.sdf": content, **files})
     if b"part.stl" in content and rng.random() < 0.7:
         files["part.stl"] = damaged_mesh(rng, "part.stl", seeds.clouds()["ascii.stl"])
         return Case(family="robot", argv=_with_robot(rng), files={"cart.sdf": content, **files})

@@ -45,24 +45,25 @@ _BLOCKS = 10
 
 @dataclass(frozen=True)
 class _KindOrFile(Choice):
-    """A kind of robot, or the SDF file of one, which is read when its trials are prepared."""
+    """A kind of robot, or the file of one, which is read when its trials are prepared."""
 
     def check(self, where: str, value: object) -> str:
         return str(value) if is_robot_file(value) else super().check(where, value)
 
     def describe(self) -> str:
-        return f"{super().describe()}, or an SDF file"
+        return f"{super().describe()}, or an SDF, URDF or Xacro file"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TableRow:
     """Robots of a kind, or of a file, on random maps of several sizes; `recipe` holds more parameters of these maps.
 
-    wheels, size, speed, turn: as in `rsegen.drive`, for the robot of a file
+    wheels, tracks, size, speed, turn: as in `rsegen.drive`, for the robot of a file
     """
 
-    robot: Annotated[str, _KindOrFile(tuple(ROBOTS), help="kind of robot, or SDF file of a model")] = "burger"
+    robot: Annotated[str, _KindOrFile(tuple(ROBOTS), help="kind of robot, or file of a model")] = "burger"
     wheels: Annotated[str | None, Reference("LEFT,RIGHT", help="joints of the wheels of a model in a file")] = None
+    tracks: Annotated[str | None, Reference("LEFT,RIGHT", help="links of the tracks of a model in a file")] = None
     size: Annotated[tuple[float, float, float] | None, ListOf(SIDE, 3, help="length, width and height")] = None
     speed: Annotated[float | None, SPEED] = None
     turn: Annotated[float | None, TURN] = None
@@ -104,7 +105,7 @@ class TableRow:
     @property
     def model(self) -> DrivableRobot:
         """The robot; a UserError if its file cannot be read or driven, or a kind is given what is a file's."""
-        return drivable(self.robot, self.wheels, size=self.size, speed=self.speed, turn=self.turn)
+        return drivable(self.robot, self.wheels, self.tracks, size=self.size, speed=self.speed, turn=self.turn)
 
     @property
     def label(self) -> str:

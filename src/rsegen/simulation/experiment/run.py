@@ -14,7 +14,7 @@ from rsegen.errors import FileError, OutputError, ParameterError, Stopped
 from rsegen.io import recipe_file
 from rsegen.io.input_files import checksum_of
 from rsegen.params.sorts import Json, Text
-from rsegen.robots import is_robot_file
+from rsegen.robots import is_robot_file, with_arguments
 from rsegen.run.journal import is_intact, read_errors, read_journal
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulation.experiment.machine import description
@@ -141,7 +141,7 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
 
 def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:
     """Return the checksums of the robots' files: outcomes of a robot that was changed are not those of the plan."""
-    files = [row.robot for row in plan.rows if is_robot_file(row.robot)]
+    files = [with_arguments(row.robot)[0] for row in plan.rows if is_robot_file(row.robot)]
     checksums = {file: checksum.sha256 for file in files if (checksum := checksum_of(Path(file)))}
     return {"robot_files": checksums} if checksums else {}
 

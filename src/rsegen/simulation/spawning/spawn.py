@@ -82,8 +82,9 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             spot = None if place else _on_map(what, name, maps, poses)
             pose = spot or _on_top(what, occupied(poses, maps), maps, place)
             live.spawn(what.file(name, live.backend), pose)
-            notes = tuple(_notes(poses, maps)) if not spot and len(place) <= 2 else ()
-            return SpawnResult(name=name, simulator=running.name, at=pose, notes=notes)
+            notes = list(_notes(poses, maps)) if not spot and len(place) <= 2 else []
+            notes += what.spawn_notes(live.backend) if isinstance(what, SdfRobot) else []
+            return SpawnResult(name=name, simulator=running.name, at=pose, notes=tuple(notes))
         what.check_spawnable()
         new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
         new = new if place else at_free_place(new, poses, maps)

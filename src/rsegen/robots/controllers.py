@@ -1,0 +1,184 @@
+"""Read what ROS drives of a robot from its ros2_control or transmissions, and from the parameters of a controller.
+
+URDF says which joints take a velocity; which of them are wheels, and their separation, radius and limits, stand in a
+YAML file of diff_drive_controller in one of the packages around the robot. That file is one that names joints of the
+robot, and nothing else, as wheels, so no name of a package or file is assumed. Its numbers are the maker's: the
+separation times its multiplier makes a robot with four wheels turn as commanded although it skids. Cost: a text search
+in at most _MOST_FILES files. What breaks it: prefixes that only a launch file adds, and controllers of other types.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import chain, islice
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree.ElementTree import Element
+
+from rsegen.errors import FileError
+from rsegen.io.input_files import regular_content
+from rsegen.io.recipe_file import parse_yaml
+from rsegen.robots.uris import packages_around
+
+_MOST_FILES = 300
+"""YAML files that are looked into; a robot of ROS has some tens in its packages."""
+
+_LARGEST = 2**18
+"""Bytes of a YAML file that is looked into; those of controllers have some thousands."""
+
+_DEEPEST = 3
+"""Folders in a package in each other that are looked into: config/humble/... is two."""
+
+_LEFT, _RIGHT = ("left_wheel_names", "left_wheel"), ("right_wheel_names", "right_wheel")
+"""Names of the parameter with a side's wheels, of ROS 2 and of ROS."""
+
+
+class Controller(NamedTuple):
+    """The parameters of a diff_drive_controller, None for what its file does not say.
+
+    where: its file, from its package on; left, right: joints; separation, radius: metres, slip: by which the separation
+    is multiplied, as wheels that skid must turn faster; speed, turn: the maximum, m/s and rad/s.
+    """
+
+    where: str
+    left: tuple[str, ...]
+    right: tuple[str, ...]
+    separation: float | None
+    slip: float
+    radius: float | None
+    speed: float | None
+    turn: float | None
+
+
+class Controls(NamedTuple):
+    """What ROS drives of a robot.
+
+    rates: joints that take a velocity, with its limit, rad/s; controllers: of wheels that are joints of the robot.
+    """
+
+    rates: Mapping[str, float | None] = {}
+    controllers: tuple[Controller, ...] = ()
+
+
+def controls(robot: Element, where: Path) -> Controls:
+    """Return what ROS drives of a robot of URDF in a file."""
+    rates = {joint.get("name", ""): limit for joint, limit in _velocities(robot)}
+    joints = {joint.get("name", "") for joint in robot.findall("joint")}
+    texts = ((element.text or "").strip() for element in robot.iter("parameters"))
+    files = (Path(text) for text in texts if text.startswith("/"))
+    return Controls(rates, tuple(_controllers(chain(files, _yaml_files(where)), joints)))
+
+
+def _velocities(robot: Element) -> Iterator[tuple[Element, float | None]]:
+    """Yield the joints that take a velocity in <ros2_control> or <transmission>, with the limit that stands there."""
+    for joint in robot.iterfind("ros2_control/joint"):
+        for interface in joint.findall("command_interface"):
+            if interface.get("name", "").strip() == "velocity":
+                params = {param.get("name"): param.text for param in interface.findall("param")}
+                yield joint, _positive(params.get("max"))
+    for joint in robot.iterfind("transmission/joint"):
+        texts = [(element.text or "") for element in joint.iter("hardwareInterface")]
+        if any("VelocityJointInterface" in text for text in texts):
+            yield joint, None
+
+
+def _yaml_files(where: Path) -> Iterator[Path]:
+    """Yield the YAML files of the packages around a file, those of its own package first."""
+    for package in packages_around(where):
+        waiting = [(package, 0)]
+        while waiting:
+            folder, depth = waiting.pop(0)
+            with suppress(OSError), os.scandir(folder) as entries:
+                for entry in sorted(entries, key=lambda entry: entry.name):
+                    if entry.name.endswith((".yaml", ".yml")):
+                        yield Path(entry.path)
+                    elif depth < _DEEPEST and not entry.name.startswith(".") and entry.is_dir(follow_symlinks=False):
+                        waiting.append((Path(entry.path), depth + 1))
+
+
+def _controllers(files: Iterator[Path], joints: set[str]) -> Iterator[Controller]:
+    """Yield the controllers in files all of whose wheels are joints of the robot."""
+    seen: set[Path] = set()
+    for file in islice(files, _MOST_FILES):
+        if file in seen:
+            continue
+        seen.add(file)
+        content = regular_content(file, _LARGEST + 1) or b""
+        # The loader is slow, and most files have nothing of wheels.
+        if len(content) > _LARGEST or b"left_wheel" not in content or b"right_wheel" not in content:
+            continue
+        for table in _tables(_loaded(content, file)):
+            left, right = _names(table, _LEFT), _names(table, _RIGHT)
+            if left and len(left) == len(right) and joints.issuperset((*left, *right)):
+                yield _controller(table, left, right, file)
+
+
+def _loaded(content: bytes, file: Path) -> Any:
+    """Return what is in a YAML file; None for one that is not, or that may not be, read."""
+    try:
+        return parse_yaml(content.decode("utf-8"), file)
+    except (FileError, UnicodeDecodeError):
+        return None  # of another program, or a template of a launch file
+
+
+def _tables(value: Any) -> Iterator[Mapping[Any, Any]]:
+    """Yield all mappings in a value, once each, as aliases may stand for one many times."""
+    waiting, seen = [value], set()
+    while waiting:
+        value = waiting.pop()
+        if not isinstance(value, dict) or id(value) in seen:
+            continue
+        seen.add(id(value))
+        yield value
+        waiting += reversed(value.values())
+
+
+def _controller(table: Mapping[Any, Any], left: tuple[str, ...], right: tuple[str, ...], file: Path) -> Controller:
+    radius, multiplier = _at(table, "wheel_radius"), _at(table, "wheel_radius_multiplier")
+    multiplier = multiplier or _at(table, "left_wheel_radius_multiplier")
+    return Controller(
+        where="/".join(file.parts[-3:]),
+        left=left,
+        right=right,
+        separation=_at(table, "wheel_separation"),
+        slip=_at(table, "wheel_separation_multiplier") or 1,
+        radius=radius and radius * (multiplier or 1),
+        speed=_limit(table, "linear.x"),
+        turn=_limit(table, "angular.z"),
+    )
+
+
+def _limit(table: Mapping[Any, Any], axis: str) -> float | None:
+    """Return the maximum velocity of an axis, None if the controller has none, or does not keep it."""
+    return None if _value(table, f"{axis}.has_velocity_limits") is False else _at(table, f"{axis}.max_velocity")
+
+
+def _at(table: Mapping[Any, Any], path: str) -> float | None:
+    return _positive(_value(table, path))
+
+
+def _value(table: Any, path: str) -> Any:
+    """Return the value at a path such as linear.x.max_velocity, which is written with dots or as mappings."""
+    if not isinstance(table, dict) or path in table:
+        return table.get(path) if isinstance(table, dict) else None
+    first, _, rest = path.partition(".")
+    return _value(table.get(first), rest) if rest else None
+
+
+def _names(table: Mapping[Any, Any], keys: Sequence[str]) -> tuple[str, ...]:
+    """Return the joints of a side, which are a text or a list of texts."""
+    value = next((table[key] for key in keys if key in table), ())
+    names = [value] if isinstance(value, str) else value
+    is_list = isinstance(names, list) and all(isinstance(name, str) for name in names)
+    return tuple(names) if is_list else ()
+
+
+def _positive(value: Any) -> float | None:
+    """Return a positive number; None for anything else, NaN too."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return number if 0 < number < float("inf") else None
