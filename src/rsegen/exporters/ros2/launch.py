@@ -21,7 +21,6 @@ MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, descript
 SIM = f'''\
 """Open a map in Gazebo Sim with a clock for ROS, and a robot; on request with RViz and Nav2."""
 
-import os
 from pathlib import Path
 from shlex import quote
 
@@ -47,7 +46,7 @@ ON_REQUEST = {{
 
 
 def generate_launch_description():
-    """Return the environment, Gazebo, the bridge of its clock, the robot, and what is requested."""
+    """Return the environment, Gazebo, the bridge of its clock, the robot, and the rest."""
     return LaunchDescription([
         MAP,
         DeclareLaunchArgument('paused', default_value='false', description='start paused'),
@@ -219,7 +218,7 @@ def generate_launch_description():
         *coordinates,
         DeclareLaunchArgument(
             'bridge', default_value='',
-            description="the bridge file of a robot of your own; none: no bridge"),
+            description='the bridge file of a robot of your own; none: no bridge'),
         DeclareLaunchArgument(
             'localized', default_value='true',
             description='false: another node, such as SLAM, publishes the frame odom in map'),
@@ -236,9 +235,12 @@ def spawned(context):
     if kind == 'none' and not topic:
         return [LogInfo(msg=f"No robot is spawned: give robot:={{', '.join(ROBOTS)}} or a file.")]
     start, place = start_pose(given('map'), kind, given('start'))
-    start.update({{name: float(given(name)) for name in COORDINATES if given(name)}})
+    coordinates = {{name: float(given(name)) for name in COORDINATES if given(name)}}
+    start.update(coordinates)
     if topic:
         return [spawner(simulator, given('robot_name'), ['-topic', topic], start)]
+    place = 'at the given coordinates' if coordinates else place
+    localized = IfCondition(LaunchConfiguration('localized'))
     said = LogInfo(msg=f'The robot {{kind}} starts {{place}}.')
     if kind in ROBOTS:
         if simulator == 'classic':
@@ -249,7 +251,8 @@ def spawned(context):
             state_publisher((folder / f'{{kind}}.urdf').read_text()),
             spawner(simulator, '{ROBOT}', ['-file', str(folder / 'model.sdf')], start),
             bridge(given('bridge') or folder / 'bridge.yaml'),
-            *frames(start),
+            frame('odom', dict.fromkeys(start, 0.0), localized),
+            frame('wheel_odom', start),
         ]
     path = Path(kind).expanduser().absolute()
     if not path.is_file():
@@ -263,7 +266,7 @@ def spawned(context):
         state_publisher(path.read_text() if is_sdf else Command(['xacro ', quote(str(path))])),
         spawner(simulator, given('robot_name'), source, start),
         *([bridge(given('bridge') or default)] if is_bridged else []),
-        *frames(start),
+        frame('odom', start, localized),
     ]
 
 
@@ -302,19 +305,17 @@ def bridge(file):
     )
 
 
-def frames(start):
-    """Return the frames odom, of the true pose, and wheel_odom, where the robot started."""
-    pose = [part for name in COORDINATES for part in (f'--{{name}}', str(start[name]))]
-    return [
-        Node(
-            package='tf2_ros', executable='static_transform_publisher', name='odom_frame',
-            arguments=['--frame-id', 'map', '--child-frame-id', 'odom'],
-            condition=IfCondition(LaunchConfiguration('localized')), output='screen',
-        ),
-        Node(
-            package='tf2_ros', executable='static_transform_publisher', name='wheel_odom_frame',
-            arguments=[*pose, '--frame-id', 'odom', '--child-frame-id', 'wheel_odom'],
-            output='screen',
-        ),
-    ]
+def frame(name, pose, condition=None):
+    """
+    Return the publisher of a frame in which odometry is given, in the frame map.
+
+    That of rsegen's robots is their true pose in the world, so odom is map; what wheels measure
+    begins at the start, as does the odometry of other robots.
+    """
+    coordinates = [part for key in COORDINATES for part in (f'--{{key}}', str(pose[key]))]
+    return Node(
+        package='tf2_ros', executable='static_transform_publisher', name=f'{{name}}_frame',
+        arguments=[*coordinates, '--frame-id', 'map', '--child-frame-id', name],
+        condition=condition, output='screen',
+    )
 '''

@@ -114,7 +114,7 @@ def generate_launch_description():
 
 
 def nodes(context):
-    """Return Nav2's nodes with the parameters of the robot."""
+    """Return Nav2's nodes, under their own names, with the parameters of the robot."""
     kind = LaunchConfiguration('robot').perform(context)
     given = LaunchConfiguration('nav2_params').perform(context)
     if not given and kind not in ROBOTS:
@@ -127,7 +127,7 @@ def nodes(context):
         {{'use_sim_time': LaunchConfiguration('use_sim_time'), **PLUGINS}},
     ]
     return [
-        Node(package=package, executable=name, name=name, parameters=parameters, output='screen')
+        Node(package=package, executable=name, parameters=parameters, output='screen')
         for name, package in NODES.items()
     ]
 '''
