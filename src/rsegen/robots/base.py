@@ -124,7 +124,7 @@ class Robot(Standing):
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
 
     def ros_files(self) -> Mapping[str, str]:
-        """Return what a ROS 2 package has of it: the text of each file by its name."""
+        """Return the text of its files in a ROS 2 package by their names."""
         from rsegen.robots.ros2 import ros_files  # which makes its URDF, and needs this class
 
         return ros_files(self)

@@ -2,9 +2,9 @@
 
     Robot of links at poses in the model --urdf--> base_link - fixed - base - hinges - wheels, tracks, ...
 
-In URDF a link stands where its joint puts it, while in SDF each has a pose in the model, so a joint's origin is the pose
-of its child in its parent's frame. The root `base_link` is the model's origin, on the ground below the robot; it has no
-mass, since KDL takes none of a root. An anchor along the axis of its hinge is left out: it does not move the axis.
+In URDF a link stands where its joint puts it, while in SDF each has a pose in the model, so a joint's origin is the
+pose of its child in its parent's frame. The root `base_link` is the model's origin, on the ground below the robot; it
+has no mass, since KDL ignores that of a root. A hinge's anchor is left out: it lies on the axis, and moves nothing.
 
 Friction, contact and plug-ins are not in it: URDF has no words for them, and Gazebo gets the robot as SDF.
 """
@@ -68,8 +68,8 @@ def _link(link: Link) -> Iterator[str]:
 
 def _part(part: Part, name: str) -> str:
     shape = f"{_origin(part.pose)}<geometry>{_geometry(part.solid)}</geometry>"
-    red, green, blue = part.colour
-    colour = f'<material name="{numbers(part.colour).replace(" ", "_")}"><color rgba="{numbers((red, green, blue, 1))}"/></material>'
+    name_of_colour, rgba = numbers(part.colour).replace(" ", "_"), numbers((*part.colour, 1))
+    colour = f'<material name="{name_of_colour}"><color rgba="{rgba}"/></material>'
     hit = f'    <collision name="{name}">{shape}</collision>\n' if part.surface else ""
     return f'    <visual name="{name}">{shape}{colour}</visual>\n{hit}'
 
@@ -125,6 +125,6 @@ def _relative(parent: SdfPose, child: SdfPose) -> SdfPose:
 def _angles(turned: Array) -> tuple[float, float, float]:
     """Return roll, pitch and yaw of a rotation matrix, radians; at a pitch of a right angle the roll is 0."""
     pitch = asin(float(np.clip(-turned[2, 0], -1, 1)))
-    if abs(pitch) > pi / 2 - 1e-6:  # noqa: PLR2004  # then roll and yaw turn about one axis
+    if abs(pitch) > pi / 2 - 1e-6:  # then roll and yaw turn about one axis
         return 0.0, pitch, atan2(-turned[0, 1], turned[1, 1])
     return atan2(turned[2, 1], turned[2, 2]), pitch, atan2(turned[1, 0], turned[0, 0])

@@ -53,7 +53,7 @@ class Standing(ABC):
         return self.body.width
 
     def ros_files(self) -> Mapping[str, str]:
-        """Return what a ROS 2 package has of it: the text of each file by its name, nothing if it has no description."""
+        """Return the text of its files in a ROS 2 package by their names; none if it has no description."""
         return {}
 
     def reach(self, field: StepField) -> Reach:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 from rsegen.errors import ParameterError
@@ -98,13 +98,14 @@ class Ros2(Format):
         return {kind: texts for kind, texts in described.items() if texts}
 
     def _map(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The occupancy grid, the layers of a grid_map over the same ground, and the start poses."""
+        """The occupancy grid, the layers of a grid_map, which have the default margin, and the start poses."""
         margin = min(_MARGIN, _MOST_CELLS * scene.field.block_width) * 100
-        grid = Occupancy(climb_cm=self.climb_cm, margin_cm=margin if self.margin_cm is None else self.margin_cm)
+        plain = Occupancy(climb_cm=self.climb_cm, margin_cm=margin)
+        grid = plain if self.margin_cm is None else replace(plain, margin_cm=self.margin_cm)
         poses = {"ground": self._on_ground(scene.field), **self._on_spot(scene)}
         return {
             **grid.files(scene),
-            **layer_files(scene, grid.margin(scene.field)),
+            **layer_files(scene, plain.margin(scene.field)),
             "start_poses.json": [as_json(poses)],
         }
 

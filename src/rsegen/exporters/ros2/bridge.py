@@ -1,7 +1,7 @@
 """The files of ros_gz_bridge's parameter_bridge: which topics of Gazebo Sim are topics of ROS, with their types.
 
-Topics of a robot are those that Gazebo's plug-ins take by default for a model of the name `robot`, so that one of a user
-is bridged too. Types are written `gz.msgs.*`, which the bridges of Humble and of all later distributions take.
+Topics of a robot are those that Gazebo's plug-ins take by default for a model of the name `robot`, so that a robot of
+the user is bridged too. Types are written `gz.msgs.*`, which the bridges of Humble and of all later distributions take.
 """
 
 from __future__ import annotations

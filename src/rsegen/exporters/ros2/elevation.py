@@ -16,7 +16,7 @@ from rsegen.exporters.formats.encoded import as_json, npy
 from rsegen.exporters.scene import Scene
 
 _MOST_POINTS = 1_000_000
-"""Points of a grid_map at the most, if that leaves one per cell: 8 MB for two layers, which RViz still turns smoothly."""
+"""Points of a grid_map at the most, if that leaves one per cell: a message of 8 MB with two layers."""
 
 _PER_CELL = 5
 """Points along each side of a cell: 2 cm apart for blocks of 10 cm."""

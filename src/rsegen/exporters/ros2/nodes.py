@@ -13,10 +13,10 @@ from __future__ import annotations
 from rsegen.exporters.ros2.launch import MAP_ARGUMENT
 from rsegen.exporters.ros2.rviz import NAMESPACE
 
-TIME_ARGUMENT = '''\
+TIME_ARGUMENT = """\
 TIME = DeclareLaunchArgument(
     'use_sim_time', default_value='false', description='true: a simulation runs, use /clock')
-'''
+"""
 """The argument of nodes that run with a simulation and without."""
 
 MAP_SERVER = f'''\

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 def readme(package: str, robots: Iterable[str]) -> str:
     """Return the text for a package of this name, with robots of these kinds."""
+    nav2 = f"`ros2 launch {package} gazebo_sim.launch.py robot:=jackal start:=ground rviz:=true nav2:=true`"
     kinds = ", ".join(f"`{kind}`" for kind in robots)
     return f"""\
 # {package}
@@ -23,7 +24,7 @@ For ROS 2 Humble with Gazebo Fortress (from 6.16) and for Jazzy with Gazebo Harm
 | spawn a robot | `ros2 launch {package} gazebo_sim.launch.py robot:=jackal` |
 | drive it by keys | `ros2 run teleop_twist_keyboard teleop_twist_keyboard` |
 | see all in RViz | `ros2 launch {package} gazebo_sim.launch.py robot:=jackal rviz:=true` |
-| drive to goals with Nav2 | `ros2 launch {package} gazebo_sim.launch.py robot:=jackal start:=ground rviz:=true nav2:=true` |
+| drive to goals with Nav2 | {nav2} |
 | publish the true heights | `ros2 launch {package} elevation.launch.py use_sim_time:=true` |
 
 `robot` is one of {kinds}, or a file: URDF, Xacro or SDF. `map` chooses a map; each launch file
