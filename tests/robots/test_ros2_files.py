@@ -58,6 +58,7 @@ def plugins(robot: Robot) -> Iterator[tuple[str, ET.Element]]:
     yield from ((sensor.get("type", ""), sensor) for sensor in model.iter("sensor"))
 
 
+@pytest.mark.long(reason="check_urdf, which scripts/ros2 installs")
 @ROBOT
 def test_urdfdom_reads_the_links_in_a_tree_below_base_link(robot: Robot, tmp_path: Path) -> None:
     """It is the parser of robot_state_publisher and RViz."""

@@ -70,8 +70,8 @@ class Ros2(Format):
 
     def __post_init__(self) -> None:
         super(Ros2, self).__post_init__()  # in a class with slots, super() alone is of the class without them
-        if self.robot is not None:
-            ROBOTS.named(self.robot, "robot")
+        if self.robot is not None and not ROBOTS.named(self.robot, "robot").ros_files():
+            raise ParameterError("robot", f"{self.robot} has no description of links and joints; give another kind")
 
     @property
     def joins(self) -> str:
