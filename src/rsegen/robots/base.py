@@ -20,6 +20,7 @@ from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
+from rsegen.robots.ros2 import ros_files
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import ROBOTS as STANDING
 from rsegen.standing.kinds import Standing
@@ -125,8 +126,6 @@ class Robot(Standing):
 
     def ros_files(self) -> Mapping[str, str]:
         """Return the text of its files in a ROS 2 package by their names."""
-        from rsegen.robots.ros2 import ros_files  # which makes its URDF, and needs this class
-
         return ros_files(self)
 
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:

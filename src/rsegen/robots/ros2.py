@@ -14,14 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import hypot
+from typing import TYPE_CHECKING
 
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.exporters.ros2.bridge import MODEL, ROBOT, bridge_yaml, robot_topics
-from rsegen.robots.base import Robot
 from rsegen.robots.drives import element, servo_plugins, system
 from rsegen.robots.links import SdfPose
 from rsegen.robots.urdf_writer import ROOT, urdf
 from rsegen.standing.spots import Outline
+
+if TYPE_CHECKING:  # which has these files, made here
+    from rsegen.robots.base import Robot
 
 _BACKEND = "sim"
 _LIDAR, _IMU = "lidar", "imu"

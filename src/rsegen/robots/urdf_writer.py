@@ -13,14 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import asin, atan2, pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.exporters.numbers import decimal
 from rsegen.field.stepfield import Array
-from rsegen.robots.base import Robot
 from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, Solid, rotation
+
+if TYPE_CHECKING:  # whose files are made with this
+    from rsegen.robots.base import Robot
 
 ROOT = "base_link"
 """The frame of the robot's origin, after ROS's REP 105."""
