@@ -28,7 +28,8 @@ For ROS 2 Humble with Gazebo Fortress (from 6.16) and for Jazzy with Gazebo Harm
 | publish the true heights | `ros2 launch {package} elevation.launch.py use_sim_time:=true` |
 
 `robot` is one of {kinds}, or a file: URDF, Xacro or SDF. `map` chooses a map; each launch file
-lists its arguments with `--show-args`. Nav2 takes goals from RViz's tool *2D Goal Pose*.
+lists its arguments with `--show-args`. Nav2 takes goals from RViz's tool *2D Goal Pose*. The tracks
+of the crawler move in Harmonic, not in Fortress.
 
 | file | what it is |
 |---|---|
