@@ -5,7 +5,7 @@
 
 Frames, after REP 105: `odom` - `base_link` is the true pose, in 3D, of Gazebo's OdometryPublisher, whose odometry is in
 the frame of the world; what wheels or tracks measure is an odometry of its own, in the frame `wheel_odom`, and no
-transform: on blocks it is wrong within a metre, and knows no height.
+transform: on blocks they slip, and they know no height.
 
 The SDF has the names of plug-ins that Fortress knows too since 6.16.
 """
@@ -32,7 +32,7 @@ _IMU_RATE, _ODOMETRY_RATE, _JOINT_RATE = 100, 50, 50
 """Messages per simulated second."""
 
 _MOST_TURN = 1.0
-"""Turn rate, rad/s, at which Nav2 turns a robot that could turn faster: on blocks it would jump."""
+"""Largest turn rate, rad/s, at which Nav2 turns a robot on the spot, also one that could turn faster."""
 
 _SPARE = 0.1
 """Metres around the outline of a robot that Nav2 keeps free if it can."""
