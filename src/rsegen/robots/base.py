@@ -7,7 +7,7 @@ commands follow from that value.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol, cast
 
@@ -20,6 +20,7 @@ from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
+from rsegen.robots.ros2 import ros_files
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import ROBOTS as STANDING
 from rsegen.standing.kinds import Standing
@@ -107,18 +108,25 @@ class Robot(Standing):
 
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN, *, lidar: bool = False) -> str:
         """Return its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
+        sensors = self.lidar.sdf(simulator) if self.lidar and lidar else ""
+        drive, servos = self.drive.plugins(_known(simulator)), servo_plugins(self.servos, simulator)
+        return self.assembled(
+            name, sensors, (drive, servos, "" if simulator == "classic" else self._publishers(name, simulator)), at
+        )
+
+    def assembled(self, name: str, sensors: str, plugins: Iterable[str], at: SdfPose = ORIGIN) -> str:
+        """Return its <model> with these <sensor>s in its first link, and these plug-ins."""
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
-            *(
-                link.sdf(sensors)
-                for link, sensors in zip(self.links, self._sensors(simulator, lidar=lidar), strict=True)
-            ),
+            *(link.sdf("" if index else sensors) for index, link in enumerate(self.links)),
             *(joint.sdf for joint in self.joints),
-            self.drive.plugins(_known(simulator)),
-            servo_plugins(self.servos, simulator),
-            "" if simulator == "classic" else self._publishers(name, simulator),
+            *plugins,
         )
         return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
+
+    def ros_files(self) -> Mapping[str, str]:
+        """Return the text of its files in a ROS 2 package by their names."""
+        return ros_files(self)
 
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
         """Return the text of an SDF file of it."""
@@ -144,10 +152,6 @@ class Robot(Standing):
         if joint not in servos:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
         return servos[joint].command(name, angle, _known(simulator))
-
-    def _sensors(self, simulator: str, *, lidar: bool) -> list[str]:
-        seeing = self.lidar.sdf(simulator) if self.lidar and lidar else ""
-        return [seeing, *[""] * (len(self.links) - 1)]
 
     def _publishers(self, name: str, simulator: str) -> str:
         """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""

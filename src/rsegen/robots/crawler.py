@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from rsegen.robots.base import Robot, register
 from rsegen.robots.drives import Servo, Tracks
-from rsegen.robots.links import FIRM, GREY, Box, Cylinder, Joint, Link, Part, Solid, Surface, Vector, belt, road
+from rsegen.robots.links import FIRM, GREY, Box, Cylinder, Joint, Lidar, Link, Part, Solid, Surface, Vector, belt, road
 
 _RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.27, 0.07, 0.36  # a track: its ends, half of what is between, its width
 _REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04  # a flipper, from axle to axle
@@ -159,5 +159,6 @@ CRAWLER = register(
                 for limb in _ARM
             ),
         ),
+        lidar=Lidar(pose=(-0.06, 0, 0.340, 0, 0, 0), rays=720, nearest=0.1, farthest=20, rate=10),  # over its arm
     )
 )

@@ -109,8 +109,8 @@ class Drive(ABC):
     turn: float
 
     @abstractmethod
-    def plugins(self, simulator: str) -> str:
-        """Return its plug-ins as SDF."""
+    def plugins(self, simulator: str, odometry: str = "") -> str:
+        """Return its plug-ins as SDF; odometry: elements with the topics and frames of its odometry, in Gazebo Sim."""
 
     @abstractmethod
     def classic_command(self, name: str, v: float, w: float) -> Command:
@@ -139,10 +139,10 @@ class Wheels(Drive):
     spread: float = 1
     acceleration: float | None = None
 
-    def plugins(self, simulator: str) -> str:
+    def plugins(self, simulator: str, odometry: str = "") -> str:
         """DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""
         if simulator != "classic":
-            return system("DiffDrive", simulator, self._system())
+            return system("DiffDrive", simulator, self._system() + odometry)
         return "".join(
             classic("DiffDrive", f"drive_{left}", element("left_joint", right) + element("right_joint", left))
             for left, right in zip(self.left, self.right, strict=True)
@@ -185,7 +185,7 @@ class Tracks(Drive):
     efficiency: float
     in_place: float = 1
 
-    def plugins(self, simulator: str) -> str:
+    def plugins(self, simulator: str, odometry: str = "") -> str:
         """SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim.
 
         Classic's calls left what is right.
@@ -195,7 +195,7 @@ class Tracks(Drive):
         # Twice the speed, as in a turn the outer belt is faster than the robot.
         speeds = element("min_velocity", -2 * self.speed) + element("max_velocity", 2 * self.speed)
         belts = (element("link", belt) + speeds for belt in (*self.left, *self.right))
-        return system("TrackedVehicle", simulator, self._system()) + "".join(
+        return system("TrackedVehicle", simulator, self._system() + odometry) + "".join(
             system("TrackController", simulator, belt) for belt in belts
         )
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from rsegen.robots.base import Robot, register
 from rsegen.robots.drives import Wheels
-from rsegen.robots.links import GREY, Box, Joint, Link, Part, Surface, wheel
+from rsegen.robots.links import GREY, Box, Joint, Lidar, Link, Part, Surface, wheel
 
 _RADIUS, _WIDTH, _SEPARATION, _BASE = 0.098, 0.040, 0.3756, 0.262  # of the wheels; _BASE from axle to axle
 _SPREAD = 2  # hinges twice as far apart as the wheels: Classic then takes twice the turn rate (`Wheels.spread`)
@@ -38,7 +38,8 @@ JACKAL = register(
         title="of the Jackal's class",
         source=(
             "chassis, wheels, masses, friction and top speeds: jackal_description, jackal_control (Clearpath);"
-            " our own: overall size (from these), centre of mass in the middle, the motors' inertia"
+            " our own: overall size (from these), centre of mass in the middle, the motors' inertia,"
+            " a lidar on its top"
         ),
         size=(_BASE + 2 * _RADIUS, _SEPARATION + _WIDTH, 0.250),
         clearance=0.066,
@@ -58,5 +59,6 @@ JACKAL = register(
             slip=1.05,
             spread=_SPREAD,
         ),
+        lidar=Lidar(pose=(0, 0, 0.270, 0, 0, 0), rays=720, nearest=0.1, farthest=20, rate=10),
     )
 )

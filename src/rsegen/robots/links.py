@@ -285,12 +285,16 @@ class Lidar:
     farthest: float
     rate: float
 
-    def sdf(self, simulator: str) -> str:
-        """Return its <sensor>: `ray` in Classic; `gpu_lidar`, the only one that Gazebo Sim computes, there."""
+    def sdf(self, simulator: str, publishing: str = "") -> str:
+        """Return its <sensor>: `ray` in Classic; `gpu_lidar`, the only one that Gazebo Sim computes, there.
+
+        publishing: elements with its topic and frame
+        """
         kind, tag = ("ray", "ray") if simulator == "classic" else ("gpu_lidar", "lidar")
         circle = element("min_angle", 0) + element("max_angle", 2 * pi - 2 * pi / self.rays)
         scan = element("scan", element("horizontal", element("samples", self.rays) + circle))
         reach = element("range", element("min", self.nearest) + element("max", self.farthest))
         pose = element("pose", " ".join(map(str, self.pose)))
         inside = pose + element("always_on", "true") + element("update_rate", self.rate) + element(tag, scan + reach)
+        inside += publishing
         return f'        <sensor name="lidar" type="{kind}">{inside}</sensor>\n'

@@ -6,6 +6,7 @@ So a recipe can name the robot that is to get across its maps, and knows nothing
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rsegen.field.stepfield import StepField
@@ -50,6 +51,10 @@ class Standing(ABC):
     def width(self) -> float:
         """Its width, metres."""
         return self.body.width
+
+    def ros_files(self) -> Mapping[str, str]:
+        """Return the text of its files in a ROS 2 package by their names; none if it has no description."""
+        return {}
 
     def reach(self, field: StepField) -> Reach:
         """Return where it gets on a field, and its ways across."""

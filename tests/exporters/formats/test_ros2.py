@@ -9,8 +9,10 @@ import shutil
 import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
+from math import radians
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from hypothesis import given
@@ -48,9 +50,9 @@ endmacro()
 """What the package asks of ament_cmake, and no more."""
 
 
-def written(scene: Scene, folder: Path) -> Path:
+def written(scene: Scene, folder: Path, package: Ros2 | None = None) -> Path:
     """The folder of the package."""
-    for path, content in made_files(Ros2(), scene).items():
+    for path, content in made_files(package or Ros2(), scene).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_bytes(content)
     return folder / package_name(scene.name)
@@ -82,9 +84,29 @@ def test_catkin_pkg_takes_the_package_for_valid(scene: Scene, tmp_path: Path) ->
     for distribution, classic in {"humble": {"gazebo_ros"}, "jazzy": set()}.items():
         found.evaluate_conditions({"ROS_DISTRO": distribution})
         needed = {each.name for each in found.exec_depends if each.evaluated_condition}
-        launched = "".join(path.read_text() for path in Path(found.filename).parent.glob("launch/*.py"))
-        nodes = set(re.findall(r"(?:package='|Share\('|: \(')(\w+)'", launched)) - {"gazebo_ros"}
-        assert needed == nodes | classic | {"launch", "launch_ros"}
+        assert needed == named(Path(found.filename).parent) | classic | {"launch", "launch_ros", *INDIRECT}
+
+
+INDIRECT = {"nav2_costmap_2d", "sdformat_urdf"}
+"""Packages that others load: the layers of Nav2's costmaps, and the parser of SDF robots."""
+
+
+def named(package: Path) -> set[str]:
+    """The packages whose programs, modules and plug-ins the files of a package name."""
+    launched = "".join(path.read_text() for path in package.glob("launch/*.py"))
+    nodes = re.findall(r"(?:package='|Share\('|: \(')([a-z]\w+)'", launched)
+    nav2 = re.findall(r": '(nav2_\w+)',|f'(nav2_\w+)\{BETWEEN", launched)
+    plugins = re.findall(r"plugin: (\w+)::", (package / "config" / "nav2.yaml").read_text())
+    displays = {"grid_map_rviz_plugin"} & set(
+        re.findall(r"Class: (\w+)/", (package / "config" / "map.rviz").read_text())
+    )
+    node = (package / "nodes" / "elevation.py").read_text()
+    modules = set(re.findall(r"^(?:import|from) (\w+)", node, re.M)) - {"array", "json", "pathlib"}
+    modules = {"python3-numpy" if module == "numpy" else module for module in modules}
+    commands = {"xacro"} if "Command(['xacro " in launched else set()
+    keys = re.findall(r"ros2 run (\w+)", (package / "README.md").read_text())
+    found = {*nodes, *(name for pair in nav2 for name in pair if name), *plugins, *displays, *modules, *commands, *keys}
+    return found - {"gazebo_ros"}
 
 
 @pytest.mark.slow
@@ -108,7 +130,7 @@ def test_cmake_installs_the_files_of_the_package(scene: Scene, tmp_path: Path) -
     source = written(scene, tmp_path / "src")
     share = installed_by_cmake(source, tmp_path) / "share" / source.name
     there, held = contents(share), contents(source)
-    for part in ("LICENSE", "config", "launch", "maps", "models", "urdf", "worlds"):
+    for part in ("LICENSE", "README.md", "config", "launch", "maps", "models", "nodes", "robots", "urdf", "worlds"):
         assert {name for name in there if name.startswith(part)} == {name for name in held if name.startswith(part)}
     hook = (share / "environment" / f"{source.name}.dsv").read_text().splitlines()
     assert hook == [f"prepend-non-duplicate;{variable};share/{source.name}/models" for variable in VARIABLES]
@@ -170,10 +192,62 @@ def test_the_occupancy_grid_has_free_ground_around_the_map_and_the_start_pose_on
     inside = levels[margin:-margin, margin:-margin]
     assert (inside == (field.heights > field.unit)).all()
     assert levels.sum() == inside.sum()
-    start = json.loads((folder / "start_pose.json").read_text())
+    start = json.loads((folder / "start_poses.json").read_text())["ground"]
     corner = yaml.safe_load((folder / "map.yaml").read_text())["origin"]
     assert corner[0] < start["x"] < -field.extent[0] / 2
     assert start["y"] == start["yaw"] == 0
+
+
+@SCENE
+def test_elevation_and_friction_are_those_of_every_cell_with_ground_around(scene: Scene, tmp_path: Path) -> None:
+    folder, field = written(scene, tmp_path) / "maps" / scene.name, scene.field
+    about = json.loads((folder / "elevation.json").read_text())
+    elevation, friction = (np.load(folder / f"{layer}.npy") for layer in about["layers"])
+    margin = round(2 / field.block_width + 0.499)
+    inside = (slice(margin, -margin),) * 2
+    assert elevation.shape == friction.shape == tuple(side + 2 * margin for side in field.shape)
+    assert (elevation[inside] == field.heights.astype(np.float32)).all()
+    assert np.count_nonzero(elevation) == np.count_nonzero(field.heights)
+    assert (friction == np.float32(scene.friction)).all()
+    assert about["cell_size"] == field.block_width
+
+
+def test_friction_is_that_of_the_level_of_each_block(tmp_path: Path) -> None:
+    folder, field = written(SLIPPERY, tmp_path) / "maps" / SLIPPERY.name, SLIPPERY.field
+    margin = round(2 / field.block_width + 0.499)
+    friction = np.load(folder / "friction.npy")[margin:-margin, margin:-margin]
+    for i, j in np.ndindex(field.shape):
+        level = 0 if field.frame[i, j] else int(field.levels[i, j])
+        on_ground = level == 0 and not field.frame[i, j]
+        expected = SLIPPERY.friction if on_ground else SLIPPERY.friction_of(level)
+        assert friction[i, j] == np.float32(expected)
+    assert len(np.unique(friction)) > 1
+
+
+def test_the_default_robot_starts_on_a_spot_of_the_map_and_the_others_on_the_ground(tmp_path: Path) -> None:
+    scene = compose(Recipe(seed=3, chunk_size=8, boundary="none"))
+    package = written(scene, tmp_path, Ros2(robot="burger"))
+    poses = json.loads((package / "maps" / "rse_0000" / "start_poses.json").read_text())
+    assert poses.keys() == {"ground", "burger"}
+    spot = poses["burger"]
+    rest = rsegen.poses(scene.field, "burger", spot["x"], spot["y"], spot["yaw"])
+    assert rest.pushes.all()
+    assert float(rest.tilt[0]) < radians(3)
+    assert 0 < spot["z"] - float(rest.z[0]) < 0.01
+    assert max(abs(spot["x"]), abs(spot["y"])) < scene.field.extent[0] / 2
+    assert "default_value='burger'" in (package / "launch" / "spawn_robot.launch.py").read_text()
+
+
+def test_a_map_without_a_spot_has_the_pose_on_the_ground_alone(tmp_path: Path) -> None:
+    scene = compose(Recipe(seed=3, chunk_size=2, boundary="none"))
+    poses = json.loads(made_files(Ros2(robot="crawler"), scene)["rse_0000/maps/rse_0000/start_poses.json"])
+    assert poses.keys() == {"ground"}
+
+
+def test_an_unknown_robot_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert exit_code("export", "peak", "--to", "ros2 robot=berger", "-o", str(tmp_path / "out")) == 2
+    assert "unknown robot 'berger'; did you mean 'burger'?" in the_line(capsys.readouterr().err)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_joined_package_is_kept_or_replaced_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

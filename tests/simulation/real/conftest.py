@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -46,13 +46,24 @@ def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def check_sdf(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], str]:
-    """What libsdformat says of a file."""
+def sdf_checker(tmp_path_factory: pytest.TempPathFactory) -> Sequence[str]:
+    """The command by which libsdformat checks a file."""
     empty = tmp_path_factory.mktemp("sdf") / "empty.sdf"
     empty.write_text('<sdf version="1.6"/>\n')
     found = (checker for checker in CHECKERS if "Valid" in command_output([*checker, empty]))
-    checker = next(found, None) or missing("no libsdformat 12: run scripts/sdformat")
-    return lambda path: command_output([*checker, path])
+    return next(found, None) or missing("no libsdformat 12: run scripts/sdformat")
+
+
+@pytest.fixture(scope="session")
+def check_sdf(sdf_checker: Sequence[str]) -> Callable[[Path], str]:
+    """What libsdformat says of a file."""
+    return lambda path: command_output([*sdf_checker, path])
+
+
+@pytest.fixture(scope="session")
+def print_sdf(sdf_checker: Sequence[str]) -> Callable[[Path], str]:
+    """A file as libsdformat reads it, also a URDF."""
+    return lambda path: command_output([*sdf_checker[:-1], "--print", path])
 
 
 def missing_sim() -> NoReturn:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 import rsegen
 from rsegen import compose
 from rsegen.exporters.formats.ros2 import Ros2
+from rsegen.robots import ROBOTS
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.process import command_output
 from tests.simulation.real.bodies import SIZE, body
@@ -52,8 +54,38 @@ def test_libsdformat_finds_the_model_that_the_world_includes(
     assert said(check_sdf(folder / "worlds" / f"{scene.name}.world")) == ["Valid."]
 
 
+@pytest.mark.parametrize("kind", list(ROBOTS))
+def test_libsdformat_finds_the_model_of_a_robot_valid(
+    kind: str, check_sdf: Callable[[Path], str], tmp_path: Path
+) -> None:
+    _, folder = package(tmp_path)
+
+    assert said(check_sdf(folder / "robots" / kind / "model.sdf")) == ["Valid."]
+
+
+@pytest.mark.parametrize("kind", list(ROBOTS))
+def test_libsdformat_reads_the_urdf_of_a_robot_with_the_mass_and_the_hinges_of_its_sdf(
+    kind: str, print_sdf: Callable[[Path], str], tmp_path: Path
+) -> None:
+    """It merges links at fixed joints, as for a robot that is spawned from its description."""
+    _, folder = package(tmp_path)
+
+    read = re.search(r"<sdf.*</sdf>", print_sdf(folder / "robots" / kind / f"{kind}.urdf"), re.DOTALL)
+    assert read
+    model = fromstring(read[0])
+
+    masses = [float(mass.text or "nan") for mass in model.iter("mass")]
+    assert sum(masses) == pytest.approx(ROBOTS[kind].mass)
+    hinges = {joint.get("name") for joint in model.iter("joint") if joint.get("type") == "revolute"}
+    assert hinges == {joint.name for joint in ROBOTS[kind].joints if joint.axis}
+
+
 SERVERS = (("gz", "sim", "GZ_SIM", "server"), ("ign", "gazebo", "IGN_GAZEBO", "fortress_server"))
-SYSTEMS = {"physics", "user-commands", "scene-broadcaster", "sensors", "imu", "contact"}
+SYSTEMS = {
+    *("physics", "usercommands", "scenebroadcaster", "sensors", "imu", "contact"),
+    *("altimeter", "forcetorque", "magnetometer", "navsat"),
+}
+"""Names of their classes in small letters."""
 
 
 def servers() -> Sequence[tuple[str, str, str, str]]:
@@ -79,13 +111,9 @@ def test_gazebo_sim_loads_the_systems_of_the_server_configuration(
 
     plain = re.sub(r"\x1b\[[0-9;]*m", "", text)
     assert f"{folder}/config/{name}.config" in plain
-    loaded = {_kebab(system) for system in re.findall(r"Loaded system \[\w+::\w+::systems::(\w+)\]", plain)}
-    absent = set(re.findall(r"Failed to load system plugin \[\w+-\w+-([\w-]+)-system\] : couldn't find", plain))
-    assert {"physics", "user-commands", "scene-broadcaster", "contact"} <= loaded
-    assert loaded | absent == SYSTEMS
+    loaded = {system.lower() for system in re.findall(r"Loaded system \[\w+::\w+::systems::(\w+)\]", plain)}
+    absent = re.findall(r"Failed to load system plugin \[\w+-\w+-([\w-]+)-system\] : couldn't find", plain)
+    assert {"physics", "usercommands", "scenebroadcaster", "contact"} <= loaded
+    assert loaded | {system.replace("-", "") for system in absent} == SYSTEMS
     harmless = re.compile("Failed to load system plugin|launching Remotery")  # the profiler, where two servers run
     assert [line for line in plain.splitlines() if "[Err]" in line and not harmless.search(line)] == []
-
-
-def _kebab(name: str) -> str:
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", name).lower()

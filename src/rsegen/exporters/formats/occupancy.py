@@ -48,7 +48,7 @@ class Occupancy(Format):
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Return the image, north up, and its YAML metadata; the centre of the map is the origin of the world."""
         # The thresholds are those that map_saver writes; with mode `trinary` black is occupied and 254 is free.
-        field, margin = scene.field, self._margin(scene.field)
+        field, margin = scene.field, self.margin(scene.field)
         climb = field.unit if self.climb_cm is None else self.climb_cm / 100
         occupied = np.pad(field.heights > round(climb, NANOMETRE_DIGITS), margin)
         grey = np.where(occupied, _OCCUPIED, _FREE).astype(np.uint8).T[::-1]
@@ -67,7 +67,7 @@ class Occupancy(Format):
         head = f"P5\n{rows.shape[1]} {rows.shape[0]}\n255\n"
         return {"map.yaml": ["\n".join([*lines, ""]).encode()], "map.pgm": [head.encode(), rows.tobytes()]}
 
-    def _margin(self, field: StepField) -> int:
+    def margin(self, field: StepField) -> int:
         """Return the cells of free ground on each side; a ParameterError if the image would be too large."""
         margin = ceil(round(self.margin_cm / 100 / field.block_width, NANOMETRE_DIGITS))
         width, height = ((n + 2 * margin) * self.pixels for n in field.shape)

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
+from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.exporters.formats.urdf import urdf_files
 from rsegen.exporters.gazebo import sdf, single
+from rsegen.exporters.ros2.elevation import layer_files
 from rsegen.exporters.ros2.package import common_files
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import StepField
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
+from rsegen.params.streams import generator
+from rsegen.standing.kinds import ROBOTS, Standing
+from rsegen.standing.spots import spots
 
 _DROP_HEIGHT = 0.1
 """Metres above the ground at which robots are spawned: the origin of many is at the height of their axles."""
+
+_CLEARANCE = 0.005
+"""Metres above its pose at rest at which a robot is spawned on its spot, so that no part of it is inside a block."""
 
 _MARGIN, _MOST_CELLS = 2.0, 500
 """Metres of free ground around the map in its occupancy grid by default, and most cells of it."""
@@ -27,7 +35,7 @@ _MARGIN, _MOST_CELLS = 2.0, 500
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Ros2(Format):
-    """A ROS 2 package (ament_cmake): model, world, occupancy grid and URDF, launch files for Gazebo, Nav2 and RViz."""
+    """A ROS 2 package (ament_cmake) that drives: world, robots, bridge, occupancy grid, Nav2, RViz, grid_map."""
 
     name: ClassVar[str] = "ros2"
     step: ClassVar[Step] = "surface"
@@ -38,6 +46,14 @@ class Ros2(Format):
             "[a-z](_?[a-z0-9])+",
             "small letters, digits and single underscores, a letter first",
             help="name of one package that holds all maps; default: a package for each map, named after it",
+        ),
+    ] = None
+    robot: Annotated[
+        str | None,
+        Text(
+            "[A-Za-z0-9_]+",
+            "a kind of robot",
+            help="robot that is spawned by default, on a spot of each map that has one; the others start on the ground",
         ),
     ] = None
     climb_cm: Annotated[
@@ -52,6 +68,11 @@ class Ros2(Format):
         float, Float(0, 100_000, unit="cm", help="distance of the start pose from the map's border, on flat ground")
     ] = 100.0
 
+    def __post_init__(self) -> None:
+        super(Ros2, self).__post_init__()  # in a class with slots, super() alone is of the class without them
+        if self.robot is not None and not ROBOTS.named(self.robot, "robot").ros_files():
+            raise ParameterError("robot", f"{self.robot} has no description of links and joints; give another kind")
+
     @property
     def joins(self) -> str:
         """Folder of the package of all maps, if its name is given."""
@@ -60,23 +81,56 @@ class Ros2(Format):
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """The files of the package, in a folder of its name."""
         package = self.package or package_name(scene.name)
-        contents: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common_files(package).items()}
+        common = common_files(package, self._robot_files(), self.robot or "none")
+        contents: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common.items()}
         contents |= _model(scene)
         contents |= urdf_files(scene, f"urdf/{scene.name}/", f"package://{package}/urdf/{scene.name}/")
         contents |= {f"maps/{scene.name}/{path}": content for path, content in self._map(scene).items()}
         contents[f"worlds/{scene.name}.world"] = sdf.utf8(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
         return {f"{package}/{path}": content for path, content in contents.items()}
 
-    def _map(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The occupancy grid, and the start pose."""
-        margin = min(_MARGIN, _MOST_CELLS * scene.field.block_width) * 100
-        grid = Occupancy(climb_cm=self.climb_cm, margin_cm=margin if self.margin_cm is None else self.margin_cm)
-        return {**grid.files(scene), "start_pose.json": [as_json(self._start_pose(scene.field))]}
+    def _robot_files(self) -> dict[str, Mapping[str, str]]:
+        """The files of rsegen's own robots, and of the one that is spawned by default, by their kinds."""
+        robots: dict[str, Standing] = {robot.kind: robot for robot in ROBOTS.own()}
+        if self.robot is not None:
+            robots[self.robot] = ROBOTS[self.robot]
+        described = {kind: robots[kind].ros_files() for kind in sorted(robots)}
+        return {kind: texts for kind, texts in described.items() if texts}
 
-    def _start_pose(self, field: StepField) -> dict[str, Json]:
+    def _map(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """The occupancy grid, the layers of a grid_map, which have the default margin, and the start poses."""
+        margin = min(_MARGIN, _MOST_CELLS * scene.field.block_width) * 100
+        plain = Occupancy(climb_cm=self.climb_cm, margin_cm=margin)
+        grid = plain if self.margin_cm is None else replace(plain, margin_cm=self.margin_cm)
+        poses = {"ground": self._on_ground(scene.field), **self._on_spot(scene)}
+        return {
+            **grid.files(scene),
+            **layer_files(scene, plain.margin(scene.field)),
+            "start_poses.json": [as_json(poses)],
+        }
+
+    def _on_ground(self, field: StepField) -> dict[str, Json]:
         """The pose on the ground west of the map, heading east, metres and radians."""
         x = -field.extent[0] / 2 - self.clearance_cm / 100
-        return {"x": round(x, NANOMETRE_DIGITS), "y": 0.0, "z": _DROP_HEIGHT, "yaw": 0.0}
+        return _pose(round(x, NANOMETRE_DIGITS), 0.0, _DROP_HEIGHT)
+
+    def _on_spot(self, scene: Scene) -> dict[str, Json]:
+        """The pose of the robot on a spot of the map, by its kind; nothing if the map has none."""
+        if self.robot is None:
+            return {}
+        rng = generator(scene.recipe.seed, scene.index, "start pose")
+        try:
+            (spot,) = spots(scene.field, ROBOTS[self.robot].body, 1, rng)
+        except ParameterError:
+            return {}
+        x, y, z, roll, pitch, yaw = (
+            round(value, 4) for value in (spot.x, spot.y, spot.z + _CLEARANCE, spot.roll, spot.pitch, spot.yaw)
+        )
+        return {self.robot: _pose(x, y, z, roll, pitch, yaw)}
+
+
+def _pose(x: float, y: float, z: float, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> dict[str, Json]:
+    return {"x": x, "y": y, "z": z, "roll": roll, "pitch": pitch, "yaw": yaw}
 
 
 def package_name(name: str) -> str:

@@ -208,8 +208,14 @@ def prefixes(backend: str) -> SystemName:
     return SystemName("gz-sim", "gz::sim") if backend == "sim" else SystemName("ignition-gazebo", "ignition::gazebo")
 
 
+_ONE_WORD = ("NavSat", "ForceTorque")
+"""Systems whose libraries are named without a hyphen inside."""
+
+
 def system_name(kind: str, backend: str) -> SystemName:
     """The name of a system, such as `DiffDrive`; backend: `fortress`, or `sim` for all later versions."""
     library, namespace = prefixes(backend)
+    if kind in _ONE_WORD:
+        return SystemName(f"{library}-{kind.lower()}-system", f"{namespace}::systems::{kind}")
     words = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in kind)
     return SystemName(f"{library}{words}-system", f"{namespace}::systems::{kind}")

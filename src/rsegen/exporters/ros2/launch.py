@@ -1,15 +1,15 @@
-"""The launch files of a package, the configuration of RViz, and the package's own test, as texts.
+"""The launch files of a package that open Gazebo and spawn a robot, as texts.
 
-They find the maps in the folder of the package, and keep to ament_flake8: single quotes, lines of at most 99
-characters.
+They find maps and robots in the folder of the package, and keep to ament_flake8: single quotes, lines of at most 99
+characters. Robots and bridges use the time of the simulation, which runs here in any case.
 
-    SIM, CLASSIC     open a world in Gazebo Sim or Gazebo Classic, and include
-    SPAWN_ROBOT      which spawns a robot at the map's start pose
-    MAP_SERVER       publishes the occupancy grid; a lifecycle node, so a manager has to configure and activate it
-    RVIZ             shows the URDF of the map and the occupancy grid, in the frame map
+    SIM, CLASSIC    open a world in Gazebo Sim or Gazebo Classic, and include
+    SPAWN_ROBOT     which spawns a robot with its description, frames and bridge
 """
 
 from __future__ import annotations
+
+from rsegen.exporters.ros2.bridge import ROBOT
 
 MAP_ARGUMENT = """\
 SHARE = Path(__file__).absolute().parents[1]
@@ -19,32 +19,34 @@ MAP = DeclareLaunchArgument('map', default_value=MAPS[0], choices=MAPS, descript
 """The folder of the package, as its source or installed, and the argument that chooses one of its maps."""
 
 SIM = f'''\
-"""Open a map in Gazebo Sim (Fortress or later) with a clock for ROS, and spawn a robot."""
+"""Open a map in Gazebo Sim with a clock for ROS, and a robot; on request with RViz and Nav2."""
 
-import os
 from pathlib import Path
 from shlex import quote
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction
 from launch.actions import SetEnvironmentVariable
-from launch.conditions import evaluate_condition_expression
+from launch.conditions import evaluate_condition_expression, IfCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
 {MAP_ARGUMENT}
-MESSAGES = 'ignition.msgs' if os.environ.get('ROS_DISTRO') == 'humble' else 'gz.msgs'
 CONFIGS = {{
     'IGN_GAZEBO_SERVER_CONFIG_PATH': SHARE / 'config' / 'fortress_server.config',
     'GZ_SIM_SERVER_CONFIG_PATH': SHARE / 'config' / 'server.config',
 }}
+ON_REQUEST = {{
+    'rviz': ('rviz.launch.py', 'show all in RViz'),
+    'nav2': ('navigation.launch.py', 'drive to goals with Nav2'),
+    'elevation': ('elevation.launch.py', 'publish the map as grid_map'),
+}}
 
 
 def generate_launch_description():
-    """Return the environment, Gazebo, the bridge of its clock, and the spawner."""
-    spawner = PythonLaunchDescriptionSource(str(SHARE / 'launch' / 'spawn_robot.launch.py'))
+    """Return the environment, Gazebo, the bridge of its clock, the robot, and the rest."""
     return LaunchDescription([
         MAP,
         DeclareLaunchArgument('paused', default_value='false', description='start paused'),
@@ -54,21 +56,28 @@ def generate_launch_description():
             'options', default_value='',
             description='options of gz sim, in place of paused, headless and verbose',
         ),
-        DeclareLaunchArgument(
-            'use_sim_time', default_value='true', description='use the time of /clock',
-        ),
+        *(DeclareLaunchArgument(name, default_value='false', description=description)
+          for name, (_, description) in ON_REQUEST.items()),
         # Each Gazebo reads its own variable; one that is set already stays.
         *(SetEnvironmentVariable(name, EnvironmentVariable(name, default_value=str(path)))
           for name, path in CONFIGS.items()),
         OpaqueFunction(function=gazebo),
         Node(
             package='ros_gz_bridge', executable='parameter_bridge', name='clock_bridge',
-            arguments=[f'/clock@rosgraph_msgs/msg/Clock[{{MESSAGES}}.Clock'],
-            parameters=[{{'use_sim_time': LaunchConfiguration('use_sim_time')}}],
+            parameters=[{{'config_file': str(SHARE / 'config' / 'clock_bridge.yaml')}}],
             output='screen',
         ),
-        IncludeLaunchDescription(spawner, launch_arguments={{'simulator': 'sim'}}.items()),
+        included('spawn_robot.launch.py', {{'simulator': 'sim'}}),
+        *(included(file, {{'use_sim_time': 'true'}}, IfCondition(LaunchConfiguration(name)))
+          for name, (file, _) in ON_REQUEST.items()),
     ])
+
+
+def included(name, arguments, condition=None):
+    """Return another launch file of this package with arguments."""
+    source = PythonLaunchDescriptionSource(str(SHARE / 'launch' / name))
+    return IncludeLaunchDescription(
+        source, launch_arguments=arguments.items(), condition=condition)
 
 
 def gazebo(context):
@@ -121,6 +130,8 @@ def generate_launch_description():
         DeclareLaunchArgument('headless', default_value='false', description='open no window'),
         DeclareLaunchArgument('verbose', default_value='false', description='print all messages'),
         DeclareLaunchArgument('gui', default_value='true', description='false is headless, too'),
+        DeclareLaunchArgument(
+            'robot', default_value='none', description='none, or a file (URDF, Xacro, SDF)'),
         OpaqueFunction(function=gazebo),
         IncludeLaunchDescription(spawner, launch_arguments={{'simulator': 'classic'}}.items()),
     ])
@@ -155,26 +166,35 @@ def lower(context, name):
 '''
 
 SPAWN_ROBOT = f'''\
-"""Spawn a robot at the start pose of a map, or anywhere else, in a Gazebo that is running."""
+"""
+Spawn a robot in a Gazebo that is running, with its description, frames and bridge.
+
+It is one of the folder robots, or a file: URDF, Xacro or SDF. Its model is named '{ROBOT}', as the
+topics of the bridge expect.
+"""
 
 import json
 from pathlib import Path
+from shlex import quote
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
+from launch.conditions import IfCondition
+from launch.substitutions import Command, LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 {MAP_ARGUMENT}
+ROBOTS = sorted(path.name for path in (SHARE / 'robots').iterdir())
 SPAWNERS = {{
     'sim': ('ros_gz_sim', 'create', '-name'),
     'classic': ('gazebo_ros', 'spawn_entity.py', '-entity'),
 }}
-COORDINATES = {{'x': '-x', 'y': '-y', 'z': '-z', 'yaw': '-Y'}}
+COORDINATES = {{'x': '-x', 'y': '-y', 'z': '-z', 'roll': '-R', 'pitch': '-P', 'yaw': '-Y'}}
 
 
 def generate_launch_description():
-    """Return the arguments and the spawner."""
+    """Return the arguments and the robot."""
     coordinates = [
         DeclareLaunchArgument(
             name, default_value='', description='metres or radians; default: the start pose')
@@ -185,224 +205,117 @@ def generate_launch_description():
         DeclareLaunchArgument(
             'simulator', default_value='sim', choices=list(SPAWNERS), description='which Gazebo'),
         DeclareLaunchArgument(
-            'robot_file', default_value='', description='SDF or URDF file of the robot'),
+            'robot', default_value='@ROBOT@',
+            description=f"none, {{', '.join(ROBOTS)}}, or a file (URDF, Xacro, SDF)"),
         DeclareLaunchArgument(
-            'robot_topic', default_value='', description='or its topic: robot_description'),
-        DeclareLaunchArgument('robot_name', default_value='robot', description='its name'),
+            'robot_topic', default_value='',
+            description='in place of robot: a topic that has its description'),
+        DeclareLaunchArgument(
+            'robot_name', default_value='{ROBOT}', description='model name of a robot of your own'),
+        DeclareLaunchArgument(
+            'start', default_value='spot', choices=['spot', 'ground'],
+            description='a spot on the map, if there is one for the robot, or west of the map'),
         *coordinates,
-        OpaqueFunction(function=spawner),
+        DeclareLaunchArgument(
+            'bridge', default_value='',
+            description='the bridge file of a robot of your own; none: no bridge'),
+        DeclareLaunchArgument(
+            'localized', default_value='true',
+            description='false: another node, such as SLAM, publishes the frame odom in map'),
+        OpaqueFunction(function=spawned),
     ])
 
 
-def spawner(context):
-    """Return the node that spawns the robot, or a message if none is given."""
+def spawned(context):
+    """Return the nodes of the robot, or a message if there is none."""
     def given(name):
         return LaunchConfiguration(name).perform(context)
 
-    source = robot(given('robot_file'), given('robot_topic'))
-    if not source:
-        return [LogInfo(msg='No robot is spawned: robot_file and robot_topic are empty.')]
-    start = json.loads((SHARE / 'maps' / given('map') / 'start_pose.json').read_text())
-    pose = [part for name, flag in COORDINATES.items()
-            for part in (flag, given(name) or str(start[name]))]
-    package, executable, named = SPAWNERS[given('simulator')]
-    arguments = [named, given('robot_name'), *source, *pose]
-    return [Node(package=package, executable=executable, arguments=arguments, output='screen')]
-
-
-def robot(file, topic):
-    """Return the arguments that say where the robot is described."""
-    if not file:
-        return ['-topic', topic] if topic else []
-    if '://' in file:
-        return ['-file', file]
-    path = Path(file).expanduser().absolute()
+    kind, topic, simulator = given('robot'), given('robot_topic'), given('simulator')
+    if kind == 'none' and not topic:
+        return [LogInfo(msg=f"No robot is spawned: give robot:={{', '.join(ROBOTS)}} or a file.")]
+    start, place = start_pose(given('map'), kind, given('start'))
+    coordinates = {{name: float(given(name)) for name in COORDINATES if given(name)}}
+    start.update(coordinates)
+    if topic:
+        return [spawner(simulator, given('robot_name'), ['-topic', topic], start)]
+    place = 'at the given coordinates' if coordinates else place
+    localized = IfCondition(LaunchConfiguration('localized'))
+    said = LogInfo(msg=f'The robot {{kind}} starts {{place}}.')
+    if kind in ROBOTS:
+        if simulator == 'classic':
+            raise RuntimeError(f'robot: {{kind}} drives in Gazebo Sim; give a file')
+        folder = SHARE / 'robots' / kind
+        return [
+            said,
+            state_publisher((folder / f'{{kind}}.urdf').read_text()),
+            spawner(simulator, '{ROBOT}', ['-file', str(folder / 'model.sdf')], start),
+            bridge(given('bridge') or folder / 'bridge.yaml'),
+            frame('odom', dict.fromkeys(start, 0.0), localized),
+            frame('wheel_odom', start),
+        ]
+    path = Path(kind).expanduser().absolute()
     if not path.is_file():
-        raise RuntimeError(f'robot_file: {{path}} is not a file')
-    return ['-file', str(path)]
-'''
-
-NAMESPACE = "step_field"
-"""Namespace of the nodes that describe the map, so that a robot's own robot_description stays free."""
-
-RVIZ_CONFIG = f"""\
-Panels:
-  - Class: rviz_common/Displays
-    Name: Displays
-  - Class: rviz_common/Views
-    Name: Views
-Visualization Manager:
-  Class: ""
-  Displays:
-    - Class: rviz_default_plugins/RobotModel
-      Name: Step field
-      Enabled: true
-      Value: true
-      Collision Enabled: false
-      Visual Enabled: true
-      Description Source: Topic
-      Description Topic:
-        Depth: 5
-        Durability Policy: Transient Local
-        History Policy: Keep Last
-        Reliability Policy: Reliable
-        Value: /{NAMESPACE}/robot_description
-    - Class: rviz_default_plugins/Map
-      Name: Occupancy grid
-      Enabled: true
-      Value: true
-      Alpha: 0.5
-      Color Scheme: map
-      Topic:
-        Depth: 1
-        Durability Policy: Transient Local
-        History Policy: Keep Last
-        Reliability Policy: Reliable
-        Value: /map
-  Enabled: true
-  Global Options:
-    Background Color: 48; 48; 48
-    Fixed Frame: map
-    Frame Rate: 30
-  Name: root
-  Tools:
-    - Class: rviz_default_plugins/MoveCamera
-    - Class: rviz_default_plugins/Select
-    - Class: rviz_default_plugins/Measure
-  Value: true
-  Views:
-    Current:
-      Class: rviz_default_plugins/Orbit
-      Distance: 5
-      Name: Current View
-      Pitch: 0.8
-      Value: Orbit (rviz)
-      Yaw: 4.2
-    Saved: ~
-"""
-
-MAP_SERVER = f'''\
-"""Publish the occupancy grid of a map on /map, with the lifecycle manager that activates it."""
-
-from pathlib import Path
-
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-
-{MAP_ARGUMENT}
-
-def generate_launch_description():
-    """Return the map server and its lifecycle manager."""
-    use_sim_time = LaunchConfiguration('use_sim_time')
-    manager = {{'use_sim_time': use_sim_time, 'autostart': True, 'node_names': ['map_server']}}
-    return LaunchDescription([
-        MAP,
-        DeclareLaunchArgument(
-            'use_sim_time', default_value='true', description='use the time of /clock',
-        ),
-        OpaqueFunction(function=map_server),
-        Node(
-            package='nav2_lifecycle_manager', executable='lifecycle_manager',
-            name='lifecycle_manager_map', parameters=[manager], output='screen',
-        ),
-    ])
-
-
-def map_server(context):
-    """Return the map server with the occupancy grid of the map."""
-    grid = SHARE / 'maps' / LaunchConfiguration('map').perform(context) / 'map.yaml'
-    parameters = {{
-        'use_sim_time': LaunchConfiguration('use_sim_time'),
-        'yaml_filename': str(grid),
-        'frame_id': 'map',
-    }}
-    return [Node(
-        package='nav2_map_server', executable='map_server', name='map_server',
-        parameters=[parameters], output='screen',
-    )]
-'''
-
-RVIZ = f'''\
-"""Show a map in RViz: its URDF in the frame map, and the occupancy grid if it is published."""
-
-from pathlib import Path
-
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
-
-{MAP_ARGUMENT}
-NAMESPACE = '{NAMESPACE}'
-
-
-def generate_launch_description():
-    """Return the nodes that describe the map, and RViz."""
-    return LaunchDescription([
-        MAP,
-        DeclareLaunchArgument(
-            'use_sim_time', default_value='true', description='use the time of /clock',
-        ),
-        DeclareLaunchArgument('rviz', default_value='true', description='false: publish alone'),
-        OpaqueFunction(function=description),
-        Node(
-            package='rviz2', executable='rviz2', name='rviz2',
-            arguments=['-d', str(SHARE / 'config' / 'map.rviz')],
-            parameters=[{{'use_sim_time': LaunchConfiguration('use_sim_time')}}],
-            condition=IfCondition(LaunchConfiguration('rviz')), output='screen',
-        ),
-    ])
-
-
-def description(context):
-    """Return the publishers of the URDF of the map and of its place in the frame map."""
-    name = LaunchConfiguration('map').perform(context)
-    urdf = (SHARE / 'urdf' / name / f'{{name}}.urdf').read_text()
-    parameters = {{
-        'use_sim_time': LaunchConfiguration('use_sim_time'),
-        'robot_description': ParameterValue(urdf, value_type=str),
-    }}
+        raise RuntimeError(f"robot: {{kind}} is neither none, {{', '.join(ROBOTS)}}, nor a file")
+    is_sdf = path.suffix == '.sdf'
+    source = ['-file', str(path)] if is_sdf else ['-topic', 'robot_description']
+    default = SHARE / 'config' / 'robot_bridge.yaml'
+    is_bridged = simulator == 'sim' and given('bridge') != 'none'
     return [
-        Node(
-            package='robot_state_publisher', executable='robot_state_publisher',
-            namespace=NAMESPACE, parameters=[parameters], output='screen',
-        ),
-        Node(
-            package='tf2_ros', executable='static_transform_publisher', namespace=NAMESPACE,
-            arguments=['--frame-id', 'map', '--child-frame-id', name], output='screen',
-        ),
+        said,
+        state_publisher(path.read_text() if is_sdf else Command(['xacro ', quote(str(path))])),
+        spawner(simulator, given('robot_name'), source, start),
+        *([bridge(given('bridge') or default)] if is_bridged else []),
+        frame('odom', start, localized),
     ]
-'''
-
-TEST = '''\
-"""Every launch file of this package can be loaded, and every map has all of its files."""
-
-from pathlib import Path
-
-from launch.launch_description_sources import get_launch_description_from_python_launch_file
-import pytest
-
-PACKAGE = Path(__file__).absolute().parents[1]
-LAUNCH_FILES = sorted((PACKAGE / 'launch').glob('*.launch.py'))
-MAPS = sorted(path.stem for path in (PACKAGE / 'worlds').glob('*.world'))
 
 
-@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
-def test_launch_file_can_be_loaded(file):
-    """Read it as ros2 launch does; nothing is started."""
-    assert get_launch_description_from_python_launch_file(str(file)).entities
+def start_pose(name, kind, start):
+    """Return the pose at which a robot starts, and where that is."""
+    poses = json.loads((SHARE / 'maps' / name / 'start_poses.json').read_text())
+    if start == 'spot' and kind in poses:
+        return poses[kind], 'on its spot on the map'
+    return poses['ground'], 'on the ground west of the map'
 
 
-@pytest.mark.parametrize('name', MAPS)
-def test_map_is_complete(name):
-    """Look for what the launch files open."""
-    for path in (
-        f'maps/{name}/map.yaml', f'maps/{name}/map.pgm', f'maps/{name}/start_pose.json',
-        f'models/{name}/model.sdf', f'urdf/{name}/{name}.urdf',
-    ):
-        assert (PACKAGE / path).is_file(), path
+def state_publisher(description):
+    """Return the node that publishes the description and the frames of the links."""
+    return Node(
+        package='robot_state_publisher', executable='robot_state_publisher', output='screen',
+        parameters=[{{
+            'use_sim_time': True,
+            'robot_description': ParameterValue(description, value_type=str),
+        }}],
+    )
+
+
+def spawner(simulator, name, source, start):
+    """Return the node that spawns the robot at its start pose."""
+    package, executable, named = SPAWNERS[simulator]
+    pose = [part for key, flag in COORDINATES.items() for part in (flag, str(start[key]))]
+    arguments = [named, name, *source, *pose]
+    return Node(package=package, executable=executable, arguments=arguments, output='screen')
+
+
+def bridge(file):
+    """Return the bridge of the topics in a file."""
+    return Node(
+        package='ros_gz_bridge', executable='parameter_bridge', name='robot_bridge',
+        parameters=[{{'config_file': str(file), 'use_sim_time': True}}], output='screen',
+    )
+
+
+def frame(name, pose, condition=None):
+    """
+    Return the publisher of a frame in which odometry is given, in the frame map.
+
+    That of rsegen's robots is their true pose in the world, so odom is map; what wheels measure
+    begins at the start, as does the odometry of other robots.
+    """
+    coordinates = [part for key in COORDINATES for part in (f'--{{key}}', str(pose[key]))]
+    return Node(
+        package='tf2_ros', executable='static_transform_publisher', name=f'{{name}}_frame',
+        arguments=[*coordinates, '--frame-id', 'map', '--child-frame-id', name],
+        condition=condition, output='screen',
+    )
 '''

@@ -1,6 +1,6 @@
 """The files of a ROS 2 package that do not depend on its maps: manifest, build file, launch files, configurations.
 
-    name of the package --common_files--> the text of each file
+    name of the package, files of robots --common_files--> the text of each file
 
 Launch files look for the maps next to them, so packages of one name can be joined: only the maps differ. colcon and
 rosdep read package.xml, CMakeLists.txt and the environment hook.
@@ -17,18 +17,39 @@ from importlib.resources import files
 from types import MappingProxyType
 
 from rsegen.exporters.gazebo.sdf import system_name
-from rsegen.exporters.ros2.launch import CLASSIC, MAP_SERVER, RVIZ, RVIZ_CONFIG, SIM, SPAWN_ROBOT, TEST
+from rsegen.exporters.ros2.bridge import CLOCK, bridge_yaml, robot_topics
+from rsegen.exporters.ros2.elevation import NODE
+from rsegen.exporters.ros2.launch import CLASSIC, SIM, SPAWN_ROBOT
+from rsegen.exporters.ros2.nav2 import NAV2
+from rsegen.exporters.ros2.nodes import ELEVATION, MAP_SERVER, NAVIGATION, RVIZ, TEST
+from rsegen.exporters.ros2.readme import readme
+from rsegen.exporters.ros2.rviz import RVIZ_CONFIG
 
 _EXEC_DEPENDS = (
+    "grid_map_msgs",
+    "grid_map_rviz_plugin",
     "launch",
     "launch_ros",
+    "nav2_behaviors",
+    "nav2_bt_navigator",
+    "nav2_controller",
+    "nav2_costmap_2d",
     "nav2_lifecycle_manager",
     "nav2_map_server",
+    "nav2_navfn_planner",
+    "nav2_planner",
+    "nav2_regulated_pure_pursuit_controller",
+    "python3-numpy",
+    "rclpy",
     "robot_state_publisher",
     "ros_gz_bridge",
     "ros_gz_sim",
     "rviz2",
+    "sdformat_urdf",
+    "std_msgs",
+    "teleop_twist_keyboard",
     "tf2_ros",
+    "xacro",
 )
 _LINTERS = ("ament_cmake_flake8", "ament_cmake_lint_cmake", "ament_cmake_pep257", "ament_cmake_xmllint")
 
@@ -71,8 +92,11 @@ project({package} NONE)
 
 find_package(ament_cmake REQUIRED)
 
-install(FILES LICENSE DESTINATION share/${{PROJECT_NAME}})
-install(DIRECTORY config launch maps models urdf worlds DESTINATION share/${{PROJECT_NAME}})
+install(FILES LICENSE README.md DESTINATION share/${{PROJECT_NAME}})
+install(
+  DIRECTORY config launch maps models nodes robots urdf worlds
+  DESTINATION share/${{PROJECT_NAME}}
+)
 ament_environment_hooks("${{CMAKE_CURRENT_SOURCE_DIR}}/env-hooks/${{PROJECT_NAME}}.dsv.in")
 
 if(BUILD_TESTING)
@@ -104,6 +128,10 @@ _SYSTEMS = MappingProxyType(
         "Sensors": "<render_engine>ogre2</render_engine>",
         "Imu": "",
         "Contact": "",
+        "Altimeter": "",
+        "ForceTorque": "",
+        "Magnetometer": "",
+        "NavSat": "",
     }
 )
 """Systems of a server with the parameters of each."""
@@ -127,20 +155,32 @@ FORTRESS = _config("fortress")
 GARDEN_AND_LATER = _config("sim")
 
 
-def common_files(package: str) -> Mapping[str, str]:
-    """The text of each file of a package of this name by its path, except those of its maps."""
+def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: str) -> Mapping[str, str]:
+    """The text of each file of a package of this name by its path, except those of its maps.
+
+    robots: the files of each robot by its kind; robot: the one that is spawned by default, or `none`
+    """
+    own = "topics of a robot of your own: those of Gazebo Sim's plug-ins for a model named robot"
     return {
         "LICENSE": files("rsegen.exporters.ros2").joinpath("LICENSE").read_text("utf-8"),
+        "README.md": readme(package, robots),
         "package.xml": package_xml(package),
         "CMakeLists.txt": cmake_lists(package),
         f"env-hooks/{package}.dsv.in": ENVIRONMENT_HOOK,
+        "config/clock_bridge.yaml": bridge_yaml("the time of Gazebo Sim", [CLOCK]),
         "config/fortress_server.config": FORTRESS,
-        "config/server.config": GARDEN_AND_LATER,
         "config/map.rviz": RVIZ_CONFIG,
+        "config/nav2.yaml": NAV2,
+        "config/robot_bridge.yaml": bridge_yaml(own, robot_topics()),
+        "config/server.config": GARDEN_AND_LATER,
+        "launch/elevation.launch.py": ELEVATION,
         "launch/gazebo_classic.launch.py": CLASSIC,
         "launch/gazebo_sim.launch.py": SIM,
         "launch/map_server.launch.py": MAP_SERVER,
+        "launch/navigation.launch.py": NAVIGATION.replace("@ROBOT@", robot),
         "launch/rviz.launch.py": RVIZ,
-        "launch/spawn_robot.launch.py": SPAWN_ROBOT,
+        "launch/spawn_robot.launch.py": SPAWN_ROBOT.replace("@ROBOT@", robot),
+        "nodes/elevation.py": NODE,
+        **{f"robots/{kind}/{name}": text for kind, texts in robots.items() for name, text in texts.items()},
         "test/test_launch_files.py": TEST,
     }
