@@ -85,15 +85,16 @@ def rows() -> Iterator[Row]:
         "its merged mesh",
         lambda: rsegen.mesh(terrain.field),
     )
-    large = rsegen.build(_recipe(200), 0)
-    yield _compared(
-        '`rsegen.mesh(field, "closed")`, random 200 x 200',
-        lambda: rsegen.mesh(large, "closed"),
-        200**2,
-        "blocks",
-        '`rsegen.mesh(field, "watertight")`',
-        lambda: rsegen.mesh(large, "watertight"),
-    )
+    for side in (200, 1000):
+        field = rsegen.build(_recipe(side), 0)
+        yield _compared(
+            f'`rsegen.mesh(field, "watertight")`, random {side} x {side}',
+            partial(rsegen.mesh, field, "watertight"),
+            side**2,
+            "blocks",
+            "`rsegen.mesh(field)`, merged",
+            partial(rsegen.mesh, field),
+        )
     yield from _in_place()
     yield from _worlds()
 
