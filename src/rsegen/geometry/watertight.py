@@ -18,7 +18,7 @@ be manifold:
      |_a_|___        the block on the side of larger y takes the second
          |_b_|
 
-Cost: linear in the corners, and the sorting of fans; six to ten times the merged surface, of which the triangulation and the
+Cost: linear in the corners, and the sorting of fans; five to ten times the merged surface, of which triangulation and
 decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map (decision 7).
 """
 
