@@ -33,7 +33,8 @@ roll in mrad. Drops: how many of the bodies do not rest where they should (more 
 than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost: CPU s of the server for a simulated
 second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
 compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
-heights over time and rolls come from Gazebo's record, which has three digits.
+heights over time and rolls come from Gazebo's record, which has three digits. What a robot of a manufacturer makes of
+them, and of other settings of ODE, is in [robots](robots.md#what-gazebo-classic-can-be-told-about-it).
 """,
     "sim": """\
 # The same in Gazebo Sim

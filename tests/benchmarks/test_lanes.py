@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
 import pytest
 
-from benchmarks.lanes import FLOOR, LANE, METRES, Lane, recipe, starts, summary
+from benchmarks.lanes import CHANGES, FLOOR, LANE, METRES, Lane, recipe, starts, summary
+from rsegen.exporters.gazebo import export
 from rsegen.exporters.scene import compose
 
 
@@ -30,3 +33,17 @@ def test_the_summary_counts_robots_that_did_not_come_on() -> None:
     lanes = [Lane(heading=0, aside=-3, ahead=2.2, shake=0.5), Lane(heading=45, aside=1, ahead=1, shake=0.1)]
     assert summary(lanes) == "2.00 (3.00) mm aside, 0.30 (0.50) mm up and down, 1 of 2 stuck"
     assert "stuck" not in summary([Lane(heading=0, aside=1, ahead=1.4, shake=0.1, commanded=1.43)])
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_each_change_changes_the_map_as_its_name_says(name: str) -> None:
+    change = CHANGES[name]
+    files = export(compose(replace(recipe(1, "classic"), **change.recipe), 0))
+    text = next(b"".join(content).decode() for path, content in files.items() if path.suffix == ".world")
+    changed = change(text)
+    if name == "none" or change.recipe:
+        assert changed.count("<kd>1000</kd>") == text.count("<kd>1000</kd>") > 0
+    else:
+        assert all(part in changed for part in (change.contact, change.friction, change.solver))
+        assert changed != text
+    ET.fromstring(changed)  # ours

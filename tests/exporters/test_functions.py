@@ -44,7 +44,7 @@ def test_the_watertight_mesh_of_a_field_is_watertight_in_trimesh(scene: Scene) -
 
 
 def test_an_unknown_mesh_is_named_with_the_known_ones(scene: Scene) -> None:
-    with pytest.raises(UnknownName, match=r"unknown mesh 'sealed'.*blocks, closed, merged, watertight"):
+    with pytest.raises(UnknownName, match=r"unknown mesh 'sealed'.*blocks, merged, watertight"):
         rsegen.mesh(scene.field, "sealed")
 
 

@@ -95,6 +95,28 @@ def test_a_watertight_mesh_is_the_surface_of_a_solid(field: StepField) -> None:
     assert len(np.unique(mesh.faces)) == len(mesh.places)
 
 
+@given(field=fields())
+def test_a_watertight_mesh_has_exactly_the_volume_of_the_levels(field: StepField) -> None:
+    """In whole numbers: x and y in cells, z in nanometres; six times the volume is a sum of determinants."""
+    mesh = watertight(field)
+    z = np.rint(mesh.lines[2] * 1e9).astype(np.int64)
+    corners = np.stack([mesh.places[:, 0], mesh.places[:, 1], z[mesh.places[:, 2]]], axis=1)[mesh.triangles]
+    a, b, c = (corners[:, turn].astype(object) for turn in range(3))
+    six_times = (a * np.cross(b, c)).sum() if len(corners) else 0
+    assert six_times == 6 * int(np.rint(field.heights * 1e9).astype(np.int64).sum())
+
+
+@given(field=fields())
+def test_a_watertight_mesh_has_each_face_in_the_material_of_its_block(field: StepField) -> None:
+    areas = []
+    for mesh in (watertight(field), unmerged(field)):
+        triangles = as_trimesh(mesh)
+        repeats = len(mesh.triangles) // max(len(mesh.faces), 1)
+        tops, materials = np.repeat(mesh.normals == 4, repeats), np.repeat(mesh.materials, repeats)
+        areas.append({int(m): float(triangles.area_faces[tops & (materials == m)].sum()) for m in set(materials[tops])})
+    assert areas[0] == pytest.approx(areas[1])
+
+
 @pytest.mark.parametrize("kind", GRIDS)
 def test_watertight_meshes_are_closed_on_every_kind_of_grid(kind: str) -> None:
     field = field_of(GRIDS[kind](40, np.random.default_rng(2)))

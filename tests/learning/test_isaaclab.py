@@ -39,7 +39,7 @@ def _heights(mesh: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return found.reshape(len(x), len(y))
 
 
-@pytest.mark.parametrize("kind", ["merged", "watertight", "closed"])
+@pytest.mark.parametrize("kind", ["merged", "watertight"])
 def test_the_map_is_amid_level_ground_from_0_to_the_size(kind: str) -> None:
     (mesh,), origin = StepFieldTerrain(RECIPE, mesh=kind)(1.0, SubTerrain())
     assert mesh.bounds[0] == pytest.approx([0, 0, -0.05])

@@ -123,10 +123,10 @@ class Lattice:
         """Return the mesh of faces whose corners are vertex indices, with the lattice point of each vertex."""
         return Mesh(
             lines=self.lines,
-            places=np.stack(self.unravelled(places), axis=-1).astype(np.int32),
-            faces=faces.corners.astype(np.int32),
-            normals=faces.normals.astype(np.int8),
-            materials=faces.materials.astype(np.int16),
+            places=np.stack([at.astype(np.int32) for at in self.unravelled(places)], axis=-1),
+            faces=faces.corners.astype(np.int32, copy=False),
+            normals=faces.normals.astype(np.int8, copy=False),
+            materials=faces.materials.astype(np.int16, copy=False),
         )
 
     def unravelled(self, places: Ints) -> tuple[Ints, Ints, Ints]:

@@ -1,4 +1,4 @@
-"""The meshes of a step field by their names: `merged`, `watertight`, `closed`, `blocks`."""
+"""The meshes of a step field by their names: `merged`, `watertight`, `blocks`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rsegen.errors import UnknownName
 from rsegen.field.stepfield import CellWindow, StepField
 from rsegen.geometry.mesh import Mesh, split_window
 from rsegen.geometry.surface import surface, unmerged
-from rsegen.geometry.watertight import closed, watertight
+from rsegen.geometry.watertight import watertight
 
 PIECE = 512
 """Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map (decision 7);
@@ -17,10 +17,9 @@ smaller ones would have more seams."""
 MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
     "merged": surface,
     "watertight": watertight,
-    "closed": closed,
     "blocks": unmerged,
 }
-"""Function that makes each mesh, by the name that a recipe's `mesh` gives it; `closed` is for programs alone."""
+"""Function that makes each mesh, by the name that a recipe's `mesh` gives it."""
 
 
 def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
@@ -38,8 +37,8 @@ def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Ite
 def mesh(field: StepField, kind: str = "merged") -> Mesh:
     """Return a field as one mesh; an UnknownName, which lists the kinds, for another `kind`.
 
-    `merged` is the visible surface in few faces; `watertight` is closed, in few triangles; `closed` is closed too, in
-    many squares and a fraction of the time; `blocks` has six faces for each block.
+    `merged` is the visible surface in few faces; `watertight` is closed, in few triangles; `blocks` has six faces for
+    each block.
     """
     if kind not in MESHES:
         raise UnknownName.among("mesh", "mesh", kind, MESHES)

@@ -1,44 +1,55 @@
-"""Closed meshes of a step field: no gaps, no T-junctions, the volume of its blocks.
+"""The closed mesh of a step field: no gaps, no T-junctions, the volume of its blocks, few triangles.
 
-`watertight` has few triangles. Every rectangle of the merged surface, and of the bottoms at z = 0, is triangulated with
-all corners of others that lie on its sides, so that triangles meet edge to edge; then vertices that are not needed are
-decimated by edge collapses that do not change the surface:
+Every rectangle of the merged surface, and of the bottoms at z = 0, is triangulated with all corners of others that lie
+on its sides, so that triangles meet edge to edge; then vertices that are not needed are decimated by edge collapses
+that do not change the surface:
 
      o---x---o          o-------o       x, inside a plane or on a straight edge between two planes, moves onto a
      |       |   -->    |       |       neighbour (in the second case along that edge), if no triangle flips; the
      o-------o          o-------o       two triangles between them disappear
 
-`closed` has many squares and is made in a fraction of the time: nothing is merged, and faces meet on the lattice of all
-heights. In both, if two blocks touch only along a vertical edge, each has vertices of its own there, as an edge with
-four faces would not be manifold:
+Which vertices those are is known before there is a triangle, from the labels of the four cells around each (`_ways`):
+on random maps one in ten, so only one triangle in five takes part in the rounds of collapses.
+
+If two blocks touch only along a vertical edge, each has vertices of its own there, as an edge with four faces would not
+be manifold:
 
       ___            the corner in the middle, seen from above, is `pinched`: it has two vertices, on two sheets;
      |_a_|___        the block on the side of larger y takes the second
          |_b_|
 
-Cost: linear in the corners, and the sorting of fans; decimation takes two fifths of the time. Whole maps only: a tile
-of a closed mesh would have walls inside the map (decision 7).
+Cost: linear in the corners, and the sorting of fans; five to ten times the merged surface, of which triangulation and
+decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map (decision 7).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.geometry.mesh import NORMALS, Faces, LabelGrid, Lattice, Mesh, label_grid, welded
-from rsegen.geometry.rectangles import Rectangles, merge, ragged
+from rsegen.geometry.mesh import Faces, LabelGrid, Lattice, Mesh, label_grid, welded
+from rsegen.geometry.rectangles import merge, ragged
 from rsegen.geometry.surface import risers, tops
 
 _FLAT = 1e-6
-"""Share of the smallest initial area below which a triangle counts as degenerate. All areas are multiples of a cell's
-or of a step's, so a real triangle is never smaller than that, and rounding errors are far below it."""
+"""Share of the smallest area on the lattice below which a triangle counts as degenerate: real triangles are larger by
+far, and rounding errors smaller."""
+
+_NOWHERE, _ANYWHERE = -1, 3
+"""Where a vertex may move, besides along the axes 0, 1 and 2."""
+
+_PIECE = 2**14
+"""Rows that are worked on at a time: their arrays fit into a processor's cache, which saves half the time and much
+memory."""
 
 
 class _Fan(NamedTuple):
-    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's index.
+    """The triangles around each vertex: the vertex, the next two vertices of a triangle, and the triangle's normal.
 
     Sorted by vertex, then by the second vertex.
     """
@@ -46,7 +57,7 @@ class _Fan(NamedTuple):
     vertex: Ints
     second: Ints
     third: Ints
-    triangle: Ints
+    normal: Ints
 
 
 class _Collapses(NamedTuple):
@@ -59,117 +70,169 @@ class _Collapses(NamedTuple):
         return _Collapses(self.vertex[which], self.target[which])
 
 
-def decimated(faces: Faces, vertices: Array) -> Faces:
-    """Return the triangles without removable vertices; faces.corners (m, 3) are indices of vertices (n, 3)."""
-    faces = faces._replace(corners=faces.corners.astype(np.int64))
-    least = _FLAT * _twice_areas(faces, vertices[faces.corners]).min(initial=np.inf)
-    removable = np.ones(len(vertices), dtype=bool)
-    while True:
-        # Only vertices that were removable in the last round can be so in this one.
-        fan = _fan(faces.corners, removable)
-        collapses = _collapses(fan, faces, vertices)
-        removable[:] = False
-        removable[collapses.vertex] = True
-        collapses = _independent_collapses(
-            _without_flips(collapses, fan, faces, vertices, least), fan, len(faces.corners)
-        )
-        if not len(collapses.vertex):
-            return faces
-        place = np.arange(len(vertices))
-        place[collapses.vertex] = collapses.target
-        corners = place[faces.corners]
-        a, b, c = corners.T
-        faces = faces._replace(corners=corners).rows(np.flatnonzero((a != b) & (b != c) & (c != a)))
+def decimated(faces: Faces, vertices: Array, ways: Ints, least: float) -> tuple[Faces, Ints]:
+    """Return the triangles without removable vertices, and the indices of the vertices that are left, in order.
 
-
-def _fan(corners: Ints, wanted: Mask) -> _Fan:
-    """Return the fans of triangles around the wanted vertices."""
-    turned = [np.roll(corners, -turn, axis=1)[wanted[corners[:, turn]]] for turn in range(3)]
-    triangle = np.concatenate([np.flatnonzero(wanted[corners[:, turn]]) for turn in range(3)])
-    vertex, second, third = np.concatenate(turned).T
-    order = np.argsort(vertex * len(wanted) + second)
-    return _Fan(*(column[order] for column in (vertex, second, third, triangle)))
-
-
-def _collapses(fan: _Fan, faces: Faces, vertices: Array) -> _Collapses:
-    """Return all collapses of removable vertices onto neighbours that keep planes and edges in place.
-
-    An edge of a fan is a crease if the triangles on both sides differ in normal or material. A vertex is removable with
-    no creases, or with two along one axis; then only along these.
+    faces.corners: (m, 3), indices of vertices (n, 3), all of which are used; in the result, indices of those left.
+    ways: (n,), the axis along which each vertex may move, or _ANYWHERE in its plane, or _NOWHERE; least: twice the area
+    below which a triangle counts as degenerate.
     """
-    count = len(vertices)
-    keys = fan.vertex * count + fan.second
-    across = fan.triangle[np.searchsorted(keys, fan.vertex * count + fan.third)]
-    crease = faces.normals[across] != faces.normals[fan.triangle]
-    crease |= faces.materials[across] != faces.materials[fan.triangle]
-    creases = np.bincount(fan.vertex[crease], minlength=count)
-    axis = np.abs(vertices[fan.third[crease]] - vertices[fan.vertex[crease]]).argmax(axis=1)
-    straight = (np.bincount(3 * fan.vertex[crease] + axis, minlength=3 * count).reshape(-1, 3) == 2).any(axis=1)
-    free = (creases == 0) | ((creases == 2) & straight)
-    may = free[fan.vertex] & (crease | (creases[fan.vertex] == 0))
+    # A triangle without a removable corner never gets one, so it is left out of all rounds.
+    removable, place = ways != _NOWHERE, np.arange(len(vertices), dtype=np.int32)
+    live, kept = np.flatnonzero(_any(removable, faces.corners)), np.ones(len(faces.corners), dtype=bool)
+    corners, normals = faces.corners[live], faces.normals[live]
+    while True:
+        fan = _fan(corners, normals, removable)
+        collapses = _without_flips(_collapses(fan, vertices, ways), fan, vertices, least)
+        collapses = _independent_collapses(collapses, corners, len(vertices))
+        if not len(collapses.vertex):
+            break
+        place[collapses.vertex] = collapses.target
+        corners = place[corners]
+        distinct = _are_distinct(*corners.T)
+        kept[live[~distinct]] = False
+        stays = distinct & _any(removable, corners)
+        live, corners, normals = live[stays], corners[stays], normals[stays]
+    left = place == np.arange(len(place))
+    while not left[place].all():
+        place = place[place]  # a target may have been removed later
+    number = (np.cumsum(left, dtype=np.int32) - 1)[place]
+    pieces = [number[piece[keep]] for piece, keep in zip(_pieces(faces.corners), _pieces(kept), strict=True)]
+    return Faces(np.concatenate(pieces), faces.normals[kept], faces.materials[kept]), np.flatnonzero(left)
+
+
+def _pieces(array: NDArray[Any]) -> Sequence[NDArray[Any]]:
+    """Return an array in pieces of at most _PIECE rows."""
+    return np.array_split(array, 1 + len(array) // _PIECE)
+
+
+def _any(mask: Mask, corners: Ints) -> Mask:
+    """Return which triangles (m, 3) have a corner in a mask of vertices."""
+    a, b, c = corners.T
+    return np.asarray(mask[a] | mask[b] | mask[c])
+
+
+def _are_distinct(a: Ints, b: Ints, c: Ints) -> Mask:
+    """Return which triples are of three distinct numbers."""
+    return np.asarray((a != b) & (b != c) & (c != a))
+
+
+def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
+    """Return the fans of triangles around removable vertices."""
+    corner = np.flatnonzero(removable[corners])
+    triangle, turn = np.divmod(corner.astype(np.int32), 3)
+    flat = corners.ravel()
+    vertex, second = flat[corner], flat[corner + 1 - 3 * (turn == 2)]
+    order = np.argsort(vertex.astype(np.int64) * len(removable) + second)
+    corner, turn = corner[order], turn[order]
+    return _Fan(vertex[order], second[order], flat[corner + 2 - 3 * (turn > 0)], normals[triangle[order]])
+
+
+def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> _Collapses:
+    """Return all collapses of vertices onto neighbours to which they may move."""
+    # A triangle has one axis as its normal and may have the way as one side; the third then has to agree.
+    way = ways[fan.vertex]
+    third = (3 - way - fan.normal // 2) % 3
+    along = vertices.take(3 * fan.third + third) == vertices.take(3 * fan.vertex + third)
+    may = along | (way == _ANYWHERE)
     return _Collapses(fan.vertex[may], fan.third[may])
 
 
-def _without_flips(collapses: _Collapses, fan: _Fan, faces: Faces, vertices: Array, least: float) -> _Collapses:
+def _without_flips(collapses: _Collapses, fan: _Fan, vertices: Array, least: float) -> _Collapses:
     """Return one collapse per vertex that flips no triangle, if it has one."""
-    # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
-    around = np.bincount(fan.vertex, minlength=len(vertices))
-    begin = np.cumsum(around) - around
-    count = around[collapses.vertex]
-    move, place = ragged(count)
-    corner = begin[collapses.vertex[move]] + place
-    target, second, third = collapses.target[move], fan.second[corner], fan.third[corner]
-    stays = (second != target) & (third != target)
-    moved = faces.rows(fan.triangle[corner[stays]])._replace(corners=np.stack([target, second, third], axis=1)[stays])
-    over = _twice_areas(moved, vertices[moved.corners]) < least
-    good = np.bincount(move[stays][over], minlength=len(count)) == 0
-    return collapses.rows(np.flatnonzero(good)[np.unique(collapses.vertex[good], return_index=True)[1]])
+    # The collapses of all vertices, one per vertex at a time, in the order of the fan, until one is good.
+    begins = np.flatnonzero(np.diff(fan.vertex, prepend=-1))
+    counts = np.diff(begins, append=len(fan.vertex))
+    own = np.searchsorted(fan.vertex[begins], collapses.vertex)
+    found, waiting = [], np.flatnonzero(np.diff(collapses.vertex, prepend=-1))
+    while len(waiting):
+        trial, waiting = np.split(waiting, [_PIECE])
+        # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
+        move, place = ragged(counts[own[trial]])
+        corner = begins[own[trial]][move] + place
+        moved = collapses.target[trial][move], fan.second[corner], fan.third[corner]
+        over = (_twice_areas(*moved, fan.normal[corner], vertices) < least) & _are_distinct(*moved)
+        good = np.bincount(move[over], minlength=len(trial)) == 0
+        found.append(trial[good])
+        following = trial[~good] + 1
+        following = following[following < len(own)]
+        waiting = np.concatenate([waiting, following[own[following] == own[following - 1]]])
+    return collapses.rows(np.sort(np.concatenate(found))) if found else collapses
 
 
-def _independent_collapses(collapses: _Collapses, fan: _Fan, triangles: int) -> _Collapses:
+def _independent_collapses(collapses: _Collapses, corners: Ints, vertices: int) -> _Collapses:
     """Return collapses of which no two change the same triangle: of those that do, the one with the smallest hash.
 
     The hash (Knuth's multiplicative one, 2^32 / golden ratio) mixes neighbouring vertices; with the vertex index itself
     whole rows would wait for their first vertex, and there would be as many rounds as a row has vertices.
     """
-    lot = np.full(len(fan.vertex) and int(fan.vertex.max()) + 1, -1)
-    lot[collapses.vertex] = collapses.vertex * 2654435761 % 2**32
-    mine = lot[fan.vertex]
-    first = np.full(triangles, 2**32)
-    np.minimum.at(first, fan.triangle[mine >= 0], mine[mine >= 0])
-    loses = np.bincount(fan.vertex[(mine >= 0) & (first[fan.triangle] != mine)], minlength=len(lot)) > 0
+    lot = np.full(vertices, 2**32 - 1, dtype=np.uint32)  # of a vertex that stays; no index below 4050964655 has it
+    lot[collapses.vertex] = collapses.vertex.astype(np.uint32) * np.uint32(2654435761)
+    a, b, c = (lot[corner] for corner in corners.T)
+    first = np.minimum(np.minimum(a, b), c)
+    loses = np.zeros(vertices, dtype=bool)
+    for corner, own in zip(corners.T, (a, b, c), strict=True):
+        loses[corner[own > first]] = True
     return collapses.rows(~loses[collapses.vertex])
 
 
-def _twice_areas(faces: Faces, corners: Array) -> Array:
-    """Return twice the signed area of triangles with corners (m, 3, 3); negative if one has flipped."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    return np.asarray((np.cross(b - a, c - a) * NORMALS[faces.normals]).sum(axis=1))
+def _twice_areas(a: Ints, b: Ints, c: Ints, normals: Ints, vertices: Array) -> Array:
+    """Return twice the signed area of triangles with corners a, b, c; negative if one has flipped."""
+    # In the plane of two axes, u and v, which turn into the third as x and y turn into z.
+    axis, back = np.divmod(normals, 2)
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    (u_a, v_a), (u_b, v_b), (u_c, v_c) = ([vertices.take(3 * corner + at) for at in (u, v)] for corner in (a, b, c))
+    twice = (u_b - u_a) * (v_c - v_a) - (v_b - v_a) * (u_c - u_a)
+    return np.asarray(np.where(back, -twice, twice))
 
 
-class _Outlines(NamedTuple):
-    """Points around rectangles in order: the point, the index of the next, the rectangle (ring), and its side (0..3).
+class _Points(NamedTuple):
+    """The points at which rectangles have corners, in order, and the four cells around each.
 
-    first: (rings, 4), where the points of each side begin, with a corner of the rectangle.
+    places, x, y, z: (n,), the number of the lattice point, and its indices; labels, ranks: (2, 2, n), of the cells
+    before and beyond it along x and along y; pinched: (n,), whether two diagonally opposite blocks touch at the point
+    while the other two are lower; first: (n,), its vertex, or the first of the two vertices that it has if pinched.
     """
 
-    point: Ints
-    after: Ints
-    ring: Ints
-    side: Ints
+    places: Ints
+    x: Ints
+    y: Ints
+    z: Ints
+    labels: Ints
+    ranks: Ints
+    pinched: Mask
     first: Ints
+
+    @classmethod
+    def of(cls, places: Ints, grid: LabelGrid) -> _Points:
+        """Return the points of these numbers; arrays have the smallest type, a quarter of the memory and the time."""
+        x, y, z = grid.lattice.unravelled(places)
+        small = np.min_scalar_type(int(grid.labels.max()))
+        labels, ranks = (
+            np.stack([[cells[x + i, y + j] for j in (0, 1)] for i in (0, 1)])
+            for cells in (grid.labels.astype(small), (grid.labels // grid.materials).astype(small))
+        )
+        z = z.astype(small)
+        (a, b), (c, d) = ranks >= np.maximum(z, 1)
+        pinched = (a == d) & (b == c) & (a != b)
+        first = np.arange(len(places), dtype=np.int32) + np.cumsum(pinched, dtype=np.int32) - pinched
+        return cls(places, x, y, z, labels, ranks, pinched, first)
 
 
 def watertight(field: StepField) -> Mesh:
     """Return the watertight mesh of a field, in triangles; empty if every cell is at level 0."""
     grid = label_grid(field)
     rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
-    triangles, ring = _fans(_outlines(rings, grid))
-    points, corners = welded(triangles, 2 * prod(grid.lattice.shape))  # a lattice point has up to two sheets
-    faces = rings.rows(ring)._replace(corners=corners)
-    faces = decimated(faces, grid.lattice.mesh(faces, points // 2).vertices)
-    used, corners = welded(faces.corners, len(points))
-    return grid.lattice.mesh(faces._replace(corners=corners), points[used] // 2)
+    places, corners = welded(rings.corners, prod(grid.lattice.shape))
+    rings = Faces(corners, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
+    points = _Points.of(places.astype(np.int32 if prod(grid.lattice.shape) < 2**31 else np.int64), grid)
+    owner = np.repeat(np.arange(len(places), dtype=np.int32), 1 + points.pinched)  # the point of each vertex
+    vertices = np.empty((len(owner), 3))
+    for axis, (line, at) in enumerate(zip(grid.lattice.lines, points[1:4], strict=True)):
+        vertices[:, axis] = line[at[owner]]
+    faces = _triangulated(rings, points, grid.lattice)
+    faces, left = decimated(faces, vertices, _ways(points, owner), _FLAT * _least_area(grid.lattice))
+    return grid.lattice.mesh(faces, places[owner[left]])
 
 
 def bottoms(grid: LabelGrid) -> Faces:
@@ -180,121 +243,106 @@ def bottoms(grid: LabelGrid) -> Faces:
     return Faces(ring, np.full(len(ring), 5), np.full(len(ring), material))
 
 
-def _outlines(rings: Faces, grid: LabelGrid) -> _Outlines:
-    """Return the rectangles with every corner of others on their sides. A point is 2 * its lattice point + its
-    sheet.
+def _ways(points: _Points, owner: Ints) -> Ints:
+    """Return where each vertex may move, (v,); owner: (v,), its point.
+
+    The labels around a point say so. A crease is a piece of the lattice's lines at which the surface turns or changes
+    its material. A vertex at which none ends may move in its plane, and one at which just two end, both on one line,
+    along that line.
     """
-    corners = rings.corners.astype(np.int64)
-    places, count = _between(corners, grid.lattice)
-    side = np.repeat(np.arange(corners.size), count)
-    first = (np.cumsum(count) - count).reshape(corners.shape)
-    after = np.arange(1, len(places) + 1)
-    after[first[:, 0][1:] - 1] = first[:, 0][:-1]
-    after[-1:] = first[-1:, 0]
-    beyond = _beyond(rings, grid.lattice).ravel()[side]
-    sheet = beyond & pinched(places, grid)
-    return _Outlines(2 * places + sheet, after, side // 4, side % 4, first)
+    labels, ranks, z = points.labels, points.ranks, points.z
+    # Level creases are between two cells that differ, one of which has its top (at 0: its bottom, or ground) here.
+    is_top = ranks == z
+    along_x = (labels[:, 0] != labels[:, 1]) & (is_top[:, 0] | is_top[:, 1])
+    along_y = (labels[0] != labels[1]) & (is_top[0] | is_top[1])
+    along_z = _upright_creases((ranks >= z) & (z > 0), labels), _upright_creases(ranks > z, labels)
+    ends = [a.astype(np.int8) + b for a, b in (along_x, along_y, along_z)]
+    creases = sum(ends)
+    way = np.full(len(z), _NOWHERE, dtype=np.int8)
+    for axis, own in enumerate(ends):
+        way[(own == 2) & (creases == 2)] = axis
+    way[creases == 0] = _ANYWHERE
+    ways = way[owner]
+    # A pinched point has an upright crease on each of its sheets, which ends where the sheet's block does.
+    pinched = np.flatnonzero(points.pinched)
+    for sheet in (0, 1):
+        goes_on = (ranks[:, sheet, pinched].max(axis=0, initial=0) > z[pinched]) & (z[pinched] > 0)
+        ways[points.first[pinched] + sheet] = np.where(goes_on, 2, _NOWHERE)
+    return ways
 
 
-def _between(corners: Ints, lattice: Lattice) -> tuple[Ints, Ints]:
-    """Return the corners of all rectangles along each side, from its first one to before the next, and their number."""
-    # Along one axis all corners, sorted by line, are searched for the ends of the sides along it.
-    starts, ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    known = welded(starts, prod(lattice.shape))[0]
-    begin, steps = np.zeros((2, len(starts)), dtype=np.int64)
-    sorted_along = []
-    for axis, n in enumerate(lattice.shape):
-        lines = [_key(places, axis, lattice) for places in (known, starts, ends)]
-        order = np.argsort(lines[0])
-        here = np.flatnonzero(lines[1] // n == lines[2] // n)
-        at, until = (np.searchsorted(lines[0][order], line[here]) for line in lines[1:])
-        begin[here], steps[here] = at + axis * len(known), until - at
-        sorted_along.append(known[order])
-    count = np.abs(steps)
-    side, offset = ragged(count)
-    return np.concatenate(sorted_along)[begin[side] + offset * np.sign(steps)[side]], count
+def _upright_creases(solid: Mask, labels: Ints) -> Mask:
+    """Return whether the line between four cells is a crease where these are solid: all are (2, 2, n).
+
+    It is none inside a solid, in the air, and on a flat wall of one material.
+    """
+    of_one = labels[:, 0] == labels[:, 1], labels[0] == labels[1]
+    pairs = (solid[:, 0], solid[:, 1]), (solid[0], solid[1])
+    flat = [((a == b) & (alike | ~a)).all(axis=0) for alike, (a, b) in zip(of_one, pairs, strict=True)]
+    return np.asarray(~(solid.all(axis=(0, 1)) | flat[0] | flat[1]))
 
 
-def _key(places: Ints, axis: int, lattice: Lattice) -> Ints:
-    """Return a sort key of lattice points, by which points on one line along an axis are consecutive."""
-    lines, shape = lattice.unravelled(places), lattice.shape
-    first, second = (k for k in range(3) if k != axis)
-    return (lines[first] * shape[second] + lines[second]) * shape[axis] + lines[axis]
+def _least_area(lattice: Lattice) -> float:
+    """Return twice the area of the smallest triangle on a lattice, if its lines are evenly apart."""
+    gaps = [np.diff(line).min(initial=np.inf) for line in lattice.lines]
+    return float(min(gaps[:2]) * min(gaps))
 
 
-def _beyond(rings: Faces, lattice: Lattice) -> Mask:
-    """Return whether the block of a corner lies on the side of larger y of the corner: (m, 4)."""
-    y = lattice.unravelled(rings.corners)[1]
-    beyond: Mask = y == y.min(axis=1, keepdims=True)
-    beyond[rings.normals == 2] = False
-    beyond[rings.normals == 3] = True
-    return beyond
+_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
+"""Corners of a face at which its block lies on the side of larger y, for each of NORMALS."""
+
+_AXES = np.array([[1, 2, 1, 2], [0, 2, 0, 2], [0, 1, 0, 1]], dtype=np.int32)
+"""Axis of each side of a rectangle that is perpendicular to x, y and z."""
+
+_OPENING = np.array([1, 0, 1, 0])
+"""How many edges of each side have no triangle of their own."""
 
 
-def pinched(places: Ints, grid: LabelGrid) -> Mask:
-    """Return whether two diagonally opposite blocks touch at a point while the other two are lower."""
-    x, y, z = grid.lattice.unravelled(places)
-    top = grid.labels // grid.materials
-    near_left, near_right, far_left, far_right = (top[x + i, y + j] >= np.maximum(z, 1) for i in (0, 1) for j in (0, 1))
-    return np.asarray((near_left == far_right) & (near_right == far_left) & (near_left != near_right))
+def _triangulated(rings: Faces, points: _Points, lattice: Lattice) -> Faces:
+    """Return triangles of vertices for rectangles whose corners are points."""
+    # Points in three orders. By number, those on one line along z are consecutive: (x, y, z). Sorted by z again, those
+    # on a line along y are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order
+    # of equals; of 16 bits they are radix sorts, which are linear.
+    small = np.uint16 if max(lattice.shape) <= 2**16 else np.int64
+    count = len(points.places)
+    along_y = np.argsort(points.z.astype(small), kind="stable")
+    along_x = along_y[np.argsort(points.y[along_y].astype(small), kind="stable")]
+    own = points.first * 2 + points.pinched
+    rank = np.arange(3 * count, dtype=np.int32)
+    for axis, order in enumerate((along_x, along_y)):
+        rank[axis * count + order] = np.arange(axis * count, (axis + 1) * count, dtype=np.int32)
+    vertex = np.concatenate([own[along_x], own[along_y], own])
+    fans = [_fans(Faces(*piece), rank, vertex) for piece in zip(*map(_pieces, rings), strict=True)]
+    return Faces(*(np.concatenate(columns) for columns in zip(*fans, strict=True)))
 
 
-def _fans(outline: _Outlines) -> tuple[Ints, Ints]:
-    """Return the triangles of every rectangle, and the rectangle of each.
+def _fans(rings: Faces, rank: Ints, vertex: Ints) -> Faces:
+    """Return the triangles of rectangles, with all vertices on their sides.
+
+    rank: (3 n,), where each point is in the orders of points along x, y and z; vertex: (3 n,), 2 * the first vertex of
+    the point in each place of these orders, plus 1 if it has two.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.
       |________|
     c0     .    c1
     """
-    first = outline.first
-    apexes = np.stack([first[:, 3], first[:, 2] + 1, first[:, 1], first[:, 0] + 1], axis=1)
-    edges = np.arange(len(outline.point))
-    opening = np.zeros(len(edges), dtype=bool)
-    opening[first[:, [0, 2]]] = True
-    edges = edges[~opening]
-    apex = apexes[outline.ring[edges], outline.side[edges]]
-    return outline.point[np.stack([edges, outline.after[edges], apex], axis=1)], outline.ring[edges]
-
-
-_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
-"""Corners of a face at which its block lies on the side of larger y, for each of NORMALS."""
-
-
-def closed(field: StepField) -> Mesh:
-    """Return the closed mesh of a field, in squares; empty if every cell is at level 0."""
-    # Pinched points get a second vertex, at the end of the list, which the faces of the block beyond take.
-    grid = label_grid(field)
-    faces = Faces.joined([*_tops_and_bottoms(grid), _sides(grid, axis=0), _sides(grid, axis=1)])
-    points, corners = welded(faces.corners, prod(grid.lattice.shape))
-    doubled = pinched(points, grid)
-    second = (len(points) - 1 + np.cumsum(doubled)).astype(corners.dtype)
-    own = doubled[corners] & _FAR[faces.normals]
-    corners[own] = second[corners[own]]
-    return grid.lattice.mesh(faces._replace(corners=corners), np.concatenate([points, points[doubled]]))
-
-
-def _tops_and_bottoms(grid: LabelGrid) -> tuple[Faces, Faces]:
-    """Return a face per cell above the ground at its top, and one at z = 0."""
-    x, y = np.nonzero(grid.cells)
-    labels = grid.cells[x, y]
-    rank, material = np.divmod(labels, grid.materials)
-    cells = Rectangles(labels, x, x + 1, y, y + 1)
-    top, bottom = (grid.lattice.corners_of(cells, (0, 1), z) for z in (rank, np.zeros_like(rank)))
-    return Faces(top, np.full(len(x), 4), material), Faces(bottom[:, ::-1], np.full(len(x), 5), material)
-
-
-def _sides(grid: LabelGrid, axis: int) -> Faces:
-    """Return a face per rank of every side that is seen, along an axis in both directions; u across it, v upward."""
-    labels = (grid.labels if axis == 0 else grid.labels.T)[:, 1:-1]
-    rank = labels // grid.materials
-    line, u = np.nonzero(rank[:-1] != rank[1:])
-    near, far = rank[line, u], rank[line + 1, u]
-    low, height = np.minimum(near, far), np.abs(near - far)
-    face, offset = ragged(height)
-    line, u, v, back = line[face], u[face], low[face] + offset, (far > near)[face]
-    owner = labels[line + back, u]
-    corners = grid.lattice.corners_of(Rectangles(owner, u, u + 1, v, v + 1), (1 - axis, 2), line)
-    inward: Ints = back == (axis == 0)
-    corners[inward] = corners[inward, ::-1]
-    return Faces(corners, 2 * axis + back, owner % grid.materials)
+    # A side is a slice, forward or backward, of the order along its axis. The sides of all rectangles are one list.
+    axis = _AXES[rings.normals // 2] * np.int32(len(rank) // 3)
+    start, end = (rank[axis + corners].ravel() for corners in (rings.corners, np.roll(rings.corners, -1, axis=1)))
+    count, sign = np.abs(end - start), np.sign(end - start)
+    first = np.cumsum(count, dtype=np.int32) - count
+    at = np.repeat(sign, count)
+    at[first] = start - np.roll(end - sign, 1) * (first > 0)
+    point = vertex[np.cumsum(at, dtype=np.int32)]
+    point = (point >> 1) + (point & np.repeat(_FAR[rings.normals], count))
+    first = first.reshape(-1, 4)
+    after = np.roll(point, -1)
+    after[np.roll(first[:, 0], -1) - 1] = point[first[:, 0]]
+    edge = np.ones(len(point), dtype=bool)
+    edge[first[:, ::2]] = False
+    apexes = point[np.stack([first[:, 3], first[:, 2] + 1, first[:, 1], first[:, 0] + 1], axis=1)]
+    edges = count.reshape(-1, 4) - _OPENING
+    rectangle = np.repeat(np.arange(len(first), dtype=np.int32), edges.sum(axis=1))
+    corners = np.stack([point[edge], after[edge], np.repeat(apexes, edges.ravel())], axis=1)
+    return Faces(corners, rings.normals[rectangle], rings.materials[rectangle])

@@ -35,8 +35,7 @@ class StepFieldTerrain:
     """The `function` of a SubTerrainBaseCfg: a map of a recipe at a difficulty, amid level ground.
 
     The map follows from the recipe, the generator's seed and the difficulty alone. mesh: `merged`, the surface
-    in few faces; or closed: `watertight`, or `closed`, which is quicker and has more faces. The surface has one
-    friction, which the TerrainImporter gives it.
+    in few faces; or closed: `watertight`. The surface has one friction, which the TerrainImporter gives it.
     """
 
     def __init__(self, recipe: Recipe, mesh: str = "merged") -> None:
