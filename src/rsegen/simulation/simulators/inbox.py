@@ -72,7 +72,8 @@ class Inbox:
     def kept(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""
         with self._changed:
-            return [received.message for received in self._messages[topic] if received.message]
+            messages = [received.message for received in self._messages[topic]]
+        return [message for message in messages if message is not None]
 
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""

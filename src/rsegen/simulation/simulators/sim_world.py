@@ -144,7 +144,9 @@ class SimWorld(LiveWorld):
     @property
     def is_current(self) -> bool:
         """Whether the server sends heartbeats, and nobody else offers its world's services."""
-        return self.client.is_connected and len(self.client.all_offers(WORLDS)) == 1
+        with suppress(SimulatorFailed):
+            return self.client.is_connected and len(self.client.all_offers(WORLDS)) == 1
+        return False
 
     def send_command(self, command: Command) -> None:
         """Publish the command, and wait until the server has received it: it reads a message before each request."""
