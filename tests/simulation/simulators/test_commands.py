@@ -49,10 +49,10 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     name: str, program: str, words: Sequence[str], programs: Path, world: Path, capsys: Capture
 ) -> None:
     put(programs, PROGRAMS[name])
-    looks = iter([False, False, True])
+    looks = iter(["", "", "rse_0000"])
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        patch.setattr(server, "_has_a_clock", lambda *_: next(looks))
+        patch.setattr(server, "_running_world", lambda *_: next(looks))
         assert opened(world, "--simulator", name, "--headless", "--seconds", "2") == 0
     did = start(programs / program)
     assert did.command[1:-1] == tuple(words)
@@ -63,6 +63,19 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     address = [f"{name}={did.variables[name]}" for name in SIMULATORS[name].address_variables]
     assert out.endswith(f": {world}, at {' '.join(address)}\n")
     assert err == ""
+
+
+def test_open_fails_if_another_world_than_that_of_the_file_runs(
+    programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """Gazebo Classic falls back on an empty one, as of the file of a model."""
+    put(programs, PROGRAMS["classic"])
+    monkeypatch.setenv("STAYS", "60")
+    monkeypatch.setattr(server, "_running_world", lambda *_: "default")
+    capsys.readouterr()
+    assert opened(world, "--simulator", "classic", "--headless", "--seconds", "1") == 1
+    line = the_line(capsys.readouterr().err)
+    assert line.endswith("did not load the world rse_0000.world, but one of the name default")
 
 
 @pytest.mark.parametrize("name", ["sim", "classic"])

@@ -54,7 +54,7 @@ def test_a_map_of_a_recipe_is_chosen_by_index_or_name(
 ) -> None:
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", "600")
-    monkeypatch.setattr(server, "_has_a_clock", lambda *_: True)
+    monkeypatch.setattr(server, "_running_world", lambda _, launch: Path(launch.command[-1]).stem)
     for which in (2, "2", "course_0002"):
         result = rsegen.open(COURSE, map=which, headless=True, seconds=0)
         assert result.world.file.name == "course_0002.world"

@@ -65,6 +65,11 @@ class ClassicWorld(LiveWorld):
     _numbers: Iterator[int] = field(default_factory=lambda: count(randbelow(2**30)))
 
     @property
+    def name(self) -> str:
+        """The name in the topics of its server."""
+        return self.client.world
+
+    @property
     def is_current(self) -> bool:
         """Whether the server's master holds its connection."""
         return self.client.is_connected

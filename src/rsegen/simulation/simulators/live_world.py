@@ -56,6 +56,11 @@ class LiveWorld(ABC):
 
     @property
     @abstractmethod
+    def name(self) -> str:
+        """The name of the world, as in its file."""
+
+    @property
+    @abstractmethod
     def is_current(self) -> bool:
         """Whether its server still runs, and is the only one at its address."""
 

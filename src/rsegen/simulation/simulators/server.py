@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
+from html import unescape
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
@@ -37,6 +39,9 @@ _PAUSE = 0.02
 
 _ERRORS, _LINES = 5, 20
 """The last error lines, or else lines, of a log in a message: more hide the reason, which comes at the end."""
+
+_WORLD = re.compile(r"<world\s[^>]*?\bname\s*=\s*['\"]([^'\"]*)['\"]")
+"""The name of a world in its file."""
 
 _LOOK = Patience(seconds=1.0, sign=0.3)
 """Patience of one look whether a server that loads answers already: output is not read meanwhile."""
@@ -213,7 +218,8 @@ def run_until_end(
 
             def goes_on() -> bool:
                 nonlocal end
-                if seconds is not None and end == math.inf and _has_a_clock(here, launch):
+                if seconds is not None and end == math.inf and (name := _running_world(here, launch)):
+                    _refuse_another_world(here, launch, name)
                     end = time.monotonic() + seconds
                 if seconds is not None and end == math.inf and wait.is_over:
                     why = f"has not loaded the world {launch.command[-1]}, after {here.timeout:g} s without progress"
@@ -228,11 +234,21 @@ def run_until_end(
             return program.exit_code
 
 
-def _has_a_clock(here: Installation, launch: LaunchCommand) -> bool:
-    """Return whether the server answers with its world's time now: it does not before the world is complete."""
-    with suppress(SimulatorFailed, NothingRuns), here.simulator.connect(os.environ | dict(launch.environment), _LOOK):
-        return True
-    return False
+def _running_world(here: Installation, launch: LaunchCommand) -> str:
+    """Return the name of the world of a server that tells its time; empty as long as it does not, as while it loads."""
+    variables = os.environ | dict(launch.environment)
+    with suppress(SimulatorFailed, NothingRuns), here.simulator.connect(variables, _LOOK) as live:
+        live.clock()
+        return live.name
+    return ""
+
+
+def _refuse_another_world(here: Installation, launch: LaunchCommand, name: str) -> None:
+    """Raise a SimulatorFailed if there is no world of this name in the file: Gazebo Classic falls back on its own."""
+    file = launch.folder / launch.command[-1]
+    names = map(unescape, _WORLD.findall(file.read_text("utf-8", "replace")))
+    if name not in names:
+        raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}, but one of the name {name}")
 
 
 def _missing(*able: Simulator) -> Installation:

@@ -142,6 +142,11 @@ class SimWorld(LiveWorld):
     """Steps, and nanoseconds of simulation time, at which our last step has ended; None if time ran since."""
 
     @property
+    def name(self) -> str:
+        """The name in the topics of its server."""
+        return self.world
+
+    @property
     def is_current(self) -> bool:
         """Whether the server sends heartbeats, and nobody else offers its world's services."""
         with suppress(SimulatorFailed):
