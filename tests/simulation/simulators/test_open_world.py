@@ -101,6 +101,19 @@ def test_a_file_without_a_world_is_named(programs: Path, tmp_path: Path) -> None
         rsegen.open(model, headless=True)
 
 
+def test_an_installation_whose_libraries_do_not_fit_is_told_with_the_reason(
+    programs: Path, world: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the line a user would read an exit code alone."""
+    put(programs, PROGRAMS["sim"])
+    told = "Library error for [/opt/lib/libgz-sim8-gz.so]: /opt/lib/libgz-sim8.so.8: undefined symbol: _ZTIN2gz"
+    monkeypatch.setenv("SAYS", f"{told}\\n")
+    lines: list[str] = []
+    with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim 8\.9\.0 did not load the world "):
+        rsegen.open(world, headless=True, on_error=lines.append)
+    assert lines == [told]
+
+
 def test_wrong_values_name_the_parameter(programs: Path, world: Path) -> None:
     with pytest.raises(ParameterError, match=r"^seconds: -1 is outside"):
         rsegen.open(world, seconds=-1)

@@ -22,8 +22,9 @@ from rsegen.params.registry import Contract, Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.patience import SECONDS, Patience
 
-_MARKS = ("[Err]", "[error]", "Error [", "Error Code")
-"""Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later."""
+_MARKS = ("[Err]", "[error]", "Error [", "Error Code", "Library error for [", "error while loading shared libraries")
+"""Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later; of an
+installation whose libraries do not fit each other."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 """An escape sequence of a terminal, by which Gazebo colours its lines."""

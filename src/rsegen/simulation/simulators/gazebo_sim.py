@@ -69,6 +69,8 @@ class GazeboSim(Simulator):
         "Unable to find or download file",
         "Failed to load a world",
         "Library error: Problem running",
+        "Library error for [",
+        "error while loading shared libraries",
     )
 
     def installation(self) -> Installation | None:
