@@ -78,12 +78,13 @@ def test_a_world_that_cannot_be_read_is_an_error_at_once(
 
 
 def test_a_mesh_that_is_missing_is_an_error(gazebo_sim: Installation, world: Path) -> None:
+    """Fortress runs the world without it, and Harmonic ends."""
     for mesh in world.parent.glob("meshes/*.obj"):
         mesh.unlink()
     lines: list[str] = []
-    with pytest.raises(SimulatorFailed, match="printed an error: ") as error:
+    with pytest.raises(SimulatorFailed, match="printed an error: |did not load the world"):
         rsegen.open(world, simulator="sim", headless=True, seconds=8, on_error=lines.append)
-    assert str(error.value).endswith(lines[0])
+    assert any("meshes/course_0000.obj" in line for line in lines)
 
 
 def test_an_example_is_opened_and_nothing_is_left_of_it(gazebo_sim: Installation, mark: str) -> None:

@@ -167,7 +167,9 @@ class Simulator(ABC):
 
     def error_lines(self, log: str) -> list[str]:
         """Return the error lines of a log, without harmless ones."""
-        errors = (line.strip() for line in plain_text(log).splitlines() if any(mark in line for mark in _MARKS))
+        # A warning of libsdformat ends without a line break, so an error may stand behind it.
+        lines = plain_text(log).replace("[Err]", "\n[Err]").splitlines()
+        errors = (line.strip() for line in lines if any(mark in line for mark in _MARKS))
         return [line for line in errors if not any(harmless in line for harmless in self.harmless_messages)]
 
     def load_failed(self, log: str) -> bool:
