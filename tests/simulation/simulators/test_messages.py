@@ -120,6 +120,30 @@ def test_an_address_that_this_computer_has_not_is_127_0_0_1(address: str) -> Non
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a socket cannot be bound to a group")
+@pytest.mark.parametrize("kinds", [("Pose", "Pose_V"), ("Pose_V", "Pose")], ids="then".join)
+def test_of_two_types_on_a_topic_the_subscribed_one_is_registered(kinds: tuple[str, str]) -> None:
+    """A server sends only that; Harmonic tells of a robot's Pose_V first, and its poses were missed in records."""
+    port = str(free_udp_port())
+    environment = {"GZ_PARTITION": "types", "GZ_IP": "127.0.0.1", "GZ_DISCOVERY_MSG_PORT": port}
+    server = Discovery(TOPICS, "server", environment)
+    topic = {"topic": "@/types@/pose", "address": "tcp://127.0.0.1:1", "node_uuid": "server"}
+    try:
+        with transport_client_of_sim(environment, Patience()) as client:
+            client.subscribe("/pose", "Pose")
+            for kind in kinds:
+                server.send(Event.ADVERTISE, pub={**topic, "msg_pub": {"ctrl": "", "msg_type": f"gz.msgs.{kind}"}})
+            client.wait_for_publisher("/pose", Patience(seconds=5.0, sign=5.0))
+            registered: list[str] = []
+            while not registered and select.select([server.receiver], [], [], 5)[0]:
+                message = server.receive() or {}
+                if message.get("type") == Event.NEW_CONNECTION:
+                    registered.append(message["pub"]["msg_pub"]["msg_type"])
+    finally:
+        server.close()
+    assert registered == ["gz.msgs.Pose"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a socket cannot be bound to a group")
 def test_discovery_listens_only_where_the_user_said() -> None:
     environment = {"GZ_IP": "127.0.0.1", "GZ_DISCOVERY_MSG_PORT": str(free_udp_port())}
     ours, theirs = (Discovery(TOPICS, name, environment) for name in ("us", "them"))

@@ -429,13 +429,20 @@ class TransportClient:
             self._forget(message["process_uuid"])
 
     def _note_publisher(self, publication: Message) -> None:
-        """Connect to a publisher of a topic that is subscribed, and register with it."""
+        """Connect to a publisher of a topic that is subscribed, and register with it.
+
+        A server can publish two types on one topic, as Pose and Pose_V on that of a model's poses, and sends only the
+        type with which a subscriber has registered.
+        """
         topic, process = publication["topic"], publication["process_uuid"]
         if topic not in self._types or (topic, process) in self._connections:
             return
+        kind = publication.get("msg_pub", {}).get("msg_type", "")
+        if kind.rpartition(".")[2] != self._types[topic]:
+            return
         self._sockets.connect(self._sockets.subscriber, publication["address"])
-        kind = {"ctrl": process, "msg_type": publication.get("msg_pub", {}).get("msg_type", "")}
-        own = {"topic": topic, "address": publication["address"], "node_uuid": self._node, "msg_pub": kind}
+        registered = {"ctrl": process, "msg_type": kind}
+        own = {"topic": topic, "address": publication["address"], "node_uuid": self._node, "msg_pub": registered}
         self._topics.send(Event.NEW_CONNECTION, pub=own)
         self._inbox.update(lambda: self._connections.update({(topic, process): own}))
 
