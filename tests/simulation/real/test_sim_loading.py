@@ -82,7 +82,7 @@ def test_a_mesh_that_is_missing_is_an_error(gazebo_sim: Installation, world: Pat
     for mesh in world.parent.glob("meshes/*.obj"):
         mesh.unlink()
     lines: list[str] = []
-    with pytest.raises(SimulatorFailed, match="printed an error: |did not load the world"):
+    with pytest.raises(SimulatorFailed, match=r"printed an error: |did not load the world"):
         rsegen.open(world, simulator="sim", headless=True, seconds=8, on_error=lines.append)
     assert any("meshes/course_0000.obj" in line for line in lines)
 

@@ -20,6 +20,7 @@ from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
+from rsegen.simulation.simulators.sim_world import SimWorld
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
 from tests.simulation.transport import NEEDS_ENGINE, connected_to, transport_world
 from tests.support.complaints import the_line
@@ -153,6 +154,17 @@ def connect_again_and_again(address: Mapping[str, str]) -> None:
     for _ in range(10):
         with connected_to(address):
             pass
+
+
+def test_a_drive_without_the_poses_that_a_robot_publishes_has_failed() -> None:
+    """Its record would else be one of the commands, ten times as coarse."""
+    with transport_client({"GZ_PARTITION": "silent", "GZ_IP": "127.0.0.1"}, Patience()) as client:
+        told = {"name": "one", "header": {"stamp": {"sec": 1}}}
+        world = SimWorld(client=client, world="w", backend="sim", _recorded={"one": [told], "two": []})
+        assert [at for at, _ in world.recorded()] == [1.0]
+        world._stopped = 2000, 2 * 10**9
+        with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: no pose of two was published$"):
+            world.recorded()
 
 
 def test_a_server_that_cannot_be_connected_to_is_given_up_and_nothing_hangs() -> None:

@@ -30,7 +30,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from rsegen.errors import NothingRuns, SimulatorFailed
-from rsegen.robots.drives import Command
+from rsegen.robots.drives import POSE_RATE, Command
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
@@ -122,6 +122,9 @@ A world without sensors costs a drive this time once.
 
 _CLIENTS, _FIRST_RESPONSE = 5, Patience(seconds=1.0)
 """Clients that are tried, and the time within which a server must answer one (decision 16)."""
+
+_TWO_POSES = 2 * 10**9 / POSE_RATE
+"""Nanoseconds of simulation time in which a robot's plug-in has published its pose."""
 
 _MODEL = 2
 """The type of a model in a message Entity, by gz-msgs' entity.proto."""
@@ -235,12 +238,18 @@ class SimWorld(LiveWorld):
         time.sleep(_CONNECTION_TIME)
 
     def recorded(self) -> Record:
-        """Return the record of the robots, at the times that their plug-ins choose."""
+        """Return the record of the robots, at the times that their plug-ins choose; SimulatorFailed if one has none.
+
+        Without it a drive would have a pose per command only, and be shorter than it was.
+        """
         states: dict[int, dict[str, list[float]]] = defaultdict(dict)
         for name, messages in self._recorded.items():
             for message in messages:
                 if message.get("name") == name:
                     states[_stamp(message)][name] = list(astuple(pose_of(message)))
+        silent = sorted(self._recorded.keys() - {name for state in states.values() for name in state})
+        if silent and self._stopped and self._stopped[1] > _TWO_POSES:
+            raise SimulatorFailed(f"Gazebo Sim: no pose of {', '.join(silent)} was published")
         return [(at / 1e9, states[at]) for at in sorted(states)]
 
     def mesh_files(self) -> Mapping[str, str]:
