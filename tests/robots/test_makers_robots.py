@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,7 +18,7 @@ from rsegen.robots.drives import Wheels
 from rsegen.robots.uris import found_package, packages_around
 from rsegen.robots.xacro_files import with_arguments
 from tests.robots.makers_robot import CONTROLLER, PACKAGE, makers_robot
-from tests.robots.two_wheels import two_wheels
+from tests.robots.two_wheels import ROS_1, two_wheels
 
 pytestmark = [
     pytest.mark.slow,
@@ -161,3 +162,17 @@ def axes(text: str) -> list[str | None]:
 def written(path: Path, text: str) -> Path:
     path.write_text(text, "utf-8")
     return path
+
+
+@pytest.mark.parametrize("simulator", ["classic", "sim"])
+def test_a_visual_without_its_mesh_is_left_out_of_a_drive_and_named(tmp_path: Path, simulator: str) -> None:
+    """Gazebo Sim from Harmonic on refuses a world with a mesh that it does not find."""
+    (tmp_path / "shell.stl").write_bytes(b"never read")
+    visual = '<visual name="{0}"><geometry><mesh><uri>{1}</uri></mesh></geometry></visual>'
+    visuals = visual.format("hull", "package://of_nobody/hull.dae") + visual.format("shell", "shell.stl")
+    file = tmp_path / "mine.sdf"
+    file.write_text(two_wheels(ROS_1).replace("</link>", f"{visuals}</link>", 1), "utf-8")
+    found = from_file(file)
+    assert re.findall(r'<visual name="(\w+)"', found.model("one", simulator)) == ["shell"]
+    assert re.findall(r'<visual name="(\w+)"', found.file("one", simulator)) == ["hull", "shell"]
+    assert "my_robot: left out for the drive, as their meshes are not found: hull" in list(found.notes(simulator))

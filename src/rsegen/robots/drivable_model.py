@@ -27,10 +27,14 @@ _MOVING = ("revolute", "continuous", "prismatic")
 
 
 class Changes(NamedTuple):
-    """The files of plug-ins and the names of sensors that were taken out of a model, and the joints that are held."""
+    """What was taken out of a model, and the joints that are held.
+
+    plugins: their files; sensors, visuals: their names, of visuals those whose mesh is not found
+    """
 
     plugins: tuple[str, ...]
     sensors: tuple[str, ...]
+    visuals: tuple[str, ...]
     held: tuple[str, ...]
 
 
@@ -48,7 +52,7 @@ def make_drivable(model: Element, drive: Drive | None, read: ReadDrive | None, n
     kept = [
         plugin for plugin in model.iter("plugin") if _is_own_drive(plugin_key(plugin.get("filename", "")), own, backend)
     ]
-    plugins, sensors = _leave_out(model, backend)
+    plugins, sensors, visuals = _leave_out(model, backend)
     for plugin in kept:
         for topic in plugin.findall("topic"):
             plugin.remove(topic)
@@ -58,7 +62,7 @@ def make_drivable(model: Element, drive: Drive | None, read: ReadDrive | None, n
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     model.extend(kept)
     _respell(model, backend)
-    return Changes(plugins, sensors, held)
+    return Changes(plugins, sensors, visuals, held)
 
 
 def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
@@ -108,16 +112,25 @@ def _is_own_drive(key: str, own: str, backend: str) -> bool:
     return backend not in missing and own.startswith("gz-sim-") and key in (own, TRACK_CONTROLLER)
 
 
-def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Take out what a drive cannot use; the files of plug-ins but for drives, which are replaced, and sensors' names.
+def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
+    """Take out what a drive cannot use: the files of plug-ins but for drives, and the names of sensors and visuals.
 
-    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot.
+    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot. Gazebo
+    Sim does not load a world with a mesh that it does not find, although nobody sees it.
     """
     names = tuple(_without(model, "sensor", lambda _: True, "name"))
+    visuals = tuple(_without(model, "visual", _lacks_its_mesh, "name"))
     if backend != "classic":
         list(_without(model, "script", lambda _: True, "name"))  # colours of Classic's, which later versions refuse
     files = _without(model, "plugin", lambda plugin: not _is_loadable(plugin.get("filename", ""), backend), "filename")
-    return tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACK_CONTROLLER))), names
+    plugins = tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACK_CONTROLLER)))
+    return plugins, names, visuals
+
+
+def _lacks_its_mesh(visual: Element) -> bool:
+    """Return whether the mesh of a visual was not found: URIs that were found are absolute paths (`resolve_uris`)."""
+    uri = (visual.findtext("geometry/mesh/uri") or "/").strip()
+    return not uri.removeprefix("file://").startswith("/")
 
 
 def _respell(model: Element, backend: str) -> None:

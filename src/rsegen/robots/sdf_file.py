@@ -141,6 +141,8 @@ class SdfRobot(Standing):
             yield f"{self.kind}: held as its model has them, as nothing drives them: {_some(changes.held)}"
         if changes.plugins:
             yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(changes.plugins)}"
+        if changes.visuals:
+            yield f"{self.kind}: left out for the drive, as their meshes are not found: {', '.join(changes.visuals)}"
         if changes.sensors:
             yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(changes.sensors)}"
 
