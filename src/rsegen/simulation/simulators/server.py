@@ -63,7 +63,11 @@ class Server:
     launch: LaunchCommand
     home: Path
     running: RunningProgram
-    patience: Patience
+
+    @property
+    def patience(self) -> Patience:
+        """How long it is waited for once it has loaded: its messages tell of progress, and one that hangs may spin."""
+        return Patience(seconds=self.here.timeout, sign=self.here.timeout)
 
     @property
     def pid(self) -> int:
@@ -101,7 +105,7 @@ class Server:
 
         `watch` is called often meanwhile, and may raise.
         """
-        wait = self.patience.begin()
+        wait = replace(self.patience, works=Work(self.running, self.home)).begin()
         is_loaded = False
         while not is_loaded:
             has_died, is_over = self.running.exit_code is not None, wait.is_over
@@ -119,7 +123,7 @@ class Server:
         """Return the output of one of the installation's commands with this server's variables."""
         command = (str(self.here.commands[name]), *arguments)
         try:
-            return output_of(replace(self.launch, command=command), Patience(seconds=self.patience.seconds))
+            return output_of(replace(self.launch, command=command), self.patience)
         except SimulatorFailed as error:
             raise self.failure(str(error)) from None
 
@@ -157,8 +161,7 @@ def running_server(  # options of a server
         opening = OpenRequest(world=world, models=models, screen=screen)
         launch = here.simulator.paused(here, opening, home).with_options(*options)
         with OutputFiles(folder=home).running(launch) as process:
-            patience = Patience(seconds=here.timeout, sign=here.timeout, works=Work(process, home))
-            server = Server(here=here, launch=launch, home=home, running=process, patience=patience)
+            server = Server(here=here, launch=launch, home=home, running=process)
             server.wait_until_loaded(watch)
             yield server
 
