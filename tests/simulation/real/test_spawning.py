@@ -193,7 +193,7 @@ def test_impossible_values_are_refused_in_one_line(server: Server, capsys: Captu
 
 @pytest.mark.long(reason="a server more, and robots one after the other")
 def test_a_program_that_spawns_and_removes_keeps_no_thread_and_no_socket(server: Server) -> None:
-    """Each call once left 2.5 threads with their sockets."""
+    """Each call once left 2.5 threads with their sockets; the kept connection has some for each topic that it uses."""
     me, simulator, used = psutil.Process(), server.here.simulator.name, []
     for number in range(8):
         rsegen.spawn("burger", simulator=simulator)
@@ -202,6 +202,7 @@ def test_a_program_that_spawns_and_removes_keeps_no_thread_and_no_socket(server:
         if number == 3:
             rsegen.spawn(COURSE, simulator=simulator)
             rsegen.remove("course_0000", simulator=simulator)
-    assert all(last <= first for last, first in zip(used[-1], used[1], strict=True))
+    # A map on which robots stand takes more topics, so what is counted begins after it.
+    assert all(last <= first for last, first in zip(used[-1], used[4], strict=True))
     with server.connect() as live:
         assert set(live.poses()) == {"ground_plane"}
