@@ -30,7 +30,7 @@ from rsegen.simulation.worlds import world_of
 
 FILE = RESULTS / "busy.json"
 LOADS = (0, 10, 50)
-TRIES = 3
+TRIES = 2
 COURSE = "mixed-course"
 COMMANDS: Mapping[str, Sequence[str]] = {
     "open": ("open", COURSE, "--headless", "--seconds", "1"),

@@ -17,6 +17,7 @@ RsegenError
 ├── FilesDamaged         files on disk are not what rsegen wrote; exit code 1
 │   └── DatasetDamaged   those of a data set
 └── SimulatorFailed      a simulator died, fell silent or did not load its world; exit code 1
+    └── NoMessage        bytes that a simulator sent are no message of their type
 """
 
 from __future__ import annotations
@@ -101,6 +102,10 @@ class DatasetDamaged(FilesDamaged):
 
 class SimulatorFailed(RsegenError):
     """A simulator died, fell silent or did not load its world."""
+
+
+class NoMessage(SimulatorFailed):
+    """Bytes that are no message of their type."""
 
 
 class PluginWarning(UserWarning):

@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rsegen.errors import NothingRuns, SimulatorFailed
+from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.robots import robot
 from rsegen.simulation.simulators.classic_transport import transport_client
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TOPICS, Discovery, Event, interfaces
 from rsegen.simulation.simulators.sim_transport import transport_client as transport_client_of_sim
-from rsegen.simulation.simulators.wire import CLASSIC, SIM, MessageTypes, NoMessage, parse_text
+from rsegen.simulation.simulators.wire import CLASSIC, SIM, MessageTypes, parse_text
 
 PLAIN: dict[object, st.SearchStrategy[Any]] = {
     int: st.integers(-(2**31), 2**31 - 1),

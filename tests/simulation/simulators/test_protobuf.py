@@ -13,7 +13,8 @@ from google.protobuf.message import DecodeError
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rsegen.simulation.simulators.wire import MessageTypes, NoMessage
+from rsegen.errors import NoMessage
+from rsegen.simulation.simulators.wire import MessageTypes
 from tests.fuzz.damage import damaged_bytes
 from tests.simulation.simulators.test_messages import EVERY, message_of
 

@@ -7,9 +7,10 @@ from xml.etree import ElementTree
 
 import pytest
 
+from rsegen.errors import NoMessage
 from rsegen.robots import ROBOTS, Robot
 from rsegen.simulation.simulators.sim_world import CONTACTS, ContactSample, with_contact_sensors
-from rsegen.simulation.simulators.wire import SIM, NoMessage
+from rsegen.simulation.simulators.wire import SIM
 
 WHEEL, HULL, BLOCK = "a::left::tread", "b::base::hull", "map::link::collision"
 POINTS = [{"x": 1.0, "y": 2.0, "z": 3.0}, {"x": 3.0}]

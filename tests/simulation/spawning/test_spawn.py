@@ -13,6 +13,7 @@ import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
 from rsegen.robots import robot
 from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.respawn import _given_or_next
 from tests.simulation.transport import connected_to
 
 COURSE = rsegen.Recipe(name="course", seed=1, chunk_size=4, maps=3)
@@ -115,3 +116,8 @@ def test_nothing_running_is_an_error(programs: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://127.0.0.1:1")
     with pytest.raises(NothingRuns, match="no simulation runs"):
         rsegen.respawn(COURSE)
+
+
+def test_the_next_map_of_an_example_is_the_one_after_the_current_one(tmp_path: Path) -> None:
+    assert _given_or_next("mixed-course", None, tmp_path, "mixed-course_0001").name == "mixed-course_0002"
+    assert _given_or_next("mixed-course", 7, tmp_path, "mixed-course_0001").name == "mixed-course_0007"

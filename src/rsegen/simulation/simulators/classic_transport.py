@@ -23,10 +23,10 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any
 
-from rsegen.errors import NothingRuns, SimulatorFailed
+from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.wire import CLASSIC, Message, NoMessage
+from rsegen.simulation.simulators.wire import CLASSIC, Message
 
 DISCONNECT_TIMEOUT = 2.0
 """Seconds for publishers to disconnect, ten times the period of a paused server; a client then goes without them."""

@@ -14,9 +14,8 @@ from functools import cached_property
 from itertools import islice
 from typing import Any
 
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NoMessage, SimulatorFailed
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.wire import NoMessage
 
 _KEPT = 64
 """Messages of a topic that are kept: a second of Gazebo's poses, so that none that is waited for is pushed out."""

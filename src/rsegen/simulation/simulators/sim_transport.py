@@ -36,10 +36,10 @@ from functools import partial
 from queue import SimpleQueue
 from typing import Any
 
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NoMessage, SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
 from rsegen.simulation.simulators.patience import Patience, Wait, share
-from rsegen.simulation.simulators.wire import SIM, Message, NoMessage
+from rsegen.simulation.simulators.wire import SIM, Message
 
 
 class Sockets:

@@ -29,14 +29,13 @@ from statistics import fmean
 from typing import Any
 from xml.etree import ElementTree
 
-from rsegen.errors import NothingRuns, SimulatorFailed
+from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.robots.drives import POSE_RATE, Command
 from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.wire import (
     SIM,
-    NoMessage,
     is_nearer,
     mesh_file,
     nanoseconds,

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from rsegen.errors import SimulatorFailed
+from rsegen.errors import NoMessage
 from rsegen.simulation.simulators.live_world import Pose
 
 Message: TypeAlias = Mapping[str, Any]
@@ -34,10 +34,6 @@ _NONSENSE = (AttributeError, IndexError, OverflowError, TypeError, ValueError, s
 
 _MOST_BYTES = 10
 """Bytes of a varint at most: 64 bits, seven each."""
-
-
-class NoMessage(SimulatorFailed):
-    """Bytes that are no message of their type."""
 
 
 @dataclass(frozen=True, slots=True)

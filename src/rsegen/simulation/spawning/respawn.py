@@ -105,7 +105,7 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
         maps = maps_in(os.fspath(target))
         names = [model.name for model in maps]
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
-    recipe = target if isinstance(target, Recipe) else recipe_in(os.fspath(target))
+    (recipe,) = _recipes(target)
     index = _index(recipe, current)
     return map_model(recipe, recipe.first_map if index is None else index + 1, output)
 
