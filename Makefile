@@ -47,6 +47,7 @@ mutants: $(VENV)/developer
 
 fuzz: $(VENV)/developer
 	$(BIN)/python -m tests.fuzz $(FUZZ)
+	$(BIN)/python -m tests.fuzz --family wire --cases 200
 
 crash: $(VENV)/developer compiler
 	$(BIN)/python -m tests.crash $(CRASH)
