@@ -185,3 +185,10 @@ def free_udp_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+@pytest.mark.parametrize(("types", "type_name"), [(SIM, "Model"), (CLASSIC, "Model")])
+def test_a_number_that_is_sent_in_eight_bytes_is_no_id(types: MessageTypes, type_name: str) -> None:
+    number, _ = types.types[type_name]["id"]
+    with pytest.raises(NoMessage, match="id is of another kind"):
+        types.decode(type_name, bytes([number << 3 | 1]) + b"\0" * 8)

@@ -60,10 +60,12 @@ class MessageTypes:
     def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
         names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
         message = _Decoded(self, type_name)
-        for number, value in _fields(content):
+        for number, wire_type, value in _fields(content):
             if number not in names:
                 continue
             name, kind = names[number]
+            if wire_type != _wire_type(kind):
+                raise ValueError(f"{name} is of another kind")
             if isinstance(kind, str) and kind.endswith("[]"):
                 message.setdefault(name, []).append(self._value(kind[:-2], value))
             else:
@@ -80,19 +82,20 @@ class MessageTypes:
     def _field(self, number: int, kind: Kind, value: Any) -> bytes:
         if isinstance(kind, str) and kind.endswith("[]"):
             return b"".join(self._field(number, kind[:-2], item) for item in value)
+        key = _varint(number << 3 | _wire_type(kind))
         if kind is float:
-            return _varint(number << 3 | 1) + struct.pack("<d", float(value))
+            return key + struct.pack("<d", float(value))
         if kind in (int, bool):
-            return _varint(number << 3) + _varint(int(value))
+            return key + _varint(int(value))
         plain = value.encode() if kind in (str, "text") else None
         content = value if kind in (bytes, "bytes") else self.encode(str(kind), value) if plain is None else plain
-        return _varint(number << 3 | 2) + _varint(len(content)) + content
+        return key + _varint(len(content)) + content
 
     def _value(self, kind: Kind, value: Any) -> Any:
         if kind in (str, "text"):
             return value.decode(errors="replace")
         if kind in (bytes, "bytes"):
-            return b"" + value  # a number is no bytes: bytes(value) would be as many
+            return value
         if isinstance(kind, str):
             return self.decode(kind, value)
         return kind(value)
@@ -127,14 +130,19 @@ def parse_text(text: str) -> Message:
     return whole
 
 
-def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
-    """Yield number and raw value of each field, in order; ValueError for what is longer than the message."""
+def _wire_type(kind: Kind) -> int:
+    """Return the wire type of a field: 0 a varint, 1 eight bytes, 2 a length and so many bytes."""
+    return 1 if kind is float else 0 if kind in (int, bool) else 2
+
+
+def _fields(content: bytes) -> Iterator[tuple[int, int, Any]]:
+    """Yield number, wire type and raw value of each field; ValueError for what is longer than the message."""
     at = 0
     while at < len(content):
         key, at = _number(content, at)
         if key & 7 == 0:
             value, at = _number(content, at)
-            yield key >> 3, value
+            yield key >> 3, 0, value
             continue
         if key & 7 == 2:
             length, at = _number(content, at)
@@ -143,7 +151,7 @@ def _fields(content: bytes) -> Iterator[tuple[int, Any]]:
         if not 0 <= length <= len(content) - at:
             raise ValueError(f"a field of {length} bytes")
         raw, at = content[at : at + length], at + length
-        yield key >> 3, struct.unpack("<d", raw)[0] if key & 7 == 1 else raw
+        yield key >> 3, key & 7, struct.unpack("<d", raw)[0] if key & 7 == 1 else raw
 
 
 def _varint(number: int) -> bytes:
