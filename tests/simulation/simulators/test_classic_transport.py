@@ -64,7 +64,7 @@ def test_every_subscriber_gets_every_unread_message(
             start(run)
         for other in others:
             other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
-        client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS)
+        client.wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS)
         client.publish("~/request", "GzString", {"data": "hello"})
         for other in others:
             with other, other.makefile("rb") as stream:
@@ -103,7 +103,7 @@ def test_a_closed_client_leaves_no_thread_and_no_socket() -> None:
             others = [subscriber(client) for _ in range(SUBSCRIBERS)]
             for other in others:
                 other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
-            client._wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS)
+            client.wait("subscribers are lost", lambda: len(client._subscribers[TOPIC]) == SUBSCRIBERS)
         for other in others:
             assert other.recv(1) == b""
             other.close()
@@ -135,7 +135,7 @@ def test_junk_ends_or_is_passed_over_and_others_are_served(junk: bytes) -> None:
             hostile.shutdown(socket.SHUT_WR)
             assert hostile.recv(1) == b""
             other.sendall(packet("sub", "Subscribe", {}) + packet("sub", "Subscribe", {"topic": TOPIC}))
-            client._wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]))
+            client.wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]))
             client.publish("~/request", "GzString", {"data": "hello"})
             with other.makefile("rb") as stream:
                 assert CLASSIC.decode("GzString", stream.read(int(stream.read(8), 16))) == {"data": "hello"}

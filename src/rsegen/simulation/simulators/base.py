@@ -12,7 +12,7 @@ import re
 import shlex
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -170,7 +170,11 @@ class Simulator(ABC):
         # A warning of libsdformat ends without a line break, so an error may stand behind it.
         lines = plain_text(log).replace("[Err]", "\n[Err]").splitlines()
         errors = (line.strip() for line in lines if any(mark in line for mark in _MARKS))
-        return [line for line in errors if not any(harmless in line for harmless in self.harmless_messages)]
+        return self.without_harmless(errors)
+
+    def without_harmless(self, lines: Iterable[str]) -> list[str]:
+        """Return lines of a log without those that say nothing against a world."""
+        return [line for line in lines if not any(harmless in line for harmless in self.harmless_messages)]
 
     def load_failed(self, log: str) -> bool:
         """Return whether a log says that the world was not loaded."""

@@ -68,7 +68,7 @@ class TransportClient:
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
         try:
-            self._wait("a server is there, but tells of no world", lambda: bool(self._world))
+            self.wait("a server is there, but tells of no world", lambda: bool(self._world))
         except SimulatorFailed:
             self.close()
             raise
@@ -101,19 +101,17 @@ class TransportClient:
         if not self._subscribers[full]:
             publication = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
             self._send_to_master("advertise", "Publish", publication)
-            self._wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
+            self.wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
         for subscriber in self._subscribers[full]:
             _send(subscriber, CLASSIC.encode(type_name, message))
 
-    def wait_for_message(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: Patience | None = None
-    ) -> dict[str, Any]:
+    def wait_for_message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        return self._inbox.wait_for_message(self._full_topic(topic), wanted, patience or self.patience)
+        return self._inbox.wait_for_message(self._full_topic(topic), wanted, self.patience)
 
-    def wait_until(self, holds: Callable[[], bool], patience: Patience) -> None:
-        """Wait until something holds that messages change; SimulatorFailed when patience is over."""
-        self._inbox.wait("not all has come", holds, patience)
+    def wait(self, why: str, until: Callable[[], bool], patience: Patience | None = None) -> None:
+        """Wait until something holds that messages change; SimulatorFailed with the reason when patience is over."""
+        self._inbox.wait(why, until, patience or self.patience)
 
     def kept(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""
@@ -167,7 +165,7 @@ class TransportClient:
     def _subscribe_and_wait(self, topic: str) -> None:
         """Subscribe to a topic, and wait for a publisher."""
         self._send_to_master("subscribe", "Subscribe", self._subscription(topic, self._host, self._port))
-        self._wait(f"no publisher of {topic}", lambda: topic in self._publishers.values())
+        self.wait(f"no publisher of {topic}", lambda: topic in self._publishers.values())
 
     def _unsubscribe(self, topics: Set[str]) -> None:
         """Unsubscribe: a publisher knows a subscriber by its port, and disconnects."""
@@ -175,7 +173,7 @@ class TransportClient:
             if topic in topics:
                 host, port = other.getsockname()[:2]
                 self._send_to_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
-        self._wait(
+        self.wait(
             "a publisher does not disconnect",
             lambda: not topics & set(self._publishers.values()),
             Patience(seconds=DISCONNECT_TIMEOUT),
@@ -196,7 +194,7 @@ class TransportClient:
 
     def _read_master(self) -> None:
         for content in _received(self._master):
-            with suppress(KeyError, NoMessage):  # what others send may be anything
+            with suppress(NoMessage):  # what others send may be anything
                 packet = CLASSIC.decode("Packet", content)
                 kind, inside = packet["type"], packet["serialized_data"]
                 if kind == "topic_namepaces_init":
@@ -246,7 +244,7 @@ class TransportClient:
     def _read_subscriber(self, subscriber: socket.socket) -> None:
         topics: list[str] = []
         for content in _received(self._registered(subscriber)):
-            with suppress(KeyError, NoMessage):
+            with suppress(NoMessage):
                 packet = CLASSIC.decode("Packet", content)
                 if packet["type"] == "sub":
                     topics.append(CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"])
@@ -279,9 +277,6 @@ class TransportClient:
         thread = threading.Thread(target=until_done, daemon=True)
         self._threads.add(thread)
         thread.start()
-
-    def _wait(self, why: str, until: Callable[[], bool], patience: Patience | None = None) -> None:
-        self._inbox.wait(why, until, patience or self.patience)
 
 
 @contextmanager

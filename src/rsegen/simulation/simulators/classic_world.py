@@ -218,9 +218,9 @@ class ClassicWorld(LiveWorld):
             self.client.publish("request", "Request", message)
             asked += 1
             with suppress(SimulatorFailed):
-                self.client.wait_for_message("response", lambda _: bool(self._answers(request_id)), _ASK_AGAIN)
+                self.client.wait("no response", lambda: bool(self._answers(request_id)), _ASK_AGAIN)
         with suppress(SimulatorFailed):  # some got lost
-            self.client.wait_until(lambda: len(self._answers(request_id)) >= asked, _ASK_AGAIN)
+            self.client.wait("no response", lambda: len(self._answers(request_id)) >= asked, _ASK_AGAIN)
         return answers[0]
 
     def _answers(self, request_id: int) -> list[dict[str, Any]]:

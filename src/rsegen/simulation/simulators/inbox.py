@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import defaultdict, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import cached_property
 from itertools import islice
@@ -19,7 +19,6 @@ from rsegen.simulation.simulators.patience import Patience
 
 _KEPT = 64
 """Messages of a topic that are kept: a second of Gazebo's poses, so that none that is waited for is pushed out."""
-
 
 _LOOK = 0.1
 """Seconds between two looks whether patience is over: each reads a file."""
@@ -71,12 +70,12 @@ class Inbox:
     def kept(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""
         with self._changed:
-            messages = [received.message for received in self._messages[topic]]
-        return [message for message in messages if message is not None]
+            return list(self._newest_first(topic))[::-1]
 
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
-        return next(reversed(self.kept(topic)), None)
+        with self._changed:
+            return next(self._newest_first(topic), None)
 
     def wait_for_message(
         self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: Patience
@@ -85,11 +84,17 @@ class Inbox:
         found: list[dict[str, Any]] = []
 
         def has_come() -> bool:
-            found.extend(islice(filter(wanted, reversed(self.kept(topic))), 1))
+            found.extend(islice(filter(wanted, self._newest_first(topic)), 1))
             return bool(found)
 
         self.wait(f"no message on {topic}", has_come, patience)
         return found[0]
+
+    def _newest_first(self, topic: str) -> Iterator[dict[str, Any]]:
+        """Yield the messages of a topic, which are decoded as far as they are taken."""
+        for received in reversed(self._messages[topic]):
+            if received.message is not None:
+                yield received.message
 
 
 class _Received:

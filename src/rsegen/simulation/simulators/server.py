@@ -133,8 +133,7 @@ class Server:
 
     def failure(self, why: str) -> SimulatorFailed:
         """Return an error with the reason and the last error lines of the log, else its last lines."""
-        harmless = self.here.simulator.harmless_messages
-        lines = [line for line in plain_text(self.log).splitlines() if not any(words in line for words in harmless)]
+        lines = self.here.simulator.without_harmless(plain_text(self.log).splitlines())
         errors, lines = self.errors[-_ERRORS:], lines[-_LINES:]
         what = "its last errors are" if errors else "its log ends with"
         return SimulatorFailed("\n".join([f"{self.here}: {why}; {what}:", *(errors or lines)]))
@@ -221,12 +220,13 @@ def run_until_end(
 
             def goes_on() -> bool:
                 nonlocal end
-                if seconds is not None and end == math.inf and (name := _running_world(here, launch)):
-                    _refuse_another_world(here, launch, name)
-                    end = time.monotonic() + seconds
-                if seconds is not None and end == math.inf and wait.is_over:
-                    why = f"has not loaded the world {launch.command[-1]}, after {here.timeout:g} s without progress"
-                    raise NothingRuns(f"{here} {why}")
+                if seconds is not None and end == math.inf:
+                    if name := _running_world(here, launch):
+                        _refuse_another_world(here, launch, name)
+                        end = time.monotonic() + seconds
+                    elif wait.is_over:
+                        late = f"after {here.timeout:g} s without progress"
+                        raise NothingRuns(f"{here} has not loaded the world {launch.command[-1]}, {late}")
                 return program.exit_code is None and time.monotonic() < end
 
             for line in output.lines(goes_on):
