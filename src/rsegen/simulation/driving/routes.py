@@ -14,13 +14,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import atan2, cos, hypot, pi, radians, sin
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import Array, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import entry
@@ -173,32 +173,14 @@ def _clipped(value: float, most: float) -> float:
     return max(-most, min(most, value))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class PlannedWay:
-    """A way from west to east on which a robot can drive; if there is none, the straight lane that gets farthest.
+class PlannedWay(Way):
+    """A way from west to east on which a robot can drive: `points` is never empty.
 
-    points: (n, 2), x and y of its origin in metres, from the ground west of the map to that east of it
-    length: metres, with turns as the path of its sides, None if there is no way
-    tilt, margin: the largest tilt on it, and the least turn by which the robot tips over on it, radians
-    reason: without a way, what ends the lane, in words that follow "it", and `at` which place, metres
+    Without a way it has those of the straight lane that gets farthest, from the ground west of the map to that east of
+    it.
     """
 
-    points: Array
-    length: float | None
-    tilt: float | None = None
-    margin: float | None = None
-    drops: Sequence[tuple[float, float]] = ()
-    slips: Sequence[tuple[float, float]] = ()
-    reason: str | None = None
-    at: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        self.points.setflags(write=False)
-
-    @property
-    def crosses(self) -> bool:
-        """Whether the robot gets across on it."""
-        return self.length is not None
+    __slots__ = ()
 
     def as_json(self) -> dict[str, object]:
         """Return the entry of drive.json."""
@@ -223,9 +205,9 @@ def planned_way(field: StepField, body: Body, best: str = "length") -> PlannedWa
 
 def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
     """Return a way from west to east with points also where there is none: those of the lane that gets farthest."""
-    if way.crosses:
-        figures = {name: getattr(way, name) for name in ("points", "length", "tilt", "margin", "drops", "slips")}
-        return PlannedWay(**figures)
-    line = (way.at or (0.0, 0.0))[1]
-    ends = -entry(field, body, 0), field.extent[0] / 2 - float(body.low[0])
-    return PlannedWay(points=np.array([(x, line) for x in ends]), length=None, reason=way.reason, at=way.at)
+    parts = {part.name: getattr(way, part.name) for part in fields(way)}
+    if not way.crosses:
+        line = (way.at or (0.0, 0.0))[1]
+        ends = -entry(field, body, 0), field.extent[0] / 2 - float(body.low[0])
+        parts["points"] = np.array([(x, line) for x in ends])
+    return PlannedWay(**parts)
