@@ -9,7 +9,7 @@ belts and a lidar are made of these, with what each Gazebo needs for them to rol
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import atan2, hypot, pi
 from typing import TypeAlias
 
 import numpy as np
@@ -221,6 +221,20 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
     about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
     about_z = np.array([[c, -r, 0], [r, c, 0], [0, 0, 1]])
     return np.asarray(about_z @ about_y @ about_x)
+
+
+_TURNED_UP = 1e-9
+"""Cosine of the pitch below which roll and yaw turn about one axis: the yaw is then 0."""
+
+
+def angles(turn: Array) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw, radians, of a matrix (3, 3) of a rotation: the inverse of `rotation`."""
+    level = hypot(turn[0, 0], turn[1, 0])
+    if level > _TURNED_UP:
+        roll, yaw = atan2(turn[2, 1], turn[2, 2]), atan2(turn[1, 0], turn[0, 0])
+    else:
+        roll, yaw = atan2(-turn[1, 2], turn[1, 1]), 0.0
+    return roll, atan2(-turn[2, 0], level), yaw
 
 
 def turn_about(axis: Vector, angle: float) -> Array:

@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
-from math import atan2, hypot, isnan, nan
+from math import isnan, nan
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
@@ -23,7 +23,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import rotation
+from rsegen.robots.links import angles, rotation
 from rsegen.robots.sdf_shapes import floats, refuse_inertia, tensor_of
 
 _VERSION = "1.7"
@@ -85,9 +85,6 @@ _UNLIMITED = 1e16
 
 _SHORTEST = 1e-9
 """Length of an axis, which should be 1, below which it is taken for none."""
-
-_TURNED_UP = 1e-9
-"""Cosine of the pitch below which roll and yaw turn about one axis: the yaw is then 0."""
 
 
 class Converted(NamedTuple):
@@ -458,13 +455,7 @@ def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
 
 def _pose(transform: Array) -> str:
     """Return a transform, (4, 4), as x, y, z, metres, and roll, pitch, yaw, radians."""
-    turn = transform[:3, :3]
-    level = hypot(turn[0, 0], turn[1, 0])
-    if level > _TURNED_UP:
-        roll, yaw = atan2(turn[2, 1], turn[2, 2]), atan2(turn[1, 0], turn[0, 0])
-    else:
-        roll, yaw = atan2(-turn[1, 2], turn[1, 1]), 0.0
-    return _text([*transform[:3, 3], roll, atan2(-turn[2, 0], level), yaw])
+    return _text([*transform[:3, 3], *angles(transform[:3, :3])])
 
 
 def _text(values: Iterable[float]) -> str:

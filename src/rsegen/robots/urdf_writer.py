@@ -12,15 +12,13 @@ Friction, contact and plug-ins are not in it: URDF has no words for them, and Ga
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import asin, atan2, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.exporters.numbers import decimal
-from rsegen.field.stepfield import Array
-from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, Solid, rotation
+from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, Solid, angles, rotation
 
 if TYPE_CHECKING:  # whose files are made with this
     from rsegen.robots.base import Robot
@@ -122,12 +120,4 @@ def _relative(parent: SdfPose, child: SdfPose) -> SdfPose:
     """Return the pose of a child in the frame of its parent."""
     turned = rotation(*parent[3:])
     x, y, z = turned.T @ (np.array(child[:3]) - np.array(parent[:3]))
-    return float(x), float(y), float(z), *_angles(turned.T @ rotation(*child[3:]))
-
-
-def _angles(turned: Array) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a rotation matrix, radians; at a pitch of a right angle the roll is 0."""
-    pitch = asin(float(np.clip(-turned[2, 0], -1, 1)))
-    if abs(pitch) > pi / 2 - 1e-6:  # then roll and yaw turn about one axis
-        return 0.0, pitch, atan2(-turned[0, 1], turned[1, 1])
-    return atan2(turned[2, 1], turned[2, 2]), pitch, atan2(turned[1, 0], turned[0, 0])
+    return float(x), float(y), float(z), *angles(turned.T @ rotation(*child[3:]))
