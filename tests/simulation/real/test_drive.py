@@ -243,7 +243,7 @@ def test_a_server_without_the_processor_is_starved(gazebo_classic: Installation)
         for server in processes("gzserver"):
             if server.create_time() < time.time() - 2:
                 server.suspend()
-                time.sleep(0.5)
+                time.sleep(1.5)  # between two looks it runs for about half a second
                 server.resume()
 
     plan = ExperimentPlan(name="starved", rows=(TableRow(robots=1, sizes=(10,)),), paces=("free", "real"), seconds=5)
