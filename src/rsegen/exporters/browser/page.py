@@ -185,6 +185,12 @@ def page(maps: Sequence[ShownMap]) -> bytes:
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("page.html")).encode()
 
 
+def editor_page() -> str:
+    """Return the page that edits documents of a server."""
+    parts = {"css": _source("page.min.css"), "script": _source("page.min.js"), "licence": _source("page.LICENSE")}
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("editor.html"))
+
+
 def _source(name: str) -> str:
     """Return the text of a file of this folder."""
     return files("rsegen.exporters.browser").joinpath(name).read_text("utf-8")

@@ -1,0 +1,63 @@
+/* The door to the server: calls, events, files. A frozen page has no server, and its data in the page. */
+
+import type { Event, Failure, Json } from "./protocol";
+
+const token = new URLSearchParams(location.search).get("token") ?? "";
+const headers = { Authorization: `Bearer ${token}`, "Content-Type": "application/json" };
+
+/* What a call failed with: shown where `where` says. */
+export class Failed extends Error {
+  constructor(readonly failure: Failure) {
+    super(failure.text);
+  }
+}
+
+async function answer(response: Response): Promise<Response> {
+  if (response.ok) return response;
+  const said = await response.json().catch(() => null);
+  throw new Failed(said?.error ?? { where: "", text: `the server answered ${response.status}` });
+}
+
+/* Call a function of the server by its name. */
+export async function call<T>(name: string, args: object = {}): Promise<T> {
+  const response = await fetch(`api/${name}`, { method: "POST", headers, body: JSON.stringify(args) }).catch(() => {
+    throw new Failed({ where: "", text: "rsegen gui has ended: start it again, and reload this page" });
+  });
+  return (await answer(response)).json() as Promise<T>;
+}
+
+/* Send the bytes of a file; gives the path by which commands may read it. */
+export async function upload(file: File): Promise<string> {
+  const response = await fetch(`api/upload?name=${encodeURIComponent(file.name)}`, {
+    method: "POST",
+    headers: { Authorization: headers.Authorization },
+    body: file,
+  });
+  return ((await (await answer(response)).json()) as { path: string }).path;
+}
+
+/* Return a file under the server's folder, to show or to download. */
+export async function fileOf(path: string): Promise<Blob> {
+  const response = await fetch("api/file", { method: "POST", headers, body: JSON.stringify({ path }) });
+  return (await answer(response)).blob();
+}
+
+/* Hear the events of a document, until the signal ends it; after a break it is tried again. */
+export async function listen(doc: string, page: string, heard: (event: Event) => void, ends: AbortSignal): Promise<void> {
+  while (!ends.aborted) {
+    try {
+      const body: Json = { doc, page };
+      const response = await fetch("api/events", { method: "POST", headers, body: JSON.stringify(body), signal: ends });
+      const lines = (await answer(response)).body!.pipeThrough(new TextDecoderStream()).getReader();
+      let rest = "";
+      for (let part = await lines.read(); !part.done; part = await lines.read()) {
+        const whole = (rest + part.value).split("\n");
+        rest = whole.pop()!;
+        whole.filter(Boolean).forEach((line) => heard(JSON.parse(line) as Event));
+      }
+    } catch {
+      if (ends.aborted) return;
+    }
+    await new Promise((resume) => setTimeout(resume, 1500));
+  }
+}
