@@ -297,7 +297,8 @@ def test_wheels_that_turn_nothing_are_noted(gazebo_classic: Installation, tmp_pa
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
     plan = ExperimentPlan(name="null", rows=(TableRow(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
     outcome = run_trial(plan, plan.cells[0], 0, gazebo).outcome
-    assert outcome.share == pytest.approx(1, abs=0.3)
+    assert outcome.share is not None
+    assert 1 / 2 < outcome.share < 2  # a busy machine gives 0.7 to 1.4: speed itself is for benchmarks
     assert outcome.rtf is None
     assert outcome.speed > 0
 
