@@ -1,7 +1,7 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within 6 minutes on two cores
 # make test-all    the long tests, with more of everything, and then these, as CI runs them: within 11 minutes on two cores
-# make test-fast   the tests without a simulator, a window and all that is slow: within a minute on two cores
+# make test-fast   the tests without a simulator, a browser and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
@@ -40,7 +40,7 @@ test-all:
 	$(MAKE) test
 
 test-fast: $(VENV)/tester
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real and not window" $(FAST)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST)
 
 mutants: $(VENV)/developer
 	$(BIN)/python -m tests.support.mutants $(MUTANTS)
@@ -109,7 +109,7 @@ gazebo: classic
 learners: $(VENV)/developer
 	test -d $(VENV)/mjlab || $(BIN)/python -m pip install --quiet --no-deps --target $(VENV)/mjlab mjlab==1.6.0 || rm -rf $(VENV)/mjlab
 
-# A screen for the tests of the window.
+# A screen on which the cameras of simulators draw.
 screen:
 	scripts/screen || test $$? = 3
 

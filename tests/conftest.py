@@ -18,14 +18,7 @@ from hypothesis import settings
 from tests.support.patience import limit_cpu_of_tests
 
 TESTS = Path(__file__).parent
-_WINDOWS = pytest.mark.long(reason="many windows; tests/gui/test_window.py and test_first_minute.py use all of one")
-MARKED_FOLDERS = {
-    "simulation/real": pytest.mark.real,
-    "gui": pytest.mark.window,
-    "gui/dialogs": _WINDOWS,
-    "gui/widgets": _WINDOWS,
-    "gui/workers": _WINDOWS,
-}
+MARKED_FOLDERS = {"simulation/real": pytest.mark.real}
 """Folder -> the marker of every test in it."""
 
 settings.register_profile("house", deadline=None, derandomize=os.environ.get("CI") == "true", max_examples=25)
@@ -35,12 +28,6 @@ settings.load_profile("house")
 for _name, _usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
     if hasattr(signal, _name) and signal.getsignal(getattr(signal, _name)) == signal.SIG_IGN:
         signal.signal(getattr(signal, _name), _usual)
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    group = parser.getgroup("the window at random", "tests/gui/test_random_actions.py")
-    group.addoption("--window-actions", type=int, default=250, metavar="N", help="actions per seed")
-    group.addoption("--seed", type=int, metavar="S", help="one seed alone; by default several")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

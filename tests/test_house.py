@@ -70,7 +70,19 @@ def test_error_tree_in_the_docstring_is_the_error_tree() -> None:
     assert tree(RsegenError) <= set(drawn)
 
 
-HEAVY = ["matplotlib", "tqdm", "psutil", "yaml", "PySide6", "PIL", "scipy", "trimesh", "pxr", "pyarrow", "distributed"]
+HEAVY = [
+    "matplotlib",
+    "tqdm",
+    "psutil",
+    "yaml",
+    "starlette",
+    "PIL",
+    "scipy",
+    "trimesh",
+    "pxr",
+    "pyarrow",
+    "distributed",
+]
 
 
 def test_import_is_light() -> None:

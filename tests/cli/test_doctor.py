@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,21 +21,9 @@ from rsegen.params import extras
 from rsegen.params.extras import EXTRAS
 from rsegen.simulation.simulators import SIMULATORS
 from tests.simulation.simulators.standins import PROGRAMS, alone_on_path, put
-from tests.support.screen import ON_SCREEN, xvfb
 
 Capture = pytest.CaptureFixture[str]
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
-
-
-@pytest.fixture
-def without_screen(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
-        monkeypatch.delenv(name, raising=False)
-
-
-@pytest.fixture(scope="module")
-def screen() -> Iterator[str]:
-    yield from xvfb()
 
 
 def report(capsys: Capture) -> str:
@@ -89,18 +76,17 @@ def test_simulators_are_found_with_version_and_path(
 def test_a_missing_extra_is_reported_with_its_use_and_install_command(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pyvista") else find_spec("numpy"))
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pxr") else find_spec("numpy"))
     found = remedies(capsys)
     assert found["scipy: MATLAB files of the formats arrays and posture"] == pip_install(["mat"])
-    assert found["pyvista: rsegen gui: the window"] == pip_install(["gui"])
-    assert {row["name"]: row["missing"] for row in summary(capsys)["extras"]}["gui"] == ["pyvista"]
+    assert found["pxr: the format usd"] == pip_install(["usd"])
+    assert {row["name"]: row["missing"] for row in summary(capsys)["extras"]}["usd"] == ["pxr"]
 
 
 def test_without_any_extra_the_report_is_printed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda name: None)
     text = report(capsys)
     assert all(pip_install([extra.name]) in text for extra in EXTRAS)
-    assert "not checked, as PySide6 is not installed" in text
 
 
 def test_a_simulator_that_breaks_is_a_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
@@ -117,35 +103,3 @@ def test_without_package_metadata_the_report_is_printed(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(environment, "requires", not_installed)
     assert summary(capsys)["libraries"] == {"numpy": np.__version__}
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems have a screen, or say so by themselves")
-def test_a_missing_screen_is_reported(without_screen: None, capsys: Capture) -> None:
-    found = summary(capsys)["opengl"]
-    assert found == {
-        "version": None,
-        "problem": "there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)",
-    }
-
-
-@pytest.mark.parametrize("platform", ["offscreen", "no-such-platform"])
-def test_a_qt_that_opens_no_window_is_a_line(
-    platform: str, without_screen: None, monkeypatch: pytest.MonkeyPatch, capsys: Capture
-) -> None:
-    """Of the second one Qt kills the process that asks it."""
-    monkeypatch.setenv("QT_QPA_PLATFORM", platform)
-    found = summary(capsys)["opengl"]
-    assert found["version"] is None
-    assert platform in found["problem"]
-    assert "\n" not in found["problem"]
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="Xvfb is of Linux")
-def test_opengl_of_a_screen_is_found(
-    screen: str, without_screen: None, monkeypatch: pytest.MonkeyPatch, capsys: Capture
-) -> None:
-    for name, value in {"DISPLAY": screen, **ON_SCREEN}.items():
-        monkeypatch.setenv(name, value)
-    found = summary(capsys)["opengl"]
-    assert re.fullmatch(r"[3-9]\.\d", found["version"] or ""), found
-    assert found["problem"] == ""

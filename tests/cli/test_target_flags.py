@@ -125,16 +125,3 @@ def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monk
     monkeypatch.setattr(rsegen.cli.spawn, "spawn", spawn)
     assert main(["spawn", *RANDOM, "--name", "field", "--simulator", "classic"]) == 2
     assert asked == [RECIPE, "field", "classic"]
-
-
-def test_the_window_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
-    from rsegen.gui import application
-
-    opened: list[object] = []
-    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
-    monkeypatch.setattr(application, "run", opened.append)
-    with pytest.raises(SystemExit):
-        main(["gui", *RANDOM])
-    assert opened == [RECIPE]
-    assert application.session_of(RECIPE).path is None

@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 
 import rsegen
 from rsegen.errors import ParameterError
-from rsegen.params.command import Shell, add_flags, command, declared, default, flags_in_errors, given, rows, schema
+from rsegen.params.command import Shell, add_flags, command, declared, flags_in_errors, given, rows, schema
 from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf
 
 if TYPE_CHECKING:
@@ -161,13 +161,6 @@ def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) ->
             like = declared(other).get(name)
             if like and not {(name, function.__name__), (name, other.__name__)} & others:
                 assert (type(like.sort), like.sort.describe()) == (type(parameter.sort), parameter.sort.describe())
-
-
-def test_a_drive_has_the_same_defaults_everywhere() -> None:
-    from rsegen.gui.model.jobs import DriveSettings
-
-    assert DriveSettings().duration == default(rsegen.drive, "duration") == 30
-    assert DriveSettings().contacts is default(rsegen.drive, "contacts")
 
 
 @pytest.mark.parametrize("folder", ["", 3, None])

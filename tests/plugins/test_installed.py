@@ -149,28 +149,6 @@ def test_a_simulator_is_opened_by_its_name_if_it_is_there(packages: Path, worlds
     assert "Pencil and Paper" in refused("open", worlds, "--simulator", "paper", packages=packages)
 
 
-WINDOW = """
-import pkgutil
-from importlib import import_module
-from PySide6.QtWidgets import QApplication, QCheckBox, QWidget
-import rsegen.gui
-
-app = QApplication([])
-found = pkgutil.walk_packages(rsegen.gui.__path__, "rsegen.gui.")
-modules = {each.name.rpartition(".")[2]: each.name for each in found}
-form = import_module(modules["obstacle_form"]).ObstacleForm()
-form.kind.setCurrentText("ramp")
-print(form.kind.currentText(), "tread" in {each.objectName() for each in form.findChildren(QWidget)})
-formats = import_module(modules["run_form"]).FormatList()
-print("ascii" in [box.text() for box in formats.findChildren(QCheckBox)])
-"""
-
-
-def test_the_window_lists_it(packages: Path) -> None:
-    pytest.importorskip("PySide6", reason="the window needs PySide6")
-    assert done(packages=packages, code=WINDOW, QT_QPA_PLATFORM="offscreen") == "ramp True\nTrue\n"
-
-
 def test_the_commands_that_need_none_look_for_none(packages: Path) -> None:
     script = (
         "import sys, rsegen; from rsegen import KINDS, build, Recipe, Peak;"

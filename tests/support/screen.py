@@ -10,9 +10,6 @@ from typing import NoReturn
 
 import pytest
 
-ON_SCREEN = {"QT_QPA_PLATFORM": "xcb", "LIBGL_ALWAYS_SOFTWARE": "1"}
-"""What a program with a window gets, with the number of the screen as DISPLAY."""
-
 
 def xvfb() -> Iterator[str]:
     """The number of a display as long as this lasts; the test is skipped, and in CI fails, if there can be none."""

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 import platform
 import re
-import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from typing import Any
@@ -17,12 +14,9 @@ from typing import Any
 from rsegen import __version__
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.sim import FoundSimulator, found_simulators
-from rsegen.errors import line_of, pip_install
-from rsegen.params.extras import EXTRAS, GUI, Extra
+from rsegen.errors import pip_install
+from rsegen.params.extras import EXTRAS, Extra
 from rsegen.params.registry import entry_points
-
-SECONDS = 20
-"""How long to wait for the check of OpenGL, which takes a fraction of one."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,8 +32,7 @@ class FoundExtra:
 class Environment:
     """Versions, simulators, extras and plug-ins that rsegen finds on this machine.
 
-    libraries: versions of what rsegen always needs, None if missing; opengl: version on this display, or empty;
-    opengl_problem: why the window cannot show its 3D view, or empty; plugins: of installed packages, with versions.
+    libraries: versions of what rsegen always needs, None if missing; plugins: of installed packages, with versions.
     """
 
     rsegen: str
@@ -49,8 +42,6 @@ class Environment:
     libraries: Mapping[str, str | None]
     simulators: tuple[FoundSimulator, ...]
     extras: tuple[FoundExtra, ...]
-    opengl: str
-    opengl_problem: str
     plugins: tuple[str, ...]
 
     def missing(self) -> Iterator[tuple[str, str]]:
@@ -63,16 +54,10 @@ class Environment:
         for each in self.extras:
             if each.missing:
                 yield f"{', '.join(each.missing)}: {each.extra.use}", pip_install([each.extra.name])
-        if self.opengl_problem and not any(each.missing for each in self.extras if each.extra == GUI):
-            yield "OpenGL: the window shows no 3D view", self.opengl_problem
 
 
 def environment() -> Environment:
     """Look; no server is started, and what fails is a line of the result."""
-    with ThreadPoolExecutor() as pool:
-        opengl = pool.submit(_opengl)
-        simulators = tuple(found_simulators())
-        found, problem = opengl.result()
     needed = _requirements()
     return Environment(
         rsegen=__version__,
@@ -80,10 +65,8 @@ def environment() -> Environment:
         executable=sys.executable,
         platform=f"{platform.platform()}, {platform.machine()}",
         libraries={name: _version(name) for name in needed.get("", ["numpy"])},
-        simulators=simulators,
+        simulators=tuple(found_simulators()),
         extras=tuple(_found_extra(extra, needed.get(extra.name, [])) for extra in EXTRAS),
-        opengl=found,
-        opengl_problem=problem,
         plugins=tuple(dict.fromkeys(f"{each.source}: {each.name}" for each in entry_points())),
     )
 
@@ -114,27 +97,12 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _opengl() -> tuple[str, str]:
-    """The version of OpenGL on this display, and why the 3D view cannot be shown: one of them is empty."""
-    if "PySide6" in GUI.missing_modules:
-        return "", "not checked, as PySide6 is not installed"
-    if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
-        return "", "there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
-    command = [sys.executable, "-m", "rsegen.gui.widgets.opengl"]
-    try:  # in another process, as Qt ends the one in which it finds no display
-        found = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)  # noqa: S603
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return "", line_of(str(error))
-    told = (found.stdout.strip() or found.stderr.strip() or f"exit code {found.returncode}").splitlines()
-    return (told[-1], "") if found.returncode == 0 else ("", line_of(told[0]))
-
-
 _WIDTH = 12
 
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    text = "Print the versions, simulators, extras and OpenGL that rsegen finds here, what is missing, and what it is "
+    text = "Print the versions, simulators and extras that rsegen finds here, what is missing, and what it is "
     epilog = "Starts no simulator and changes nothing. Add its output to bug reports."
     command = add_command(commands, "doctor", text=f"{text}needed for.", epilog=epilog)
     command.set_defaults(run=run)
@@ -154,9 +122,8 @@ def _summary(found: Environment) -> dict[str, Any]:
         for each in found.extras
     ]
     missing = [{"what": what, "remedy": remedy} for what, remedy in found.missing()]
-    opengl = {"version": found.opengl or None, "problem": found.opengl_problem}
     lists = {"simulators": simulators, "extras": extras, "plugins": found.plugins, "missing": missing}
-    return {**plain, "opengl": opengl, **lists}
+    return plain | lists
 
 
 def _report(found: Environment) -> Iterator[str]:
@@ -164,7 +131,6 @@ def _report(found: Environment) -> Iterator[str]:
     yield _row("Python", f"{found.python}, {found.executable}")
     yield _row("platform", found.platform)
     yield _row("libraries", ", ".join(f"{name} {number or 'missing'}" for name, number in found.libraries.items()))
-    yield _row("OpenGL", found.opengl or found.opengl_problem)
     yield from (_row("plug-in", plugin) for plugin in found.plugins)
     yield "\nSimulators"
     for simulator in found.simulators:

@@ -30,7 +30,6 @@ class Extra(NamedTuple):
 
 CLUSTER = Extra("cluster", "distributed", "--scheduler: many maps made on a Dask cluster")
 DATASET = Extra("dataset", "pyarrow", "rsegen dataset --metrics parquet: metrics of a data set as Parquet")
-GUI = Extra("gui", "PySide6", "rsegen gui: the window", ("pyvista", "pyvistaqt"))
 MAT = Extra("mat", "scipy", "MATLAB files of the formats arrays and posture")
 MESH = Extra("mesh", "trimesh", "the formats stl, ply and glb; terrain for Isaac Lab; other robots' meshes")
 SCAN = Extra(
@@ -39,5 +38,5 @@ SCAN = Extra(
 USD = Extra("usd", "pxr", "the format usd")
 XACRO = Extra("xacro", "xacro", "robots in Xacro files, as ROS has them")
 
-EXTRAS: tuple[Extra, ...] = (CLUSTER, DATASET, GUI, MAT, MESH, SCAN, USD, XACRO)
+EXTRAS: tuple[Extra, ...] = (CLUSTER, DATASET, MAT, MESH, SCAN, USD, XACRO)
 """Every extra of rsegen, as in pyproject.toml, but for `all`."""

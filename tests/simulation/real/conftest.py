@@ -11,7 +11,7 @@ import pytest
 
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.process import command_output
-from tests.support.screen import ON_SCREEN, xvfb
+from tests.support.screen import xvfb
 
 CHECKERS = (("ign", "sdf", "--check"), ("gz", "sdf", "--check"))
 """Commands of libsdformat 12 and later; Gazebo Classic's own `gz sdf` reads its old dialect and is not asked."""
@@ -40,7 +40,7 @@ def gazebo_sim() -> Installation:
 def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A virtual screen, on which cameras of simulators and of MuJoCo render."""
     for number in xvfb():
-        for name, value in {**ON_SCREEN, "DISPLAY": number, "MUJOCO_GL": "glfw"}.items():
+        for name, value in {"LIBGL_ALWAYS_SOFTWARE": "1", "DISPLAY": number, "MUJOCO_GL": "glfw"}.items():
             monkeypatch.setenv(name, value)
         yield
 
