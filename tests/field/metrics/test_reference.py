@@ -1,4 +1,4 @@
-"""The figures of the one measured real pallet, to the last printed digit; steps of it are in units of 10 cm."""
+"""The figures of Team Hector's model of a pallet, computed apart from rsegen, to the last digit; in units of 10 cm."""
 
 from __future__ import annotations
 

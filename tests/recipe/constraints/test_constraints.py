@@ -6,12 +6,14 @@ import json
 from dataclasses import replace
 from math import ceil
 from pathlib import Path
+from typing import Any
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import linear_sum_assignment
 
 import rsegen
 from rsegen.cli import main
@@ -93,16 +95,48 @@ def test_frames_that_a_path_cannot_go_over_are_refused() -> None:
 
 
 @given(fields(), st.lists(st.integers(0, 12), min_size=1, max_size=6), st.integers(0, 99))
-def test_blocks_are_owned_and_few_are_replaced(field: rsegen.StepField, owned: list[int], seed: int) -> None:
+def test_no_hole_is_made_while_a_block_is_left_and_levels_are_the_nearest(
+    field: rsegen.StepField, owned: list[int], seed: int
+) -> None:
+    """As an exact solver of assignments has it: the least sum of differences, and with it the least largest one."""
     levels, left = fitted_to_inventory(field, owned, generator(seed, 0, "k"))
-    needed = np.bincount(field.levels[~field.frame], minlength=len(left))
-    used = np.bincount(levels[~field.frame], minlength=len(left))
     there = np.array([*owned, *[0] * len(left)])[: len(left) - 1]
-    assert (used[1:] <= there).all()
-    assert (left[1:] == there - used[1:]).all()
-    changed = (levels != field.levels) & ~field.frame
-    assert changed.sum() == np.maximum(needed[1:] - there, 0).sum()
-    assert (levels[field.frame] == 0).all()
+    assert (left[1:] == there - np.bincount(levels[~field.frame], minlength=len(left))[1:]).all()
+    assert (left[1:] >= 0).all()
+    designed = field.levels > 0
+    assert (levels[~designed] == 0).all()
+    stock = np.repeat(np.arange(1, len(left)), there)
+    stock = np.concatenate([stock, np.zeros(max(int(designed.sum()) - len(stock), 0), dtype=int)])
+    apart = np.abs(field.levels[designed].astype(int)[:, None] - stock)
+    least = apart[linear_sum_assignment(apart)].sum()
+    differences = np.abs(levels - field.levels)[designed]
+    assert differences.sum() == least
+    if designed.any():
+        nearer = np.where(apart < differences.max(), apart, 10**6)
+        assert nearer[linear_sum_assignment(nearer)].sum() > least
+
+
+@pytest.mark.parametrize(
+    ("design", "used"),
+    [
+        ({"seed": 3, "obstacles": [rsegen.NormalRandom(levels=4)], "inventory": (20, 50, 30)}, 88),
+        (
+            {
+                "seed": 4,
+                "boundary": "none",
+                "obstacles": [rsegen.NormalRandom(levels=5)],
+                "difficulty": 0.7,
+                "max_step": 2,
+                "inventory": (32, 25, 37, 2),
+            },
+            87,
+        ),
+    ],
+)
+def test_every_cell_that_is_designed_with_a_block_has_one(design: dict[str, Any], used: int) -> None:
+    made = rsegen.Recipe(**design)
+    designed = rsegen.build(replace(made, inventory=None))
+    assert np.count_nonzero(designed.levels) == np.count_nonzero(rsegen.build(made).levels) == used
 
 
 def test_a_block_that_is_missing_is_replaced_by_the_nearest() -> None:

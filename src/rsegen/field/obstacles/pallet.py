@@ -1,12 +1,12 @@
-"""NIST's pallet patterns (Jacoff et al. 2008), with the block statistics of one real pallet.
+"""NIST's pallet patterns (Jacoff et al. 2008), with the block statistics of a model of one.
 
-The real one is Team Hector's red diagonal pallet, measured from its visual mesh `stepfield_red_diagonal.dae`: 10 x 10
-posts, all of the highest level on the ridge, the two adjacent lines ("shoulders") half of the level below it and half
+The model is Team Hector's visual mesh of a red diagonal pallet, `stepfield_red_diagonal.dae`, with its shortest posts of
+5 cm as level 0; the designers' own rules and cut lists could not be read. It has 10 x 10 posts, all of the highest level on the ridge, the two adjacent lines ("shoulders") half of the level below it and half
 of the next, and no step larger than half the highest level, rounded up. A pallet here has
 
     zone 0, the ridge       the highest level t
     zone 1, its shoulders   t - 2 and t - 1, equally often
-    zone 2, beyond          levels 0 .. t - 1, in the proportions of the measured pallet
+    zone 2, beyond          levels 0 .. t - 1, in the proportions of that model
 
 so every pallet of one pattern and size is made of the same posts. They are shuffled within their zones, and rearranged
 (see `rearranged`) until no step is too large. Nearly all pallets of up to 100 levels need three attempts or fewer;
@@ -30,7 +30,7 @@ from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.sorts import Cell, Choice, Integer, ListOf, Place
 
 _BEYOND = (9, 27, 24, 12)
-"""Number of posts of level 0, 1, 2, 3 in the measured pallet beyond its ridge (10 of level 4) and shoulders (18)."""
+"""Number of posts of level 0, 1, 2, 3 in the model beyond its ridge (10 of level 4) and shoulders (18)."""
 
 _MANY_LEVELS = 200
 """Highest level above which limits are not tried one by one: there would be hundreds of them."""
@@ -108,7 +108,7 @@ class Pallet(Obstacle):
     def _pallet(self, pattern: str, shape: Cell, limits: _Limits, rng: np.random.Generator) -> Levels:
         """Return the levels of one pallet, unrotated, in multiples of `step`: the same blocks in a random order."""
         top = (self.levels - 1) // self.step
-        limit = max(-(-top // 2), 1)  # half, rounded up: 2 of 4 in the measured pallet
+        limit = max(-(-top // 2), 1)  # half, rounded up: 2 of 4 in Team Hector's model
         zones = np.minimum(_off_the_ridge(pattern, shape), 2)
         drawn = _half(pattern, shape) if self.symmetry == "symmetric" else np.ones(shape, dtype=bool)
         shoulders = dict.fromkeys(range(max(top - 2, top - limit), top), 1.0)

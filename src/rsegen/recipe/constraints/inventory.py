@@ -1,7 +1,12 @@
 """The blocks that a lab has in stock, on the cells of a map.
 
-Without a largest step (`fitted_to_inventory`): if a level needs more blocks than there are, random cells of it get the
-nearest level that is left. The highest levels choose first, as they have the fewest alternatives.
+The objective, in this order: the fewest cells without the block that they were designed with, the least sum of
+differences from the designed levels, the least of the largest difference. So no hole is made while a block is left.
+
+Without a largest step (`fitted_to_inventory`) it is met exactly. Levels are points on a line, and the cost of carrying
+blocks along it is a convex function of how many are carried past each point (`Carried`), so its least is found from one
+end to the other by a list of slopes ("slope trick"; as for a transport problem on a path). Which of the cells of one
+level get which block is drawn at random.
 
 With a largest step (`Stock.arranged`): first the counts, then their places. With a_t the number of cells up to level t,
 c_t the blocks in stock of level t, and n(a) the cells that the first a cells of a fill order and their neighbours take
@@ -20,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
+from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,21 +43,107 @@ _ENOUGH = 2**40
 def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.Generator) -> tuple[Ints, Blocks]:
     """Return levels for which there are blocks, and the blocks that are left over.
 
-    owned: number of blocks of level 1, 2, ... Where a level needs more than that, cells drawn at random get the
-    nearest other level.
+    owned: number of blocks of level 1, 2, ... As many cells as possible of those that are designed with a block have
+    one; their levels are as near as possible to the design.
     """
     levels = field.levels.astype(np.int64)
-    needed = np.bincount(levels[~field.frame], minlength=len(owned) + 1)
-    left = blocks(owned, len(needed)) - needed
-    for level in np.flatnonzero(left < 0)[::-1]:
-        cells = np.flatnonzero((levels == level) & ~field.frame)
-        cells = cells[np.argsort(rng.random(len(cells)), kind="stable")][: -left[level]]
-        left[level] = 0
-        for other in _nearest(int(level), len(left)):
-            some = cells[: max(left[other], 0)]
-            levels.flat[some], cells = other, cells[len(some) :]
-            left[other] -= len(some)
-    return levels, left
+    wished = np.bincount(levels[~field.frame], minlength=len(owned) + 1)
+    stock, wished[0] = blocks(owned, len(wished)), 0
+    given = stock.copy()
+    given[0] = max(int(wished.sum() - stock[1:].sum()), 0)  # cells for which there is no block
+    taken, ends = nearest_blocks(wished, given), np.cumsum(wished)
+    blocks_in_order = np.repeat(np.arange(len(taken)), taken)  # the lowest cells get the lowest of the blocks
+    for level in np.flatnonzero(wished):
+        cells = np.flatnonzero((field.levels == level) & ~field.frame)
+        cells = cells[np.argsort(rng.random(len(cells)), kind="stable")]
+        levels.flat[cells] = blocks_in_order[ends[level] - wished[level] : ends[level]]
+    taken[0] = 0
+    return levels, stock - taken
+
+
+def nearest_blocks(wished: Ints, given: Ints) -> Ints:
+    """Return how many of the `given` blocks of each level to use: as many as are wished in all, with the least sum of
+    differences from the wished levels and, among those, the least largest difference.
+
+    wished, given: (levels,), the latter at least as many in all. Blocks are matched in the order of their levels.
+    """
+    best, below = _Carried(wished, given, len(wished)), -1
+    most = len(wished)
+    while most - below > 1:  # the least of the largest difference that costs no more
+        tried = _Carried(wished, given, (below + most) // 2)
+        if tried.cost == best.cost:
+            best, most = tried, (below + most) // 2
+        else:
+            below = (below + most) // 2
+    return best.used()
+
+
+class _Carried:
+    """The blocks carried past each level on a line of levels, as few as possible.
+
+    x(k) is the number of blocks used up to level k less that of cells up to it, so |x(k)| of them are carried on to, or
+    from, the next level, and the sum of |x(k)| is the sum of differences. f(k, x) is the least sum up to level k:
+
+        f(k, x) = |x| + min over the used blocks u, 0 <= u <= given(k), of f(k - 1, x - u + wished(k))
+
+    It is convex in x, so it is kept as the places where its slope changes, left and right of where it is least: the
+    minimum over u moves all places on the left by - wished(k), all on the right by given(k) - wished(k). Where each f
+    is least is remembered, by which the used blocks are found from the last level back to the first.
+    """
+
+    def __init__(self, wished: Ints, given: Ints, most: int) -> None:
+        """Carry with differences of at most `most`: cells up to level k - most have blocks up to level k, and blocks up
+        to level k lie on cells up to level k + most.
+        """
+        self._wished, self._given = wished.tolist(), np.minimum(given, wished.sum()).tolist()
+        self._least: list[tuple[int, int]] = []
+        self._left, self._right = [(0, _ENOUGH)], [(0, _ENOUGH)]  # heaps of (place, slope); x(-1) is 0
+        self._shifts = [0, 0]
+        self.cost = 0
+        ends = [0] * (most + 1) + np.cumsum(wished).tolist()
+        ends += ends[-1:] * (most + 1)
+        for k, (cells, blocks) in enumerate(zip(self._wished, self._given, strict=True)):
+            self._least.append(self._where_least())
+            self._shifts = [self._shifts[0] - cells, self._shifts[1] + blocks - cells]
+            below, here, above = ends[k + 1], ends[k + most + 1], ends[k + 2 * most + 1]
+            self._forbid(below - here, above - here)
+            self._add(0, 1, 1)
+            self._add(0, 1, -1)
+        self._forbid(0, 0)
+
+    def used(self) -> Ints:
+        """Return how many blocks of each level are used."""
+        counts, x = [0] * len(self._given), 0
+        for k in reversed(range(len(counts))):
+            # x(k - 1) = x - u + wished(k): the nearest to where f(k - 1) is least that 0 <= u <= given(k) allows.
+            low, high = self._least[k]
+            before = min(max(x + self._wished[k] - self._given[k], min(x, high), low), x + self._wished[k])
+            counts[k], x = x - before + self._wished[k], before
+        return np.array(counts)
+
+    def _where_least(self) -> tuple[int, int]:
+        return -self._left[0][0] + self._shifts[0], self._right[0][0] + self._shifts[1]
+
+    def _forbid(self, low: int, high: int) -> None:
+        """Let x below `low` and above `high` cost more than anything."""
+        self._add(low, _ENOUGH, -1)
+        self._add(high, _ENOUGH, 1)
+
+    def _add(self, place: int, slope: int, side: int) -> None:
+        """Add slope * max(side * (x - place), 0), side -1 or 1, to the function."""
+        # Its place goes to the other side's heap, whose nearest places, as many as the slope, come over to this side.
+        to, of = (self._right, self._left) if side > 0 else (self._left, self._right)
+        shift_to, shift_of = (self._shifts[1], self._shifts[0]) if side > 0 else (self._shifts[0], self._shifts[1])
+        heappush(of, (side * -(place - shift_of), slope))
+        while slope:
+            at, change = heappop(of)
+            moved = min(change, slope)
+            if change > moved:
+                heappush(of, (at, change - moved))
+            nearest = side * -at + shift_of
+            self.cost += moved * abs(nearest - place)
+            heappush(to, (side * (nearest - shift_to), moved))
+            slope -= moved
 
 
 def blocks(owned: Sequence[int], levels: int) -> Blocks:
@@ -83,12 +174,6 @@ def left_of(field: StepField, owned: Blocks) -> Blocks:
 def used(field: StepField) -> int:
     """Return the number of blocks of a field, without cells of level 0."""
     return int(np.count_nonzero(field.levels))
-
-
-def _nearest(level: int, levels: int) -> list[int]:
-    """Return all other levels, nearest first; of two equally near ones, the lower first."""
-    pairs = ((level - apart, level + apart) for apart in range(1, levels))
-    return [other for other in chain.from_iterable(pairs) if 0 <= other < levels]
 
 
 _Cumulative = NDArray[np.int64]

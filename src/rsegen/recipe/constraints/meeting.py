@@ -191,7 +191,7 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
     if used(met) >= used(fitted):
         return met
     if design.max_step is not None:
-        met = max(met, _arranged(fitted, like, design, index, design.inventory), key=used)
+        met = max(met, _arranged(field, like, design, index, design.inventory), key=used)
     owned = blocks(design.inventory, len(design.inventory) + 1)
     met = refilled(met, used(fitted), like, left_of(met, owned), _is_still_met(met, design))
     if design.max_step is not None and not met.levels.any():
@@ -237,20 +237,20 @@ def _counts_blocks(design: MapDesign) -> bool:
     return any(isinstance(obstacle, Random) and obstacle.counts for obstacle in design.obstacles)
 
 
-def _arranged(fitted: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
+def _arranged(wished: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
     """Return the blocks of an inventory arranged near `like`, with about the counts of a field; all constraints are
     met.
     """
-    owned = blocks(inventory, len(inventory) + 1)
+    owned = blocks(inventory, max(len(inventory), int(wished.levels.max(initial=0))) + 1)
     stock, rng = Stock(owned=owned, limit=design.max_step or 1), generator(design.seed, index, "arrangement")
-    cells, met, caps, empty = int(np.count_nonzero(~fitted.frame)), [], None, 0
+    cells, met, caps, empty = int(np.count_nonzero(~wished.frame)), [], None, 0
     # Arrange; if the robot cannot cross, keep its way low and arrange around it. The fullest of all tries counts.
     for _ in range(_TRIES):
-        levels = stock.arranged(fitted, like, rng, caps, empty)
+        levels = stock.arranged(wished, like, rng, caps, empty)
         if levels is None:
             caps, empty = None, empty + ceil(_FEWER * cells)
             continue
-        field = _with(fitted, levels)
+        field = _with(wished, levels)
         met.append(_lowered(field, design, left_of(field, owned)))
         on_its_way = crossing_caps(field, design.crosser) if design.crosser else None
         if on_its_way is None:
