@@ -223,9 +223,7 @@ def state(opened: Opened, *, page: str = "", index: int | None = None) -> dict[s
 
 
 @call
-def edit(
-    opened: Opened, *, actions: list[dict[str, Any]], page: str = "", index: int | None = None
-) -> dict[str, Any]:
+def edit(opened: Opened, *, actions: list[dict[str, Any]], page: str = "", index: int | None = None) -> dict[str, Any]:
     """Change a document by some actions, all or none of them, and return its state and the row to select."""
     selected = act(opened.session, actions, opened.index_of(page, index))
     return state_of(opened, opened.index_of(page)) | {"selected": selected}
@@ -286,7 +284,7 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "unsaved": session.unsaved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
-        "values": dict(session.draft.values),
+        "values": {name: _exact(value) for name, value in session.draft.values.items()},
         "rows": [_row(entry, recipe, index) for entry in session.draft.rows],
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
         "maps": recipe.maps,
@@ -296,6 +294,15 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "recovered": document.recovered,
         "pages": opened.pages,
     }
+
+
+_EXACT = 2**53
+"""Browsers know whole numbers up to this one exactly; seeds may be larger."""
+
+
+def _exact(value: Any) -> Any:
+    """Return a value as a browser has it exactly: large whole numbers as texts, which `set` takes too."""
+    return str(value) if isinstance(value, int) and abs(value) > _EXACT else value
 
 
 def _row(entry: Mapping[str, Any], recipe: Recipe, index: int) -> dict[str, Any]:

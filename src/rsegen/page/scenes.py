@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,8 @@ SHOWN_SIDE = 400
 COUNTED = 100_000
 """Files are counted for maps of up to this many cells."""
 
+_Made = TypeVar("_Made")
+
 _KEPT = 16
 """Maps of a document that are kept: those of the last undos, and of pages that show others."""
 
@@ -44,7 +46,8 @@ def scene(opened: Opened, *, index: int | None = None, page: str = "") -> dict[s
         index = opened.index_of(page, index)
     drawn = kept(opened, ("drawn", recipe, index), lambda: _drawn(scene_of(opened, recipe, index)))
     ends = ((row, ends_of(entry, recipe, index)) for row, entry in enumerate(rows) if is_enabled(entry))
-    return drawn["content"] | {
+    shown: dict[str, Any] = drawn["content"]
+    return shown | {
         "revision": revision,
         "index": index,
         "owners": _owners(drawn["owners"], recipe, rows),
@@ -65,12 +68,13 @@ def scene_of(opened: Opened, recipe: Recipe, index: int) -> Scene:
     return kept(opened, ("scene", recipe, index), made)
 
 
-def kept(opened: Opened, key: object, make: Callable[[], Any]) -> Any:
+def kept(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
     """Return what was made for a key, or make it, and keep it with the document."""
     with opened.lock:
         if key in opened.kept:
             opened.kept.move_to_end(key)
-            return opened.kept[key]
+            known: _Made = opened.kept[key]
+            return known
     made = make()
     with opened.lock:
         opened.kept[key] = made

@@ -34,9 +34,7 @@ def height_colour(height: float) -> Colour:
     at = max(height, 0.0) / (max(height, 0.0) + _MIDDLE) * (len(_RAMP) - 1)
     low, high = list(pairwise(_RAMP))[int(at)]
     share = at - int(at)
-    lightness, green_red, blue_yellow = (
-        a + share * (b - a) for a, b in zip(oklab(low), oklab(high), strict=True)
-    )
+    lightness, green_red, blue_yellow = (a + share * (b - a) for a, b in zip(oklab(low), oklab(high), strict=True))
     return _srgb((lightness, green_red, blue_yellow))
 
 

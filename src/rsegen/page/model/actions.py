@@ -7,15 +7,15 @@ Each returns the row that it was about, which a page then selects: -1 if none. C
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rsegen.errors import ParameterError, UnknownName, UserError, shown
+from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
 from rsegen.page.calls import checked
 from rsegen.page.model.ends import End, aligned, fixed, with_end_at
 from rsegen.page.model.painting import UNPAINTED, can_paint, painted
 from rsegen.page.model.session import Session
-from rsegen.params.sorts import MOST_LEVELS, Cell, Json, parameters
+from rsegen.params.sorts import MOST_LEVELS, Cell, Integer, Json, parameters, parse_int
 from rsegen.recipe.codec import MOST_OBSTACLES
 from rsegen.recipe.recipe import Recipe
 
@@ -24,15 +24,13 @@ Action = Mapping[str, Json]
 _ACTIONS: dict[str, Callable[..., int]] = {}
 
 
-def act(session: Session, actions: list[Action], index: int) -> int:
+def act(session: Session, actions: Sequence[Action], index: int) -> int:
     """Apply actions, all or none of them, on a page that shows map `index`; return the row that the last was about."""
     selected = -1
     with session.all_or_nothing():
         for number, action in enumerate(actions):
-            try:
+            with inside(f"actions[{number}]"):
                 selected = _apply(session, action, index)
-            except ParameterError as error:
-                raise error.inside(f"actions[{number}]") from None
     return min(selected, len(session.draft.rows) - 1)
 
 
@@ -73,6 +71,8 @@ def _action(function: Callable[..., int]) -> Callable[..., int]:
 def _set(session: Session, _index: int, *, name: str, value: Any, gesture: str | None = None) -> int:
     if name not in parameters(Recipe):
         raise UnknownName.among("name", "parameter", name, parameters(Recipe))
+    if isinstance(value, str) and isinstance(parameters(Recipe)[name], Integer):
+        value = parse_int(value)  # a browser has large seeds as texts
     session.set(name, value, gesture=gesture and ("set", name, gesture))
     return -1
 
@@ -153,9 +153,7 @@ def move_end(session: Session, index: int, *, row: int, end: End, cell: Cell, ge
 
 
 @_action
-def paint(
-    session: Session, _index: int, *, row: int, cells: list[Cell], level: int, gesture: str | None = None
-) -> int:
+def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: int, gesture: str | None = None) -> int:
     """Give cells a level, in a matrix or, if the row is none that can be painted into, in a new one."""
     _check_cells(session, "cells", cells)
     if not UNPAINTED <= level < MOST_LEVELS:

@@ -84,7 +84,7 @@ class Document:
         self._saved()
 
     def reload(self) -> None:
-        """Take over what is in the file, or what a document without one began with, as one change; undo takes it back."""
+        """Take over what is in the file, or what a document without one began with; undo takes it back."""
         if self.path is None:
             self._start_again(self._start)
             return

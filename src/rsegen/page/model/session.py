@@ -86,8 +86,8 @@ class Session:
         self._put(replace(self.draft, values=MappingProxyType(values)), gesture)
 
     def reroll(self) -> None:
-        """Draw another seed."""
-        self.set("seed", fresh_seed())
+        """Draw another seed, short enough to be read out and typed."""
+        self.set("seed", fresh_seed() % 10**9)
 
     # The list of obstacles.
 
