@@ -207,7 +207,7 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
         from rsegen.io.recipe_file import load
 
         return {"doc": host.open(Session.of(load(EXAMPLES[what])), f"copy of {what}", text).id}
-    if path.is_file() and not path.is_relative_to(host.uploads):
+    if path.is_file() and path.is_relative_to(host.folder.resolve()):
         return {"doc": host.open_file(path).id}
     from rsegen.io.targets import recipe_files, recipe_in
 

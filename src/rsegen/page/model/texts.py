@@ -156,12 +156,12 @@ def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
 
 def _set_row(node: Any, before: dict[str, Json], after: dict[str, Json]) -> None:
     """Change the parameters of a row that differ; one whose draw would change with them gets its key."""
-    if before == after:
-        return
+    differ = {name for name in {**before, **after} if before.get(name) != after.get(name)}
+    draws_anew = bool(differ - {"enabled"})
     for name in [name for name in before if name not in after]:
         node.pop(name, None)
     for name, value in after.items():
-        if before.get(name) != value or (name == "key" and "key" not in node):
+        if name in differ or (name == "key" and draws_anew and "key" not in node):
             node[name] = _node(value)
 
 
