@@ -16,6 +16,8 @@ from threading import RLock
 from typing import Any
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError
+from rsegen.io.recipe_file import load
+from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
 from rsegen.page.model.actions import act
 from rsegen.page.model.as_code import command_line, python_code
@@ -202,18 +204,14 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
         return {"doc": host.open(Session.of()).id}
     name, sharp, number = what.rpartition("#")
     path = host.inside(name if sharp and number.isdecimal() else what)
-    if what in EXAMPLES and not path.exists():
-        text = EXAMPLES[what].read_text("utf-8")
-        from rsegen.io.recipe_file import load
-
-        return {"doc": host.open(Session.of(load(EXAMPLES[what])), f"copy of {what}", text).id}
-    if path.is_file() and path.is_relative_to(host.folder.resolve()):
-        return {"doc": host.open_file(path).id}
-    from rsegen.io.targets import recipe_files, recipe_in
-
     if sharp and number.isdecimal():
         return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
-    return {"doc": host.open_file(recipe_files(str(path))[0].resolve()).id}
+    is_example = what in EXAMPLES and not path.exists()
+    file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
+    if file.is_relative_to(host.folder.resolve()):
+        return {"doc": host.open_file(file).id}
+    title = f"copy of {what if is_example else file.name}"
+    return {"doc": host.open(Session.of(load(file)), title, file.read_text("utf-8")).id}
 
 
 @call
