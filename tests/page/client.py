@@ -5,10 +5,11 @@ from __future__ import annotations
 import http.client
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-TOKEN = "secret"
+TOKEN = "secret"  # noqa: S105  # of servers of tests
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,16 +58,14 @@ class Client:
             lines = {**self._headers, **{name.replace("_", "-"): value for name, value in headers.items()}}
             connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
             is_whole = isinstance(body, bytes)
-            if is_whole and "Content-Length" not in lines:
-                lines["Content-Length"] = str(len(body))
-            elif not is_whole:
+            if isinstance(body, bytes):
+                lines.setdefault("Content-Length", str(len(body)))
+            else:
                 lines["Transfer-Encoding"] = "chunked"
             for name, value in lines.items():
                 connection.putheader(name, value.encode("latin-1"))
-            try:
+            with suppress(BrokenPipeError, ConnectionResetError):  # it may be answered before it is read
                 connection.endheaders(body, encode_chunked=not is_whole)
-            except (BrokenPipeError, ConnectionResetError):
-                pass  # it was answered before it was read
             answer = connection.getresponse()
             found = {name.lower(): value for name, value in answer.getheaders()}
             return Reply(status=answer.status, headers=found, content=answer.read())

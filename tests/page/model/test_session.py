@@ -136,10 +136,15 @@ def test_none_gives_a_parameter_its_default(session: Session) -> None:
 def test_changes_are_taken_back_together_if_one_fails(session: Session) -> None:
     session.add(PEAK)
     before = session.draft, session.recipe, session.can_redo
-    with pytest.raises(ZeroDivisionError), session.all_or_nothing():
-        session.clear()
-        session.undo()
-        session.set("unit_cm", 1 / 0)
+
+    def fail() -> None:
+        with session.all_or_nothing():
+            session.clear()
+            session.undo()
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
     assert (session.draft, session.recipe, session.can_redo) == before
 
 
