@@ -20,7 +20,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from rsegen.exporters.browser.page import policy
 
 _FRAMES = "'self' " + " ".join(
-    f"{scheme}://{host}:*" for scheme in ("http", "https") for host in ("localhost", "127.0.0.1", "[::1]")
+    f"{scheme}://{host}:*" for scheme in ("http", "https") for host in ("localhost", "127.0.0.1")
 )
 """Who may show the page in a frame: Jupyter on this machine."""
 

@@ -282,7 +282,7 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "unsaved": session.unsaved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
-        "values": {name: _exact(value) for name, value in session.draft.values.items()},
+        "values": dict(session.draft.values),
         "rows": [_row(entry, recipe, index) for entry in session.draft.rows],
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
         "maps": recipe.maps,
@@ -292,15 +292,6 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "recovered": document.recovered,
         "pages": opened.pages,
     }
-
-
-_EXACT = 2**53
-"""Browsers know whole numbers up to this one exactly; seeds may be larger."""
-
-
-def _exact(value: Any) -> Any:
-    """Return a value as a browser has it exactly: large whole numbers as texts, which `set` takes too."""
-    return str(value) if isinstance(value, int) and abs(value) > _EXACT else value
 
 
 def _row(entry: Mapping[str, Any], recipe: Recipe, index: int) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from rsegen.page.calls import checked
 from rsegen.page.model.ends import End, aligned, fixed, with_end_at
 from rsegen.page.model.painting import UNPAINTED, can_paint, painted
 from rsegen.page.model.session import Session
-from rsegen.params.sorts import MOST_LEVELS, Cell, Integer, Json, parameters, parse_int
+from rsegen.params.sorts import MOST_LEVELS, Cell, Json, parameters
 from rsegen.recipe.codec import MOST_OBSTACLES
 from rsegen.recipe.recipe import Recipe
 
@@ -71,8 +71,6 @@ def _action(function: Callable[..., int]) -> Callable[..., int]:
 def _set(session: Session, _index: int, *, name: str, value: Any, gesture: str | None = None) -> int:
     if name not in parameters(Recipe):
         raise UnknownName.among("name", "parameter", name, parameters(Recipe))
-    if isinstance(value, str) and isinstance(parameters(Recipe)[name], Integer):
-        value = parse_int(value)  # a browser has large seeds as texts
     session.set(name, value, gesture=gesture and ("set", name, gesture))
     return -1
 

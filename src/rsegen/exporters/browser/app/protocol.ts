@@ -59,7 +59,7 @@ export interface State {
   unsaved: boolean;
   can_undo: boolean;
   can_redo: boolean;
-  values: { [parameter: string]: Json }; // global parameters; whole numbers above 2^53 as texts, which `set` takes too
+  values: { [parameter: string]: Json }; // global parameters
   rows: Row[];
   problem: { where: string; text: string } | null; // the draft is invalid; the scene is of the last valid one
   maps: number;
