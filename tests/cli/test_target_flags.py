@@ -127,14 +127,16 @@ def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monk
     assert asked == [RECIPE, "field", "classic"]
 
 
-def test_the_window_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("PySide6", reason="the window needs pip install 'rsegen[gui]'")
-    from rsegen.gui import application
+def test_the_page_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from rsegen.page.service import Service
 
     opened: list[object] = []
-    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
-    monkeypatch.setattr(application, "run", opened.append)
-    with pytest.raises(SystemExit):
-        main(["gui", *RANDOM])
+
+    def run(service: Service) -> None:
+        opened.append(service.host.opened("d1").session.recipe)
+        service.close()
+
+    monkeypatch.setattr(Service, "run", run)
+    assert main(["gui", "--no-browser", "--port", "0", *RANDOM]) == 0
     assert opened == [RECIPE]
-    assert application.session_of(RECIPE).path is None
+    assert "&doc=d1" in capsys.readouterr().out

@@ -110,6 +110,7 @@ class Service:
         self._server.should_exit = True
         if self._thread:
             self._thread.join(30)
+        self._socket.close()
 
 
 _PORT = 8437

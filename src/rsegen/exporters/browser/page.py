@@ -1,6 +1,6 @@
 """Maps as a page for browsers: one HTML file with 3D view, plan, metrics and recipe, which needs no internet.
 
-The page is editor.html with its style and script, which are files of this folder, and the maps as JSON; without them it
+The page is page.html with its style and script, which are files of this folder, and the maps as JSON; without them it
 is the page that edits, of a server. Names and recipes may have any letters: in the HTML they are escaped, in the JSON
 there is no `<`, and the script sets text as text. The browser runs this script and no other (Content Security Policy).
 
@@ -214,7 +214,7 @@ def _html(title: str, data: str) -> str:
         "data": data,
         "script": _script(),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("editor.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("page.html"))
 
 
 @cache
