@@ -71,6 +71,8 @@ if TYPE_CHECKING:
     from rsegen.io.scans import ScannedMap as ScannedMap
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
+    from rsegen.page.notebook import Gui as Gui
+    from rsegen.page.notebook import gui as gui
     from rsegen.params.plugins import load_plugin as load_plugin
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
@@ -136,6 +138,7 @@ _HOMES = {
     "rsegen.io.recipe_file": ("load",),
     "rsegen.io.scan_options": ("ScanOptions",),
     "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
+    "rsegen.page.notebook": ("Gui", "gui"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),

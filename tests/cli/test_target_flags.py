@@ -125,3 +125,18 @@ def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monk
     monkeypatch.setattr(rsegen.cli.spawn, "spawn", spawn)
     assert main(["spawn", *RANDOM, "--name", "field", "--simulator", "classic"]) == 2
     assert asked == [RECIPE, "field", "classic"]
+
+
+def test_the_page_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from rsegen.page.service import Service
+
+    opened: list[object] = []
+
+    def run(service: Service) -> None:
+        opened.append(service.host.opened("d1").session.recipe)
+        service.close()
+
+    monkeypatch.setattr(Service, "run", run)
+    assert main(["gui", "--no-browser", "--port", "0", *RANDOM]) == 0
+    assert opened == [RECIPE]
+    assert "&doc=d1" in capsys.readouterr().out

@@ -101,8 +101,8 @@ def test_parameters_that_place_an_obstacle_are_the_same_for_every_kind(cls: type
 
 @KIND
 def test_a_row_has_the_kind_its_own_parameters_and_then_those_of_its_place(cls: type[Obstacle]) -> None:
-    obstacle = cls(key="k", blend="max", last=(4, 3), first=(2, 3), softness=10, levels=5)
+    obstacle = cls(enabled=False, key="k", blend="max", last=(4, 3), first=(2, 3), softness=10, levels=5)
     row = list(obstacle.entry())
     assert row[:3] == ["kind", "levels", "softness"]
-    assert row[-4:] == ["first", "last", "blend", "key"]
+    assert row[-5:] == ["first", "last", "blend", "key", "enabled"]
     assert [*own_parameters(cls), *PLACING] == list(row_parameters(cls))

@@ -144,5 +144,5 @@ def test_reserved_names_are_the_keys_of_rows_and_of_readers() -> None:
     from rsegen.params.sorts import parameters
 
     obstacles = importlib.import_module("rsegen.field.obstacles.base")
-    assert {"kind", "first", "last", "blend", "key"} == obstacles.RESERVED
+    assert {"kind", "first", "last", "blend", "key", "enabled"} == obstacles.RESERVED
     assert {name for cls in IMPORTERS.own() for name in parameters(cls)} == READING

@@ -20,7 +20,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "terrain": "write one field of many maps, in rows of rising difficulty, for learning",
             "import": "write a world from measured heights, an image or an occupancy grid of ROS",
             "scan": "write the world of a real field from a point cloud or a depth image of it",
-            "gui": "open the window",
+            "gui": "edit maps on a page in the browser",
         },
         "maps": {
             "info": "print the size of a map, its obstacles and its cost",

@@ -1,38 +1,123 @@
-"""The command `rsegen gui`, which opens the window."""
+"""The command `rsegen gui`, which serves the page on which maps are edited, and opens the browser."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import add_target_recipe_flags, has_recipe_flags, recipe_from
+from rsegen.cli.flags import add_target_recipe_flags, complete_examples, has_recipe_flags, recipe_from
 from rsegen.cli.report import Subparsers, add_command
-from rsegen.errors import FileError, pip_install
-from rsegen.params.extras import GUI
+from rsegen.params.command import Shell, add_flags
+from rsegen.params.sorts import Flag, Integer, Text
+
+if TYPE_CHECKING:
+    from rsegen.page.host import Host
+    from rsegen.page.service import Service
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Serving:
+    """Serve a page on which maps are edited and driven on, and open the browser."""
+
+    host: Annotated[
+        str,
+        Text(r"[^\x00-\x20]{1,255}", "an address", help="address to listen at; others than this machine may reach it"),
+        Shell(("--host",), "ADDRESS"),
+    ] = "127.0.0.1"
+    port: Annotated[
+        int | None, Integer(0, 65535, help="port to listen at; 0: any free one"), Shell(("--port",), "N")
+    ] = None
+    no_browser: Annotated[bool, Flag(help="open no browser")] = False
+    keep: Annotated[bool, Flag(help="go on when the last page is closed")] = False
 
 
 def add(commands: Subparsers) -> None:
-    """The parser of this command."""
-    command = add_command(
-        commands, "gui", text="Open a window in which maps are edited with the mouse. Needs rsegen[gui]."
-    )
-    where = "YAML or JSON file, the name of an example, a data set, or one of its maps as DIR#17"
-    command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where)
+    """Add the parser of this command."""
+    command = add_command(commands, "gui", _Serving)
+    where = "YAML or JSON file, the name of an example, a folder, a data set, or one of its maps as DIR#17"
+    complete_examples(command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where))
+    add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
     command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Open the window, and end the program when it is closed."""
-    try:
-        from rsegen.gui.application import run as run_window
-    except ImportError as error:
-        raise FileError(f"gui: the window cannot be opened ({error}); {pip_install([GUI.name])}") from None
-    if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))):
-        raise FileError("gui: there is no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)")
-    if has_recipe_flags(arguments):
-        sys.exit(run_window(recipe_from(arguments)))
-    from rsegen.recipe.examples import or_example
+    """Serve the page until it is closed, or the command is stopped."""
+    from rsegen.page.host import Host
+    from rsegen.page.service import Service
 
-    sys.exit(run_window(or_example(arguments.recipe) if arguments.recipe else None))
+    folder, what = _place(arguments.recipe)
+    host = Host(folder=folder)
+    doc = _opened(host, what, arguments)
+    service = Service(
+        host=host,
+        address=arguments.host or "127.0.0.1",
+        port=None if arguments.port is None else int(arguments.port),
+        keep=bool(arguments.keep),
+    )
+    _say(service, doc, arguments)
+    service.run()
+
+
+def _place(given: str | None) -> tuple[Path, str]:
+    """Return the folder in which the page reads and writes, and what it opens: a file is opened in its own folder."""
+    here = Path.cwd()
+    if given is None:
+        return here, ""
+    path = Path(given)
+    if path.is_dir() and not (path / "recipe.json").exists():
+        return path.resolve(), ""
+    name, sharp, number = given.rpartition("#")
+    file = Path(name) if sharp and number.isdecimal() and not path.exists() else path
+    if not file.exists() or file.resolve().is_relative_to(here.resolve()):
+        return here, given
+    own = file.resolve()
+    return own.parent, own.name + (f"#{number}" if file != path else "")
+
+
+def _opened(host: Host, what: str, arguments: argparse.Namespace) -> str:
+    """Open the recipe, with the flags over it if there are any; return the id of its document."""
+    from rsegen.page.host import open as open_document
+    from rsegen.page.model.session import Session
+
+    if has_recipe_flags(arguments):
+        return host.open(Session.of(recipe_from(arguments))).id
+    return str(open_document(host, what=what)["doc"])
+
+
+def _say(service: Service, doc: str, arguments: argparse.Namespace) -> None:
+    """Print the address, and open the browser if there is one that a person sees."""
+    url = service.url(doc)
+    if arguments.json:
+        print(json.dumps({"url": url}), flush=True)
+    else:
+        print(
+            f"{url}\nThe page edits files in {service.host.folder}; Ctrl-C ends it, and so does closing it.", flush=True
+        )
+    if os.environ.get("SSH_CONNECTION"):
+        port = service.listening_port
+        print(
+            f"From your own machine: ssh -L {port}:localhost:{port} {_login()}, then open the address there.",
+            flush=True,
+        )
+    elif not arguments.no_browser and _has_screen():
+        import webbrowser
+
+        webbrowser.open(url)
+
+
+def _login() -> str:
+    """Return the name of this machine as ssh takes it."""
+    import getpass
+    import socket
+
+    return f"{getpass.getuser()}@{socket.gethostname()}"
+
+
+def _has_screen() -> bool:
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))

@@ -65,7 +65,9 @@ def _content(summary: MapSummary) -> dict[str, object]:
         "faces": summary.faces,
         "bytes": summary.bytes,
         "warnings": list(summary.warnings),
-    } | ({"plugins": summary.plugins} if summary.plugins else {})
+        **({"plugins": summary.plugins} if summary.plugins else {}),
+        **({"switched_off": list(summary.switched_off)} if summary.switched_off else {}),
+    }
 
 
 def _lines(summary: MapSummary) -> Iterator[str]:
@@ -86,6 +88,8 @@ def _lines(summary: MapSummary) -> Iterator[str]:
     yield f"costs    mesh type {summary.mesh_type}: {cost}"
     for kind, source in summary.plugins.items():
         yield f"plug-in  {kind} of {source}"
+    for obstacle in summary.switched_off:
+        yield f"off      {obstacle}"
     for text in summary.warnings:
         yield f"warning: {text}"
 

@@ -89,7 +89,7 @@ def _counts_are_kept(scene: Scene) -> bool:
     """Return whether the map has the blocks that its random obstacles count, as it would have without constraints."""
     from rsegen.field.obstacles.random import Random
 
-    counting = (isinstance(row, Random) and row.counts for row in scene.recipe.obstacles)
+    counting = (isinstance(row, Random) and row.counts for _, row in scene.recipe.enabled_obstacles)
     if not any(counting):
         return True
     design = build(replace(scene.recipe, max_step=None, crossable_by=None), scene.index)

@@ -18,7 +18,10 @@ and ten seconds, or 0.25 GB, which a small laptop feels."""
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MapSummary:
-    """The size of a map and what it costs: cells with frames, extent in metres, models, visual faces, bytes."""
+    """The size of a map and what it costs: cells with frames, extent in metres, models, visual faces, bytes.
+
+    switched_off: the obstacles of its recipe that are not in it
+    """
 
     name: str
     seed: int
@@ -34,6 +37,7 @@ class MapSummary:
     faces: int
     bytes: int
     plugins: dict[str, str]
+    switched_off: tuple[str, ...]
     warnings: tuple[str, ...]
 
 
@@ -61,6 +65,11 @@ def map_summary(scene: Scene) -> MapSummary:
         faces=faces or 6 * mesh_type.model_count(scene),
         bytes=size,
         plugins=needed_plugins(scene.recipe),
+        switched_off=tuple(
+            f"obstacles[{row}]: {obstacle.kind}"
+            for row, obstacle in enumerate(scene.recipe.obstacles)
+            if not obstacle.enabled
+        ),
         warnings=warnings(scene),
     )
 

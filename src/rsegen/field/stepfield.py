@@ -204,7 +204,7 @@ def coarse(field: StepField, factor: int) -> StepField:
     """Return the field in cells `factor` times as wide, each the highest of the cells under it; a rest is cut off."""
     if factor == 1:
         return field
-    i, j = _highest(field, factor)
+    i, j = coarse_indices(field, factor)
     return StepField(
         levels=field.levels[i, j],
         frame=field.frame[i, j],
@@ -223,7 +223,7 @@ def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWind
     return x, y
 
 
-def _highest(field: StepField, factor: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def coarse_indices(field: StepField, factor: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the indices of the highest of every `factor` x `factor` cells."""
     n_x, n_y = (cells // factor for cells in field.shape)
     parts = field.heights[: n_x * factor, : n_y * factor].reshape(n_x, factor, n_y, factor)

@@ -8,8 +8,16 @@ wrong with the arguments is a UserError, which the page shows where it belongs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+from types import NoneType, UnionType
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from rsegen.errors import ParameterError, UnknownName, UserError, shown
 
 OF_DOCUMENT: dict[str, Callable[..., Any]] = {}
 """Functions of a document, by the name by which a page calls them."""
@@ -17,14 +25,123 @@ OF_DOCUMENT: dict[str, Callable[..., Any]] = {}
 OF_HOST: dict[str, Callable[..., Any]] = {}
 """Functions of the host of all documents, by the name by which a page calls them."""
 
+AT_ONCE: set[str] = set()
+"""Functions of a document that run while others of it do."""
 
-def call(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Let pages call a function of a document."""
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+class Question(UserError):
+    """A request to be repeated with `replace: true` if a person says so; kind: "exists" or "changed"."""
+
+    def __init__(self, text: str, kind: Literal["exists", "changed"]) -> None:
+        super().__init__(text)
+        self.kind = kind
+
+
+def call(function: _F) -> _F:
+    """Let pages call a function of a document; of one document, one such function runs at a time."""
     OF_DOCUMENT[function.__name__] = function
     return function
 
 
-def call_of_host(function: Callable[..., Any]) -> Callable[..., Any]:
+def call_at_once(function: _F) -> _F:
+    """Let pages call a function of a document that changes nothing, and takes what it reads under the document's lock.
+
+    So what takes seconds holds up no change.
+    """
+    AT_ONCE.add(function.__name__)
+    return call(function)
+
+
+def call_of_host(function: _F) -> _F:
     """Let pages call a function of the host."""
     OF_HOST[function.__name__] = function
     return function
+
+
+def load_calls() -> None:
+    """Import every module of this package, each of which registers its calls."""
+    package = import_module("rsegen.page")
+    for module in iter_modules(package.__path__, "rsegen.page."):
+        import_module(module.name)
+
+
+def checked(function: Callable[..., Any], arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Return arguments for the keyword parameters of a function; a ParameterError for wrong names, types, or missing
+    ones.
+    """
+    known, needed = _keywords(function)
+    for name in arguments:
+        if name not in known:
+            raise UnknownName.among("", "argument", name, known)
+    for name in needed:
+        if name not in arguments:
+            raise ParameterError(name, "is missing")
+    return {name: _checked(name, value, known[name]) for name, value in arguments.items()}
+
+
+@cache
+def _keywords(function: Callable[..., Any]) -> tuple[Mapping[str, Any], Sequence[str]]:
+    """Return the types of a function's keyword parameters, and the names of those that must be given."""
+    hints = get_type_hints(function)
+    only = inspect.Parameter.KEYWORD_ONLY
+    parameters = [each for each in inspect.signature(function).parameters.values() if each.kind is only]
+    needed = [each.name for each in parameters if each.default is inspect.Parameter.empty]
+    return {each.name: hints[each.name] for each in parameters}, needed
+
+
+def _checked(where: str, value: Any, wanted: Any) -> Any:
+    """Return a JSON value as a type has it, lists as tuples where it is one; a ParameterError if it is of another."""
+    if wanted is Any or wanted is object:
+        return value
+    origin, parts = get_origin(wanted), get_args(wanted)
+    if origin in (Union, UnionType):
+        if value is None and NoneType in parts:
+            return None
+        return _checked_union(where, value, [part for part in parts if part is not NoneType])
+    if origin is Literal:
+        if value in parts and not isinstance(value, bool):
+            return value
+        raise ParameterError(where, f"{shown(value)} is none of {', '.join(map(str, parts))}")
+    if wanted in _PLAIN:
+        types, words = _PLAIN[wanted]
+        with suppress(OverflowError):  # a whole number of hundreds of digits as a float
+            if isinstance(value, types) and (wanted is bool or not isinstance(value, bool)):
+                return wanted(value)
+        raise ParameterError(where, f"{shown(value)} is not {words}")
+    return _checked_container(where, value, origin or wanted, parts)
+
+
+def _checked_union(where: str, value: Any, parts: Sequence[Any]) -> Any:
+    """Return a value of the first type that it is of; the error of the last one if it is of none."""
+    for part in parts[:-1]:
+        with suppress(ParameterError):
+            return _checked(where, value, part)
+    return _checked(where, value, parts[-1])
+
+
+_PLAIN: Mapping[Any, tuple[Any, str]] = {
+    bool: (bool, "true or false"),
+    int: (int, "a whole number"),
+    float: ((int, float), "a number"),
+    str: (str, "a text"),
+}
+
+
+def _checked_container(where: str, value: Any, wanted: Any, parts: tuple[Any, ...]) -> Any:
+    """Return a list, pair or object whose parts are checked too."""
+    if wanted in (dict, Mapping):
+        if not isinstance(value, dict):
+            raise ParameterError(where, f"{shown(value)} is not an object")
+        return value
+    if not isinstance(value, list):
+        raise ParameterError(where, f"{shown(value)} is not a list")
+    if wanted is tuple and Ellipsis not in parts:
+        if len(value) != len(parts):
+            raise ParameterError(where, f"{shown(value)} is not a list of {len(parts)}")
+        pairs = enumerate(zip(value, parts, strict=True))
+        return tuple(_checked(f"{where}[{number}]", each, part) for number, (each, part) in pairs)
+    part = parts[0] if parts else Any
+    found = [_checked(f"{where}[{number}]", each, part) for number, each in enumerate(value)]
+    return tuple(found) if wanted is tuple else found

@@ -1,114 +1,304 @@
-"""The host of all documents that pages have open: recipes that are edited, each with its history."""
+"""The host of all documents that pages have open: recipes that are edited, each with its history and its file.
+
+Two pages on one file share its document. Calls run in threads; of one document one at a time, under its lock, but for
+those that only read. What changes is told to all pages of the document, as events.
+"""
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import RLock
 from typing import Any
 
-from rsegen.errors import UserError
-from rsegen.gui.model.document import Document
-from rsegen.gui.model.session import Session
+from rsegen.errors import FileError, ParameterError, TooLarge, UserError
+from rsegen.io.recipe_file import load
+from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
-from rsegen.recipe.examples import or_example
+from rsegen.page.model.actions import act
+from rsegen.page.model.as_code import command_line, python_code
+from rsegen.page.model.document import Document
+from rsegen.page.model.ends import ends_of
+from rsegen.page.model.journal import Journal
+from rsegen.page.model.session import Session, is_enabled
+from rsegen.page.model.texts import text_after
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+
+Event = Mapping[str, Any]
+
+MOST_DOCUMENTS = 100
+"""Documents that are open at once at most; of those that no page has open, saved ones are closed first."""
 
 
-@dataclass(kw_only=True)
+@dataclass(eq=False, kw_only=True)
+class Listener:
+    """A page that hears the events of a document; send: called with each, from any thread."""
+
+    page: str
+    send: Callable[[Event], None]
+
+
+@dataclass(eq=False, kw_only=True)
 class Opened:
-    """A document that pages have open; `revision` counts its changes."""
+    """A document that pages have open; shown: the map that each page shows, by the name that the page gave itself."""
 
     id: str
     document: Document
-    revision: int = 0
+    lock: RLock = field(default_factory=RLock)
+    shown: dict[str, int] = field(default_factory=dict)
+    kept: OrderedDict[object, Any] = field(default_factory=OrderedDict)
+    _listeners: list[Listener] = field(default_factory=list)
+
+    @property
+    def session(self) -> Session:
+        """The recipe with its history."""
+        return self.document.session
+
+    @property
+    def pages(self) -> int:
+        """The number of pages that have it open."""
+        return len({listener.page for listener in self._listeners})
+
+    @property
+    def stamp(self) -> tuple[object, ...]:
+        """What differs after a change that pages show, of whatever kind it is."""
+        document = self.document
+        return self.session.revision, document.path, document.changed_on_disk, document.recovered, self.session.unsaved
+
+    def add(self, listener: Listener) -> None:
+        """Send events to a page from now on, and say to all how many pages there are."""
+        self._listeners.append(listener)
+        self.tell_state("")
+
+    def remove(self, listener: Listener) -> None:
+        """Send no more events to a page, and say to the others how many pages are left."""
+        self._listeners.remove(listener)
+        if listener.page not in {other.page for other in self._listeners}:
+            self.shown.pop(listener.page, None)
+        self.tell_state("")
+
+    def tell(self, event: Event) -> None:
+        """Send an event to every page of the document; may be called in any thread."""
+        for listener in (*self._listeners,):
+            listener.send(event)
+
+    def tell_state(self, page: str) -> None:
+        """Send the state to every page, each with the ends in the map that it shows; page: which one changed it."""
+        states: dict[int, Any] = {}
+        with self.lock:
+            for listener in (*self._listeners,):
+                index = self.index_of(listener.page)
+                states[index] = states.get(index) or state_of(self, index)
+                listener.send({"event": "state", "state": states[index], "page": page})
+
+    def index_of(self, page: str, given: int | None = None) -> int:
+        """Return the map that a page shows, remembered if it is given; the first one if nothing is known."""
+        recipe = self.session.recipe
+        if given is not None:
+            if given not in recipe.indices:
+                raise ParameterError("index", f"{given} is outside {recipe.indices[0]}..{recipe.indices[-1]}")
+            self.shown[page] = given
+        index = self.shown.get(page, recipe.first_map)
+        return index if index in recipe.indices else recipe.first_map
 
 
 @dataclass(kw_only=True)
 class Host:
-    """All documents by their ids, and the folder in which files may be read and written."""
+    """All documents by their ids, and the folder in which files may be read and written.
+
+    ending: called when the server ends, in turn; busy: say whether something runs that should end first.
+    """
 
     folder: Path
     documents: dict[str, Opened] = field(default_factory=dict)
-    _ids: Any = field(default_factory=lambda: count(1))
+    ending: list[Callable[[], None]] = field(default_factory=list)
+    busy: list[Callable[[], bool]] = field(default_factory=list)
+    _ids: Iterator[int] = field(default_factory=lambda: count(1))
+    _temporary: TemporaryDirectory[str] | None = None
+    _lock: RLock = field(default_factory=RLock)
 
     def opened(self, name: str) -> Opened:
         """Return a document by its id."""
         if name not in self.documents:
-            raise UserError(f"document {name} is not open here any more: reload the page")
+            raise UserError(f"document {name or '(none)'} is not open here any more: reload the page")
         return self.documents[name]
 
-    def open(self, session: Session) -> Opened:
-        """Open a session as a document."""
-        document = Document(Session.new())
-        document.open(session)
+    def open(self, session: Session, title: str = "untitled", text: str = "") -> Opened:
+        """Open a session that has no file as a document."""
+        with self._lock:
+            return self._add(Document(session=session, journal=Journal(name=self._free_name()), title=title, text=text))
+
+    def open_file(self, path: Path) -> Opened:
+        """Open a recipe file as a document, or return the document that it is open as."""
+        with self._lock:
+            for opened in self.documents.values():
+                if opened.document.path == path:
+                    return opened
+            return self._add(Document.of_file(path))
+
+    def close(self) -> None:
+        """End what runs, and remove what was uploaded; what is not saved stays in the journal."""
+        for end in self.ending:
+            end()
+        if self._temporary is not None:
+            self._temporary.cleanup()
+
+    @property
+    def uploads(self) -> Path:
+        """The folder of the files that pages sent, which is removed at the end."""
+        with self._lock:
+            if self._temporary is None:
+                self._temporary = TemporaryDirectory(prefix="rsegen-", ignore_cleanup_errors=True)
+            return Path(self._temporary.name).resolve()
+
+    def inside(self, path: str) -> Path:
+        """Return a path in the host's folder, or among the files that pages sent; a FileError for any other."""
+        if "\0" in path:
+            raise FileError("a path has no NUL character")
+        try:
+            found = (self.folder / path).resolve()
+        except (OSError, RuntimeError) as error:  # a loop of links
+            raise FileError(f"{path}: {error}") from None
+        allowed = [self.folder.resolve(), *([self.uploads] if self._temporary else [])]
+        for folder in allowed:
+            if found.is_relative_to(folder):
+                if any(part.startswith(".") for part in found.relative_to(folder).parts):
+                    raise FileError(f"{path}: is hidden; only other files are read and written here")
+                return found
+        raise FileError(f"{path}: is not in {self.folder}, where rsegen gui was started")
+
+    def relative(self, path: Path) -> str:
+        """Return a path as pages show it: relative to the folder if it is in it."""
+        folder = self.folder.resolve()
+        return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
+
+    def _add(self, document: Document) -> Opened:
+        if len(self.documents) >= MOST_DOCUMENTS:
+            self._make_room()
         opened = Opened(id=f"d{next(self._ids)}", document=document)
         self.documents[opened.id] = opened
         return opened
 
+    def _make_room(self) -> None:
+        unused = [name for name, opened in self.documents.items() if not opened.pages and not opened.session.unsaved]
+        if not unused:
+            raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
+        del self.documents[unused[0]]
+
+    def _free_name(self) -> str:
+        """Return a name for the journal of a document without a file: the first that no other one has."""
+        taken = {opened.document.journal.name for opened in self.documents.values()}
+        names = (f"{self.folder.resolve()}: untitled {number}" for number in count(1))
+        return next(name for name in names if name not in taken)
+
 
 @call_of_host
 def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its name on the page
-    """Open a new recipe, a file, or an example."""
-    session = Session.opened(Path(or_example(what))) if what else Session.new()
-    return {"doc": host.open(session).id}
+    """Open a new recipe, a file, an example, or a map of a data set."""
+    if not what:
+        return {"doc": host.open(Session.of()).id}
+    name, sharp, number = what.rpartition("#")
+    path = host.inside(name if sharp and number.isdecimal() else what)
+    if sharp and number.isdecimal():
+        return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
+    is_example = what in EXAMPLES and not path.exists()
+    file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
+    if file.is_relative_to(host.folder.resolve()):
+        return {"doc": host.open_file(file).id}
+    title = f"copy of {what if is_example else file.name}"
+    return {"doc": host.open(Session.of(load(file)), title, file.read_text("utf-8")).id}
 
 
 @call
-def state(opened: Opened) -> dict[str, Any]:
-    """Return all that pages show of a document."""
-    session = opened.document.session
-    problem = session.problem
+def state(opened: Opened, *, page: str = "", index: int | None = None) -> dict[str, Any]:
+    """Return all that pages show of a document; index: the map that the page shows."""
+    return state_of(opened, opened.index_of(page, index))
+
+
+@call
+def edit(opened: Opened, *, actions: list[dict[str, Any]], page: str = "", index: int | None = None) -> dict[str, Any]:
+    """Change a document by some actions, all or none of them, and return its state and the row to select."""
+    selected = act(opened.session, actions, opened.index_of(page, index))
+    return state_of(opened, opened.index_of(page)) | {"selected": selected}
+
+
+@call
+def reload(opened: Opened, *, page: str = "") -> dict[str, Any]:
+    """Take over what is in the file."""
+    opened.document.reload()
+    return state(opened, page=page)
+
+
+@call
+def texts(opened: Opened) -> dict[str, str]:
+    """Return the document as the text of its file, as Python, and as a command line."""
+    document, recipe = opened.document, opened.session.recipe
+    is_json = document.path is not None and document.path.suffix.lower() == ".json"
+    return {
+        "recipe": text_after("" if is_json else document.text, recipe, ".yaml"),
+        "python": python_code(recipe, recipe.name),
+        "shell": command_line(recipe, recipe.name),
+    }
+
+
+@call_of_host
+def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: str = "") -> dict[str, Any]:
+    """Write a document to its file, or to another one in the folder."""
+    opened = host.opened(doc)
+    target = host.inside(path) if path else None
+    if target is not None and not target.parent.is_dir():
+        raise FileError(f"{path}: there is no folder {target.parent.name}")
+    with opened.lock:
+        if target and any(each.document.path == target for each in host.documents.values() if each is not opened):
+            raise UserError(f"{path}: is open as another document; give another name")
+        opened.document.save(target, replace=replace)
+        return state(opened, page=page)
+
+
+@call_of_host
+def close(host: Host, *, doc: str) -> dict[str, Any]:
+    """Close a document, and discard what is not saved; one that another page has open stays."""
+    opened = host.opened(doc)
+    if opened.pages <= 1:
+        opened.document.close()
+        del host.documents[doc]
+    return {}
+
+
+def state_of(opened: Opened, index: int) -> dict[str, Any]:
+    """Return all that pages show of a document, with the ends of obstacles in map `index`."""
+    document, session = opened.document, opened.session
+    problem, recipe = session.problem, session.recipe
     return {
         "doc": opened.id,
-        "revision": opened.revision,
-        "title": session.title,
-        "path": str(session.path) if session.path else None,
+        "revision": session.revision,
+        "title": document.shown_title,
+        "path": str(document.path) if document.path else None,
         "unsaved": session.unsaved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
         "values": dict(session.draft.values),
-        "rows": [{"entry": dict(row.entry), "enabled": row.enabled} for row in session.draft.rows],
+        "rows": [_row(entry, recipe, index) for entry in session.draft.rows],
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
-        "maps": session.recipe.maps,
-        "name": session.recipe.name,
+        "maps": recipe.maps,
+        "first_map": recipe.first_map,
+        "name": recipe.name,
+        "changed_on_disk": document.changed_on_disk,
+        "recovered": document.recovered,
+        "pages": opened.pages,
     }
 
 
-@call
-def edit(opened: Opened, *, actions: list[dict[str, Any]]) -> dict[str, Any]:
-    """Change a document by some actions, and return its state."""
-    session = opened.document.session
-    for action in actions:
-        match action.pop("do"):
-            case "set":
-                session.set(action["name"], action["value"], gesture=action.get("gesture"))
-            case "reroll":
-                session.reroll()
-            case "add":
-                session.add(action["entry"], action.get("at"))
-            case "change":
-                session.change(action["row"], action["entry"], gesture=action.get("gesture"))
-            case "remove":
-                session.remove(action["row"])
-            case "clear":
-                session.clear()
-            case "move":
-                session.move(action["row"], action["to"])
-            case "enable":
-                session.enable(action["row"], enabled=action["enabled"])
-            case "duplicate":
-                session.duplicate(action["row"])
-            case "move_end":
-                opened.document.move_end(action["row"], action["end"], tuple(action["cell"]))
-            case "paint":
-                opened.document.selected = action.get("row", -1)
-                cells = [tuple(cell) for cell in action["cells"]]
-                opened.document.paint(cells, action["level"], action.get("gesture", 0))
-            case "undo":
-                session.undo()
-            case "redo":
-                session.redo()
-            case other:
-                raise UserError(f"unknown action {other!r}")
-    opened.revision += 1
-    return state(opened) | {"selected": opened.document.selected}
+def _row(entry: Mapping[str, Any], recipe: Recipe, index: int) -> dict[str, Any]:
+    """Return a row of the list; whether it is switched on stands beside its entry."""
+    ends = ends_of(entry, recipe, index)
+    return {
+        "entry": {name: value for name, value in entry.items() if name != "enabled"},
+        "enabled": is_enabled(entry),
+        "ends": {"first": list(ends.first), "last": list(ends.last)} if ends else None,
+    }

@@ -1,50 +1,280 @@
-"""The server of the page: one address of this machine, with a token without which nothing is answered."""
+"""The server of the page: one address of this machine, with a token without which nothing is answered.
+
+    request --Guard: host, origin--> route --token, size, JSON--> types --> call in a thread --> JSON
+
+Nothing that comes in is trusted. The token is in the address that is printed, as Jupyter has it.
+"""
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import json
+import logging
+import mimetypes
 import secrets
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, JSONResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, Response, StreamingResponse
 from starlette.routing import Route
+from starlette.types import ASGIApp
 
-from rsegen.errors import ParameterError, UserError
+from rsegen.errors import FileError, ParameterError, RsegenError, UserError, said_by, shown
 from rsegen.exporters.browser.page import editor_page
-from rsegen.page import calls, scenes  # noqa: F401  # registers its calls
-from rsegen.page.host import Host
+from rsegen.page import calls
+from rsegen.page.bodies import Refused, body_of, file_name, parsed
+from rsegen.page.guard import Answer, Guard
+from rsegen.page.host import Event, Host, Listener, Opened
+
+MOST_CALL, MOST_UPLOAD, MOST_UPLOADED = 4 * 2**20, 64 * 2**20, 2**30
+"""Bytes of a call, of a file that a page sends, and of all of these files."""
+
+_ALIVE = 5.0
+"""Seconds after which a page hears that the server lives; proxies end what is silent for a minute."""
+
+_MOST_UNHEARD = 1000
+"""Events that wait for a page at most; a page that is slower is cut off, and asks again."""
+
+_LOG = logging.getLogger("rsegen.page")
 
 
-def application(host: Host, token: str) -> Starlette:
-    """Return the application that serves a host."""
+def application(host: Host, token: str) -> ASGIApp:
+    """Return the application that serves a host to browsers on this machine."""
+    return Desk(host=host, token=token).application()
 
-    async def index(request: Request) -> Response:
-        if not secrets.compare_digest(request.query_params.get("token", ""), token):
-            return Response("the address lacks its token: use the one that rsegen gui printed", 403)
+
+async def _refusal(_: Request, error: Exception) -> Response:
+    assert isinstance(error, Refused)  # noqa: S101  # it is registered for these
+    # The rest of the body, if there is one, is not read, so nothing else can come on this connection.
+    return Answer({"error": error.failure}, error.status, {"Connection": "close"})
+
+
+async def _internal(request: Request, error: Exception) -> Response:
+    _LOG.error("%s failed", request.url.path, exc_info=error)
+    text = f"internal error, please report it: {type(error).__name__}: {said_by(error)}"
+    return Answer({"error": {"where": "", "text": text}}, 500)
+
+
+@dataclass(eq=False, kw_only=True)
+class Desk:
+    """What answers requests, and who listens; ended: set when the server ends, which ends all streams.
+
+    last_page: when the last page was closed, by the clock of the loop; None while there is one, or was none
+    """
+
+    host: Host
+    token: str
+    ended: asyncio.Event = field(default_factory=asyncio.Event)
+    streams: int = 0
+    last_page: float | None = None
+
+    def application(self, names: frozenset[str] = frozenset(), *, any_address: bool = False) -> ASGIApp:
+        """Return the application; names: other ones of this machine; any_address: it may be asked by any of its own."""
+        calls.load_calls()
+        routes = [
+            Route("/", self.index),
+            Route("/api/events", self.events, methods=["POST"]),
+            Route("/api/upload", self.upload, methods=["POST"]),
+            Route("/api/file", self.file, methods=["POST"]),
+            Route("/api/{name}", self.call, methods=["POST"]),
+        ]
+        handlers = {Refused: _refusal, 500: _internal}
+        app = Starlette(routes=routes, lifespan=self.lifespan, exception_handlers=handlers)
+        return Guard(app, names, any_address=any_address)
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        """Watch the files while the server runs."""
+        watching = asyncio.create_task(self._watch())
+        try:
+            yield
+        finally:
+            watching.cancel()
+            self.ended.set()
+
+    async def index(self, request: Request) -> Response:
+        """Return the page."""
+        given = request.query_params.get("token", "")
+        if not secrets.compare_digest(given.encode(), self.token.encode()):
+            return Response("the address lacks its token: use the one that rsegen gui printed\n", 403)
         return HTMLResponse(editor_page())
 
-    async def ask(request: Request) -> Response:
-        if not secrets.compare_digest(request.headers.get("authorization", ""), f"Bearer {token}"):
-            return JSONResponse({"error": {"text": "wrong token"}}, 403)
+    async def call(self, request: Request) -> Response:
+        """Answer a call, in a thread."""
+        arguments = await self._arguments(request)
         name = request.path_params["name"]
-        arguments = json.loads(await request.body() or b"{}")
         try:
-            return JSONResponse(await run_in_threadpool(_answer, host, name, arguments))
+            return Answer(await run_in_threadpool(answer, self.host, name, arguments))
+        except (RsegenError, RecursionError) as error:
+            raise _refused(error) from None
+
+    async def events(self, request: Request) -> Response:
+        """Stream the events of a document, a line each, as long as the page is open."""
+        arguments = await self._arguments(request)
+        try:
+            known = calls.checked(_heard, arguments)
+            opened = self.host.opened(known["doc"])
         except UserError as error:
-            where = error.where if isinstance(error, ParameterError) else ""
-            return JSONResponse({"error": {"where": where, "text": str(error)}}, 400)
+            raise _refused(error) from None
+        page = known.get("page") or secrets.token_hex(8)
+        return StreamingResponse(self._lines(opened, page), media_type="application/x-ndjson")
 
-    return Starlette(routes=[Route("/", index), Route("/api/{name}", ask, methods=["POST"])])
+    async def upload(self, request: Request) -> Response:
+        """Keep the bytes of a file that a page sends, until the server ends; gives its path."""
+        self._check_token(request)
+        name = file_name(request.query_params.get("name", ""))
+        content = await body_of(request, MOST_UPLOAD)
+        try:
+            return Answer({"path": str(await run_in_threadpool(_keep, self.host.uploads, name, content))})
+        except UserError as error:
+            raise _refused(error) from None
+
+    async def file(self, request: Request) -> Response:
+        """Return the bytes of a file in the server's folder, or of one that a page sent."""
+        try:
+            known = calls.checked(_named, await self._arguments(request))
+            path = self.host.inside(known["path"])
+        except UserError as error:
+            raise _refused(error) from None
+        if not path.is_file():
+            raise Refused(404, f"{known['path']}: there is no such file")
+        kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
+        return FileResponse(path, media_type=kind, filename=path.name)
+
+    async def _lines(self, opened: Opened, page: str) -> AsyncIterator[bytes]:
+        loop, events = asyncio.get_running_loop(), asyncio.Queue[Event](_MOST_UNHEARD)
+        full = asyncio.Event()
+
+        def put(event: Event) -> None:
+            try:
+                events.put_nowait(event)
+            except asyncio.QueueFull:
+                full.set()
+
+        def send(event: Event) -> None:
+            with contextlib.suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(put, event)
+
+        listener = Listener(page=page, send=send)
+        self.streams, self.last_page = self.streams + 1, None
+        await run_in_threadpool(opened.add, listener)
+        try:
+            while not full.is_set() and not self.ended.is_set():
+                event = await self._next(events)
+                yield json.dumps(event or {"event": "alive"}).encode("ascii") + b"\n"
+        finally:
+            self.streams -= 1
+            if not self.streams:
+                self.last_page = loop.time()
+            # The stream is cancelled when its page is closed, so a thread tells the others.
+            loop.run_in_executor(None, opened.remove, listener)
+
+    async def _next(self, events: asyncio.Queue[Event]) -> Event | None:
+        """Return the next event; None if there is none for some seconds, or the server ends."""
+        waiting = [asyncio.ensure_future(events.get()), asyncio.ensure_future(self.ended.wait())]
+        try:
+            await asyncio.wait(waiting, timeout=_ALIVE, return_when=asyncio.FIRST_COMPLETED)
+            got = waiting[0]
+            return got.result() if got.done() else None  # type: ignore[return-value]  # the event
+        finally:
+            for each in waiting:
+                each.cancel()
+
+    async def _watch(self) -> None:
+        """Look every second whether somebody else wrote a file that a page has open."""
+        while True:
+            await asyncio.sleep(1.0)
+            for opened in [each for each in self.host.documents.values() if each.pages]:
+                await run_in_threadpool(_look, opened)
+
+    async def _arguments(self, request: Request) -> dict[str, Any]:
+        """Return the arguments of a call that has the token."""
+        self._check_token(request)
+        return parsed(await body_of(request, MOST_CALL))
+
+    def _check_token(self, request: Request) -> None:
+        given = request.headers.get("authorization", "")
+        if not secrets.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
+            raise Refused(403, "the token is wrong: use the address that rsegen gui printed last")
 
 
-def _answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:
-    function: Callable[..., Any]
+def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:
+    """Return what a call gives; the pages of a document hear of it if it has changed."""
+    page = arguments.get("page", "")
+    doc = arguments.get("doc", "")
+    opened = host.documents.get(doc) if isinstance(doc, str) else None
+    before = opened.stamp if opened else None
+    try:
+        return _called(host, name, arguments)
+    finally:
+        if opened and opened.stamp != before and opened.id in host.documents:
+            opened.tell_state(page if isinstance(page, str) else "")
+
+
+def _called(host: Host, name: str, arguments: dict[str, Any]) -> Any:
     if name in calls.OF_HOST:
-        return calls.OF_HOST[name](host, **arguments)
-    if name in calls.OF_DOCUMENT:
-        return calls.OF_DOCUMENT[name](host.opened(arguments.pop("doc", "")), **arguments)
-    raise UserError(f"unknown call {name!r}")
+        function = calls.OF_HOST[name]
+        return function(host, **calls.checked(function, _without_page(function, arguments)))
+    if name not in calls.OF_DOCUMENT:
+        raise ParameterError("", f"unknown call {shown(name)}")
+    function = calls.OF_DOCUMENT[name]
+    own = {key: value for key, value in arguments.items() if key != "doc"}
+    known = calls.checked(function, _without_page(function, own))
+    doc = arguments.get("doc", "")
+    if not isinstance(doc, str):
+        raise ParameterError("doc", f"{shown(doc)} is not a text")
+    opened = host.opened(doc)
+    with contextlib.nullcontext() if name in calls.AT_ONCE else opened.lock:
+        return function(opened, **known)
+
+
+def _without_page(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the arguments without the page that asks, for a function to which it is all the same."""
+    if "page" in function.__code__.co_varnames:
+        return arguments
+    return {key: value for key, value in arguments.items() if key != "page"}
+
+
+def _heard(*, doc: str, page: str = "") -> None:
+    """Take what a stream of events is asked with."""
+
+
+def _named(*, path: str) -> None:
+    """Take what a file is asked with."""
+
+
+def _look(opened: Opened) -> None:
+    if opened.lock.acquire(blocking=False):  # else the next second is early enough
+        try:
+            if not opened.document.look():
+                return
+        finally:
+            opened.lock.release()
+        opened.tell({"event": "file", "changed_on_disk": opened.document.changed_on_disk})
+        opened.tell_state("")
+
+
+def _refused(error: Exception) -> Refused:
+    if isinstance(error, RecursionError):
+        return Refused(400, "the arguments are nested too deeply")
+    where = error.where if isinstance(error, ParameterError) else ""
+    text = error.problem if isinstance(error, ParameterError) else str(error)
+    kind = error.kind if isinstance(error, calls.Question) else ""
+    return Refused(409 if kind else 400, text, where, kind)
+
+
+def _keep(folder: Path, name: str, content: bytes) -> Path:
+    """Write a file into a new folder among those that pages sent."""
+    size = sum(path.stat().st_size for path in folder.glob("*/*"))
+    if size + len(content) > MOST_UPLOADED:
+        raise FileError("too many files were sent; start rsegen gui again")
+    own = folder / secrets.token_hex(6)
+    own.mkdir()
+    (own / name).write_bytes(content)
+    return own / name

@@ -37,10 +37,10 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
         for own, index in zip(levels, wanted, strict=True):
             own[:] = build(recipe, index).blocks
         return levels
-    obstacles = [_InManyMaps(recipe, obstacle, wanted) for obstacle in recipe.obstacles]
+    obstacles = [(row, _InManyMaps(recipe, obstacle, wanted)) for row, obstacle in recipe.enabled_obstacles]
     at_once = max(_CELLS_AT_ONCE // (recipe.grid.n_x * recipe.grid.n_y), 1)
     for low in range(0, len(wanted), at_once):
-        for row, obstacle in enumerate(obstacles):
+        for row, obstacle in obstacles:
             with inside(f"obstacles[{row}]"):
                 obstacle.impose_on_next(levels[low : low + at_once])
     if recipe.difficulty != 1:

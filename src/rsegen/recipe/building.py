@@ -8,12 +8,12 @@ The cost is one pass over the cells that each obstacle covers; constraints cost 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import ParameterError, TooLarge
+from rsegen.errors import TooLarge, inside
 from rsegen.field.obstacles import Grid, Obstacle, Patch
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.params.sorts import Cell, Integer
@@ -63,16 +63,34 @@ def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
 
 def _imposed(recipe: MapDesign, index: int) -> Levels:
     """Return the levels of all obstacles, each imposed on those before it, on flat ground."""
-    grid, top_level = recipe.grid, recipe.top_level
-    levels = flat_ground(grid)
-    for row, obstacle in enumerate(recipe.obstacles):
-        rng = generator(recipe.seed, index, obstacle.key or "")
-        try:
-            *_, patch = placed_by(grid, obstacle, rng)
-        except ParameterError as error:
-            raise error.inside(f"obstacles[{row}]") from None
-        impose(levels, patch, obstacle.blend, top_level)
+    levels = flat_ground(recipe.grid)
+    for _, obstacle, patch in _patches(recipe, index):
+        impose(levels, patch, obstacle.blend, recipe.top_level)
     return levels
+
+
+def owners(recipe: MapDesign, index: int) -> NDArray[np.int32]:
+    """Return the row of the obstacle that made each block of map `index`, (n_x, n_y); -1 for ground that none covers.
+
+    That is the last one that replaced the level there, by an equal one perhaps, or changed it by another blend. A
+    difficulty or constraint may change the level afterwards: the block stays with its obstacle.
+    """
+    levels = flat_ground(recipe.grid)
+    rows = np.full(levels.shape, -1, dtype=np.int32)
+    for row, obstacle, patch in _patches(recipe, INDEX.check("index", index)):
+        before = levels[patch.window].copy()
+        impose(levels, patch, obstacle.blend, recipe.top_level)
+        made = patch.footprint if obstacle.blend == "replace" else levels[patch.window] != before
+        rows[patch.window][made] = row
+    return rows
+
+
+def _patches(recipe: MapDesign, index: int) -> Iterator[tuple[int, Obstacle, Patch]]:
+    """Yield every obstacle that is switched on with its row, and the levels that it proposes."""
+    for row, obstacle in recipe.enabled_obstacles:
+        with inside(f"obstacles[{row}]"):
+            *_, patch = placed(recipe, obstacle, index)
+        yield row, obstacle, patch
 
 
 def flat_ground(grid: Grid, maps: int | None = None) -> Levels:

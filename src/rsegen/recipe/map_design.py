@@ -200,9 +200,14 @@ class MapDesign:
         return not (self.max_step is None and self.crossable_by is None and self.inventory is None)
 
     @property
+    def enabled_obstacles(self) -> Sequence[tuple[int, Obstacle]]:
+        """The obstacles that are in the maps, each with its row."""
+        return [(row, obstacle) for row, obstacle in enumerate(self.obstacles) if obstacle.enabled]
+
+    @property
     def top_level(self) -> int:
-        """The largest level that any obstacle has; 0 without obstacles."""
-        return max((obstacle.levels - 1 for obstacle in self.obstacles), default=0)
+        """The largest level that any obstacle in the maps has; 0 without obstacles."""
+        return max((obstacle.levels - 1 for _, obstacle in self.enabled_obstacles), default=0)
 
     @property
     def highest_level(self) -> int:
@@ -223,11 +228,13 @@ class MapDesign:
             )
 
     def _check_obstacle(self, where: str, obstacle: object) -> None:
-        """Raise a ParameterError for what is no obstacle, or lies outside the map."""
+        """Raise a ParameterError for what is no obstacle, or is switched on and lies outside the map."""
         from rsegen.field.obstacles import Obstacle
 
         if not isinstance(obstacle, Obstacle):
             raise ParameterError(where, f"{shown(obstacle)} is not an obstacle, such as rsegen.Peak(levels=5)")
+        if not obstacle.enabled:
+            return
         for end in ("first", "last"):
             for axis, cells in enumerate(self.grid.shape):
                 at = (getattr(obstacle, end) or (0, 0))[axis]
@@ -263,7 +270,8 @@ def _with_key(obstacle: Obstacle, taken: Set[str], free: dict[str, Iterator[str]
 
     taken: keys that were given; free: for each hash, the keys that are left, so that numbering goes on.
     """
-    row = {_HASHED_NAMES.get(name, name): value for name, value in obstacle.entry().items()}
+    # Switched off, a row has the key that it has switched on, so that no other row is drawn anew.
+    row = {_HASHED_NAMES.get(name, name): value for name, value in obstacle.entry().items() if name != "enabled"}
     digest = hashlib.blake2b(json.dumps(row, sort_keys=True).encode(), digest_size=4).hexdigest()
     stem = f"{obstacle.kind}-{digest}"
     numbered = free.setdefault(stem, (f"{stem}-{number}" if number else stem for number in count()))

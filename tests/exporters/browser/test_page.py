@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from base64 import b64encode
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +15,8 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Random, Recipe, StepField
-from rsegen.exporters.browser.page import ShownMap, page
+from rsegen.exporters.browser.heights import height_colour
+from rsegen.exporters.browser.page import ShownMap, editor_page, page
 from rsegen.exporters.scene import fingerprint
 from rsegen.recipe.examples import EXAMPLES
 from tests.exporters.browser.pages import Tags, addresses, cells_of, heights_of, maps_of
@@ -78,19 +81,41 @@ def test_a_recipe_obeys_nobody() -> None:
 
 def test_the_page_loads_nothing_and_says_that_it_may_not() -> None:
     html = rsegen.view(ROUGH).html
-    assert addresses(html) == set()
+    assert addresses(html) == {"data:,"}
     assert b"default-src 'none'" in html
+    assert b"connect-src 'none'" in html
+
+
+def test_the_page_runs_its_own_script_and_no_other() -> None:
+    html = rsegen.view(ROUGH).html.decode()
+    policy = next(attrs["content"] for _, attrs in Tags(html).tags if attrs.get("http-equiv"))
+    assert policy
+    for tag, source in (("script", "script-src"), ("style", "style-src")):
+        (text,) = re.findall(f"<{tag}>(.*?)</{tag}>", html, re.DOTALL)
+        digest = b64encode(sha256(text.encode()).digest()).decode()
+        assert f"{source} 'sha256-{digest}';" in policy
+    assert "unsafe" not in policy
+
+
+def test_the_page_that_edits_is_the_page_without_maps() -> None:
+    frozen = rsegen.view(ROUGH).html.decode()
+    editor = editor_page()
+    assert re.sub(r"<script type=.*?</script>\n", "", frozen).replace(
+        "connect-src 'none'", "connect-src 'self'"
+    ) == editor.replace("<title>rsegen</title>", f"<title>{ROUGH.map_name(0)}</title>")
 
 
 def test_the_page_of_100_x_100_blocks_is_below_2_mb() -> None:
     assert len(rsegen.view(replace(ROUGH, chunk_size=100)).html) < 2_000_000
 
 
-def test_three_js_is_in_the_page_with_its_licence() -> None:
+def test_the_script_is_in_the_page_with_the_licences_of_its_libraries() -> None:
     html = rsegen.view(ROUGH).html.decode()
     licence = html.index("Copyright © 2010-2026 three.js authors")
-    assert html.index("The above copyright notice", licence) < html.index("var THREE=")
-    assert "<!--" not in html.partition("var THREE=")[2].partition("</script>")[0]
+    assert html.index("The above copyright notice", licence) > licence
+    script = html.partition("<script>")[2]
+    assert "<!--" not in script
+    assert script.count("</script") == 1
 
 
 def test_heights_are_in_the_units_of_the_recipe() -> None:
@@ -100,15 +125,16 @@ def test_heights_are_in_the_units_of_the_recipe() -> None:
 
 
 @pytest.mark.parametrize("look", ["plain", "wood", "friction"])
-def test_the_view_has_the_colours_of_the_look_and_the_plan_the_colours_of_levels(look: str) -> None:
+def test_the_surface_has_the_colours_of_the_look_and_heights_have_their_own(look: str) -> None:
     scene = rsegen.compose(replace(ROUGH, look=look))
     (shown,) = maps_of(rsegen.view(scene).html)
     for entry in shown["palette"]:
         if entry["level"] == 0:
             continue
-        for name, colour in (("colour", scene.colour), ("surface", scene.surface_colour)):
+        colour = height_colour(entry["height"]) if entry["level"] else scene.colour(0)
+        for name, wanted in (("colour", colour), ("surface", scene.surface_colour(entry["level"] or 0))):
             parts = [int(entry[name][at : at + 2], 16) for at in (1, 3, 5)]
-            assert parts == [round(255 * part) for part in colour(entry["level"] or 0)]
+            assert parts == [round(255 * part) for part in wanted]
 
 
 def test_a_field_that_is_all_frame_is_shown() -> None:

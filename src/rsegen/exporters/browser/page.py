@@ -1,8 +1,8 @@
 """Maps as a page for browsers: one HTML file with 3D view, plan, metrics and recipe, which needs no internet.
 
-The page is page.html with its style and scripts, which are files of this folder, and the maps as JSON. Names and
-recipes may have any letters: in the HTML they are escaped, in the JSON there is no `<`, and the scripts set text as
-text.
+The page is page.html with its style and script, which are files of this folder, and the maps as JSON; without them it
+is the page that edits, of a server. Names and recipes may have any letters: in the HTML they are escaped, in the JSON
+there is no `<`, and the script sets text as text. The browser runs this script and no other (Content Security Policy).
 
     Scene or StepField --ShownMap--> values for JSON: cells, palette, facts, metrics, recipe --page--> bytes of HTML
 """
@@ -14,6 +14,8 @@ import re
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -21,12 +23,13 @@ from typing import Any
 import numpy as np
 
 from rsegen import __version__
+from rsegen.exporters.browser.heights import height_colour
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
 from rsegen.exporters.pictures.preview import ColouredField
 from rsegen.exporters.scene import Colour, Scene, fingerprint
 from rsegen.field.metrics import metrics
-from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.field.stepfield import Array, Ints, StepField, coarse
 
 
 def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]]:
@@ -56,7 +59,7 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
 
 
 _GROUND: Colour = (GROUND_GREY, GROUND_GREY, GROUND_GREY)
-"""The colour of cells without a block, as in previews."""
+"""The surface of cells without a block, as in previews."""
 
 _FRAME = -1
 """The material of frame cells; of other cells it is their level."""
@@ -66,7 +69,7 @@ _FRAME = -1
 class ShownMap:
     """A map on a page: what is drawn, and the text of its recipe with the name of a file for it; empty if it has none.
 
-    units: of the heights, as in a recipe.
+    units: of the heights, as in a recipe; look: of the blocks
     """
 
     drawn: Drawable
@@ -76,6 +79,7 @@ class ShownMap:
     recipe: str = ""
     file: str = ""
     units: str = "cm"
+    look: str = "plain"
 
     @classmethod
     def of(cls, scene: Scene, recipe: str, suffix: str) -> ShownMap:
@@ -88,6 +92,7 @@ class ShownMap:
             recipe=recipe,
             file=f"{scene.name}{suffix}",
             units=scene.recipe.units,
+            look=scene.recipe.look,
         )
 
     @classmethod
@@ -96,48 +101,56 @@ class ShownMap:
         return cls(drawn=ColouredField(field=field), name=name)
 
 
-def content(shown: ShownMap) -> dict[str, Any]:
-    """Return everything that the page needs of a map, as JSON values."""
+def content(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
+    """Return everything that the page needs of a map, as JSON values.
+
+    factor: each column that is drawn is the highest of this many cells along x and y
+    """
     field, written = shown.drawn.field, lengths_in(shown.units)
-    materials, cells = np.unique(np.where(field.frame, _FRAME, field.levels), return_inverse=True)
+    materials, counts = np.unique(_materials(field), return_counts=True)
+    drawn = coarse(field, factor)
+    cells = np.searchsorted(materials, _materials(drawn))
     return {
         "name": shown.name,
         "description": shown.description,
-        "cells": list(field.shape),
-        "block_width": field.block_width,
+        "cells": list(drawn.shape),
+        "block_width": drawn.block_width,
         "block": f"{written.short(_nanometres(field.block_width))} {written.unit}",
         "unit": written.unit,
-        "palette": list(_palette(shown, materials, np.bincount(cells.ravel()))),
+        "palette": list(_palette(shown, materials, counts)),
         **_encoded(cells, len(materials)),
         "facts": list(_facts(shown)),
         "metrics": list(figures(field, written)),
         "recipe": shown.recipe,
         "file": shown.file,
+        "look": shown.look,
+        "step": field.unit,
     }
+
+
+def _materials(field: StepField) -> Ints:
+    """Return the material of each cell: its level, or that of frames."""
+    return np.where(field.frame, _FRAME, field.levels)
 
 
 def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[str, Any]]:
     """Yield the materials of cells, the frame first, then the lowest level: level (None for frames), height, colours,
     count.
 
-    colour: on the plan; surface: in the 3D view, as in previews.
+    colour: of its height, the same on every map; surface: in the look of the recipe, as in previews.
     """
     # In the order of np.unique, which the cells refer to.
     field, written = shown.drawn.field, lengths_in(shown.units)
     for material, count in zip(materials.tolist(), counts.tolist(), strict=True):
         is_frame = material == _FRAME
         height = round(field.frame_height if is_frame else material * field.unit, 9)
-        colours = (
-            colour_of(0 if is_frame else material) if material else _GROUND
-            for colour_of in (shown.drawn.colour, shown.drawn.surface_colour)
-        )
-        colour, surface = map(_hex, colours)
+        surface = shown.drawn.surface_colour(0 if is_frame else material) if material else _GROUND
         yield {
             "level": None if is_frame else material,
             "height": height,
             "label": written.short(_nanometres(height)),
-            "colour": colour,
-            "surface": surface,
+            "colour": _hex(shown.drawn.colour(0) if is_frame else height_colour(height)),
+            "surface": _hex(surface),
             "count": count,
         }
 
@@ -167,30 +180,55 @@ def _nanometres(metres: float) -> int:
     return round(metres * 1e9)
 
 
-_SCRIPTS = ("field.js", "solid.js", "plan.js", "page.js")
-
-
 def page(maps: Sequence[ShownMap]) -> bytes:
     """Return the page that shows maps, one at a time, as the bytes of an HTML file; equal maps give equal bytes."""
     title = maps[0].name if len(maps) == 1 else f"{maps[0].name} and {len(maps) - 1} more"
-    parts = {
-        "title": escape(title),
-        "generator": f"rsegen {__version__}",
-        "css": _source("page.css"),
-        "data": _json({"maps": [content(shown) for shown in maps]}),
-        "licence": _source("three.LICENSE"),
-        "three": _source("three.min.js"),
-        "script": "\n".join(map(_source, _SCRIPTS)),
-    }
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("page.html")).encode()
+    data = _json({"maps": [content(shown) for shown in maps], "version": __version__})
+    return _html(title, f'<script type="application/json" id="data">{data}</script>\n').encode()
 
 
 def editor_page() -> str:
     """Return the page that edits documents of a server."""
-    parts = {"css": _source("page.min.css"), "script": _source("page.min.js"), "licence": _source("page.LICENSE")}
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("editor.html"))
+    return _html("rsegen", "")
 
 
+def policy(connect: str = "'none'") -> str:
+    """Return the Content Security Policy of the page: its own script and style by their hashes, and nothing else.
+
+    connect: what its script may ask for
+    """
+    script, style = (_hash(text) for text in (_script(), _source("page.min.css")))
+    return (
+        f"default-src 'none'; script-src '{script}'; style-src '{style}'; img-src data: blob:; "
+        f"connect-src {connect}; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _html(title: str, data: str) -> str:
+    """Return the page with a title, and with its maps as an element if they are frozen into it."""
+    parts = {
+        "title": escape(title),
+        "generator": f"rsegen {__version__}",
+        "policy": policy("'self'" if not data else "'none'"),
+        "css": _source("page.min.css"),
+        "data": data,
+        "script": _script(),
+    }
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("page.html"))
+
+
+@cache
+def _script() -> str:
+    """Return the script of the page, with the licences of the libraries in it."""
+    return f"\n/*\n{_source('page.LICENSE')}*/\n{_source('page.min.js')}"
+
+
+@cache
+def _hash(text: str) -> str:
+    return f"sha256-{b64encode(sha256(text.encode()).digest()).decode()}"
+
+
+@cache
 def _source(name: str) -> str:
     """Return the text of a file of this folder."""
     return files("rsegen.exporters.browser").joinpath(name).read_text("utf-8")

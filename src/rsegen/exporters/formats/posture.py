@@ -61,7 +61,7 @@ def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
     """Yield the cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
     field, recipe = scene.field, scene.recipe
     inside = np.ix_(field.inside(0), field.inside(1))
-    for index, obstacle in enumerate(recipe.obstacles):
+    for index, obstacle in recipe.enabled_obstacles:
         if isinstance(obstacle, Shaped):
             first, last, patch = placed(recipe, obstacle, scene.index)
             blocks = np.zeros(recipe.grid.shape, dtype=bool)

@@ -120,7 +120,7 @@ def draw_outlines(axes: Axes, scene: Scene) -> list[tuple[str, str]]:
     edges = scene.field.edges()
     width = float(np.clip(120 / max(scene.field.shape), 0.8, 3))
     shown = []
-    for index, obstacle in enumerate(scene.recipe.obstacles):
+    for index, obstacle in scene.recipe.enabled_obstacles:
         colour = _COLOURS[index % len(_COLOURS)]
         cells = covered(scene, obstacle)
         lines = boundary(cells, *edges)

@@ -27,6 +27,7 @@ from rsegen.params.sorts import (
     CellRef,
     Choice,
     Coordinate,
+    Flag,
     Float,
     Integer,
     Json,
@@ -71,6 +72,9 @@ class Obstacle(ABC):
 
     `key` names its random stream: while it stays, so does the draw. Without one the recipe derives a key from the row
     itself, so that adding, moving or removing other rows leaves this one as it was.
+
+    An obstacle that is not `enabled` stays in the list and is left out of the maps. Its own values are checked as those
+    of any other, but not whether it fits into the map, so that one that does not can be switched off.
     """
 
     kind: ClassVar[str]
@@ -108,6 +112,7 @@ class Obstacle(ABC):
             help="name of its random stream: the same key gives the same draw",
         ),
     ] = None
+    enabled: Annotated[bool, Flag(help="whether it is in the maps; one that is switched off stays in the list")] = True
 
     def __post_init__(self) -> None:
         validate(self)
@@ -154,7 +159,7 @@ class Obstacle(ABC):
 
 
 PLACING: Mapping[str, Parameter] = MappingProxyType(
-    {name: parameters(Obstacle)[name] for name in ("first", "last", "blend", "key")}
+    {name: parameters(Obstacle)[name] for name in ("first", "last", "blend", "key", "enabled")}
 )
 """Parameters that place an obstacle, the same for all kinds; all the others are a kind's own."""
 

@@ -234,7 +234,7 @@ def _with_all_counted(met: StepField, designed: StepField, like: Array, design: 
 
 
 def _counts_blocks(design: MapDesign) -> bool:
-    return any(isinstance(obstacle, Random) and obstacle.counts for obstacle in design.obstacles)
+    return any(isinstance(obstacle, Random) and obstacle.counts for _, obstacle in design.enabled_obstacles)
 
 
 def _arranged(wished: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:

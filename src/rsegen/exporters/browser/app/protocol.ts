@@ -75,6 +75,7 @@ export interface Row {
   ends: { first: Cell; last: Cell } | null; // where it lies in the map shown, also if drawn at random
 }
 
+/* state {doc, page?, index?} --> State; page: a name that a page gives itself; index: the map that it shows */
 /* edit {doc, actions, index?} --> State & {selected: number}; actions of one gesture (any string) are undone together */
 export type Action =
   | { do: "set"; name: string; value: Json; gesture?: string }
@@ -115,6 +116,7 @@ export interface SceneData {
   // of documents alone
   revision?: number;
   index?: number;
+  factor?: number; // a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
   owners?: string; // base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
   handles?: { row: number; first: Cell | null; last: Cell | null }[];
   warnings?: string[];

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 from rsegen.field.obstacles import KINDS, Obstacle
 from rsegen.field.obstacles.base import row_parameters
-from rsegen.gui.model.session import Entry, draft_of
+from rsegen.page.model.session import Entry, draft_of
 from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.recipe import Recipe
 
 
 def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
-    """The command that generates the maps of a recipe, with build sheets or without."""
+    """Return the command that generates the maps of a recipe, with build sheets or without."""
     words = ["rsegen", "generate", "-o", folder, *["--sheet"][:sheets]]
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
@@ -23,7 +23,7 @@ def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
 
 
 def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
-    """The program that generates the maps of a recipe, with build sheets or without."""
+    """Return the program that generates the maps of a recipe, with build sheets or without."""
     lines = ["import rsegen", *_imports(recipe), "", "recipe = rsegen.Recipe("]
     lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
     lines += ["    obstacles=[", *(f"        {_call(obstacle)}," for obstacle in recipe.obstacles), "    ],", ")"]
@@ -31,13 +31,13 @@ def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
 
 
 def _stated(recipe: Recipe) -> Entry:
-    """The seed, and the global parameters that differ from their defaults."""
+    """Return the seed, and the global parameters that differ from their defaults."""
     values, default = draft_of(recipe).values, draft_of(Recipe(seed=0)).values
     return {name: value for name, value in values.items() if value != default.get(name) or name == "seed"}
 
 
 def _imports(recipe: Recipe) -> list[str]:
-    """The imports of obstacle kinds that other packages define."""
+    """Return the imports of obstacle kinds that other packages define."""
     others = {type(obstacle) for obstacle in recipe.obstacles if not _is_ours(type(obstacle))}
     return sorted(f"from {cls.__module__} import {cls.__name__}" for cls in others)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import pytest
 
 from rsegen import Recipe
 from rsegen.field.obstacles import KINDS
-from rsegen.gui.model.obstacle_ends import fixed, shifted
+from rsegen.page.model.ends import ends_of, fixed, with_end_at
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 
@@ -39,24 +41,33 @@ def test_an_invalid_row_stays_as_it_is(entry: dict[str, object]) -> None:
     assert fixed(entry, Recipe(seed=1), 0) == entry
 
 
+MAP = Recipe(seed=1)
+
+
 @pytest.mark.parametrize(
-    ("before", "end", "place", "after"),
-    [
-        pytest.param(([29, 0], [29, 9]), "first", [8, 0], ([8, 0], [8, 9]), id="across: the whole barrier moves"),
-        pytest.param(([8, 0], [8, 9]), "last", [3, 9], ([3, 0], [3, 9]), id="by its other end too"),
-        pytest.param(([0, 4], [29, 4]), "first", [0, 7], ([0, 7], [29, 7]), id="along x"),
-        pytest.param(([8, 0], [8, 9]), "first", [8, 5], ([8, 5], [8, 9]), id="along: it gets shorter"),
-        pytest.param(([8, 5], [8, 5]), "last", [12, 5], ([8, 5], [12, 5]), id="of one block: in any direction"),
-    ],
+    ("cell", "first", "last"), [((5, 6), [3, 6], [8, 6]), ((9, 0), [4, 0], [9, 0]), ((0, 9), [0, 9], [5, 9])]
 )
-def test_a_barrier_keeps_its_direction_when_a_coordinate_is_set(
-    before: tuple[list[int], list[int]], end: str, place: list[int], after: tuple[list[int], list[int]]
+def test_an_obstacle_is_moved_by_its_middle_within_the_map(
+    cell: tuple[int, int], first: list[int], last: list[int]
 ) -> None:
-    was = {"kind": "horizontal_barrier", "levels": 5, "first": before[0], "last": before[1]}
-    found = shifted(was, {**was, end: place}, end)
-    assert (found["first"], found["last"]) == after
+    barrier = {"kind": "horizontal_barrier", "levels": 3, "first": [2, 4], "last": [7, 4]}
+    moved = with_end_at(barrier, "both", cell, MAP, 0)
+    assert (moved["first"], moved["last"]) == (first, last)
 
 
-def test_an_obstacle_that_may_have_any_ends_keeps_the_other_one() -> None:
-    was = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [2, 7]}
-    assert shifted(was, {**was, "first": [4, 2]}, "first") == {**was, "first": [4, 2]}
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("end", ["first", "last"])
+def test_the_other_end_of_a_random_obstacle_stays_where_it_was_drawn(kind: str, end: Literal["first", "last"]) -> None:
+    entry = {"kind": kind, "levels": 5, "key": "one"}
+    before = ends_of(entry, MAP, 3)
+    moved = with_end_at(entry, end, (4, 4), MAP, 3)
+    after = ends_of(moved, MAP, 3)
+    assert before is not None
+    assert after is not None
+    assert moved[end] == [4, 4]
+    if kind != "horizontal_barrier":
+        assert after._replace(**{end: getattr(before, end)}) == before
+
+
+def test_an_obstacle_outside_the_map_has_no_ends_there() -> None:
+    assert ends_of({"kind": "peak", "levels": 5, "first": [12, 0], "last": [13, 4]}, MAP, 0) is None

@@ -1,15 +1,13 @@
-"""Strokes without gaps, and matrices as large as what is painted."""
+"""Matrices are as large as what is painted."""
 
 from __future__ import annotations
-
-from itertools import pairwise
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Recipe, build
-from rsegen.gui.model.painting import UNPAINTED, can_paint, next_cell, painted, stroke
+from rsegen.page.model.painting import UNPAINTED, can_paint, painted
 from rsegen.recipe.codec import decode
 
 CELLS = st.tuples(st.integers(0, 9), st.integers(0, 9))
@@ -18,19 +16,6 @@ CELLS = st.tuples(st.integers(0, 9), st.integers(0, 9))
 def levels(entry: dict[str, object]) -> np.ndarray:
     recipe: Recipe = decode({"boundary": "none", "seed": 1, "obstacles": [entry]})
     return build(recipe).levels
-
-
-@given(start=CELLS, stop=CELLS)
-def test_a_stroke_goes_from_cell_to_neighbour(start: tuple[int, int], stop: tuple[int, int]) -> None:
-    cells = stroke(start, stop)
-    assert (cells[0], cells[-1]) == (start, stop)
-    assert all(max(abs(a - c), abs(b - d)) == 1 for (a, b), (c, d) in pairwise(cells))
-
-
-def test_typing_goes_on_in_reading_order() -> None:
-    assert next_cell((3, 5), (10, 10)) == (4, 5)
-    assert next_cell((9, 5), (10, 10)) == (0, 4)
-    assert next_cell((9, 0), (10, 10)) == (0, 9)
 
 
 @given(

@@ -1,15 +1,13 @@
-"""The window's session, without a window."""
+"""A recipe while it is edited, without a page."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import pytest
 from hypothesis import example, given
 
-from rsegen import Recipe, build, load
-from rsegen.gui.model.obstacle_ends import aligned
-from rsegen.gui.model.session import Session, draft_of
+from rsegen import Recipe, build
+from rsegen.page.model.ends import aligned
+from rsegen.page.model.session import Session, draft_of
 from tests.support.samples import FULL
 from tests.support.strategies import recipes
 
@@ -19,11 +17,11 @@ RANDOM = {"kind": "random", "levels": 3}
 
 @pytest.fixture
 def session() -> Session:
-    return Session.new()
+    return Session.of()
 
 
 def kinds(session: Session) -> list[str]:
-    return [row.entry["kind"] for row in session.draft.rows]
+    return [row["kind"] for row in session.draft.rows]
 
 
 def test_a_new_session_is_level_ground(session: Session) -> None:
@@ -102,11 +100,52 @@ def test_a_problem_names_the_row_in_which_it_stands(session: Session) -> None:
     assert session.problem.where == "obstacles[1].softness"
 
 
-def test_a_row_that_is_switched_off_is_not_in_the_recipe(session: Session) -> None:
+def test_a_row_that_is_switched_off_stays_in_the_recipe_and_is_not_in_the_map(session: Session) -> None:
     session.add(PEAK)
     session.add(RANDOM)
+    alone = build(Recipe(seed=session.recipe.seed, obstacles=session.recipe.obstacles[1:]))
     session.enable(0, enabled=False)
-    assert [obstacle.kind for obstacle in session.recipe.obstacles] == ["random"]
+    assert [obstacle.enabled for obstacle in session.recipe.obstacles] == [False, True]
+    assert build(session.recipe) == alone
+    session.enable(0, enabled=True)
+    assert "enabled" not in session.draft.rows[0]
+
+
+def test_a_row_that_does_not_fit_can_be_switched_off(session: Session) -> None:
+    session.add(PEAK)
+    session.set("chunk_size", 5)
+    assert session.problem is not None
+    session.enable(0, enabled=False)
+    assert session.problem is None
+
+
+def test_what_a_form_says_switches_nothing_on_and_changes_no_key(session: Session) -> None:
+    session.add(PEAK)
+    session.enable(0, enabled=False)
+    session.change(0, {**PEAK, "softness": 10, "key": "other", "enabled": True})
+    assert session.draft.rows[0] == {**PEAK, "softness": 10, "key": "obstacle-1", "enabled": False}
+
+
+def test_none_gives_a_parameter_its_default(session: Session) -> None:
+    session.set("unit_cm", 5)
+    session.set("unit_cm", None)
+    assert session.problem is None
+    assert session.recipe.unit_cm == 10
+
+
+def test_changes_are_taken_back_together_if_one_fails(session: Session) -> None:
+    session.add(PEAK)
+    before = session.draft, session.recipe, session.can_redo
+
+    def fail() -> None:
+        with session.all_or_nothing():
+            session.clear()
+            session.undo()
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert (session.draft, session.recipe, session.can_redo) == before
 
 
 def test_parameters_may_change_and_random_draws_stay(session: Session) -> None:
@@ -121,16 +160,7 @@ def test_parameters_may_change_and_random_draws_stay(session: Session) -> None:
     )
 
 
-def test_files_are_saved_and_opened(session: Session, tmp_path: Path) -> None:
-    session.add(PEAK)
-    before = session.unsaved
-    session.save(tmp_path / "field.yaml")
-    assert (before, session.unsaved) == (True, False)
-    assert load(tmp_path / "field.yaml") == session.recipe
-    assert Session.opened(tmp_path / "field.yaml").recipe == session.recipe
-
-
-def test_the_window_is_notified_of_every_change(session: Session) -> None:
+def test_somebody_is_notified_of_every_change(session: Session) -> None:
     told: list[int] = []
     session.changed = lambda: told.append(len(session.draft.rows))
     session.add(PEAK)

@@ -1,0 +1,72 @@
+"""The colour of a height: the same on every map, lighter the higher, so that it reads in greyscale too.
+
+    height h [m] --h / (h + 0.35)--> place 0..1 on a ramp of six colours --in OKLab--> sRGB
+
+The ramp has no end: 10, 20, 40 cm lie at 0.22, 0.36, 0.53 of it, 2 m at 0.85. Between its colours it goes straight in
+OKLab (B. Ottosson, A perceptual color space for image processing, 2020), in which equal distances look alike.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import pairwise
+
+from rsegen.exporters.scene import Colour
+
+_RAMP: tuple[Colour, ...] = (
+    (0.22, 0.20, 0.42),
+    (0.17, 0.38, 0.60),
+    (0.13, 0.58, 0.60),
+    (0.45, 0.74, 0.38),
+    (0.95, 0.84, 0.29),
+    (0.99, 0.97, 0.84),
+)
+
+_MIDDLE = 0.35
+"""The height [m] in the middle of the ramp: of the blocks of standard step fields half are lower."""
+
+_Lab = tuple[float, float, float]
+
+
+@lru_cache(maxsize=4096)
+def height_colour(height: float) -> Colour:
+    """Return the colour of blocks of a height [m], in sRGB."""
+    at = max(height, 0.0) / (max(height, 0.0) + _MIDDLE) * (len(_RAMP) - 1)
+    low, high = list(pairwise(_RAMP))[int(at)]
+    share = at - int(at)
+    lightness, green_red, blue_yellow = (a + share * (b - a) for a, b in zip(oklab(low), oklab(high), strict=True))
+    return _srgb((lightness, green_red, blue_yellow))
+
+
+def oklab(colour: Colour) -> _Lab:
+    """Return lightness 0..1 and the two opponent colours of a colour in sRGB."""
+    r, g, b = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in colour)
+    long, middle, short = (
+        (x * r + y * g + z * b) ** (1 / 3)
+        for x, y, z in (
+            (0.4122214708, 0.5363325363, 0.0514459929),
+            (0.2119034982, 0.6806995451, 0.1073969566),
+            (0.0883024619, 0.2817188376, 0.6299787005),
+        )
+    )
+    return (
+        0.2104542553 * long + 0.7936177850 * middle - 0.0040720468 * short,
+        1.9779984951 * long - 2.4285922050 * middle + 0.4505937099 * short,
+        0.0259040371 * long + 0.7827717662 * middle - 0.8086757660 * short,
+    )
+
+
+def _srgb(lab: _Lab) -> Colour:
+    lightness, a, b = lab
+    long, middle, short = (
+        (lightness + x * a + y * b) ** 3
+        for x, y in ((0.3963377774, 0.2158037573), (-0.1055613458, -0.0638541728), (-0.0894841775, -1.2914855480))
+    )
+    linear = (
+        4.0767416621 * long - 3.3077115913 * middle + 0.2309699292 * short,
+        -1.2684380046 * long + 2.6097574011 * middle - 0.3413193965 * short,
+        -0.0041960863 * long - 0.7034186147 * middle + 1.7076147010 * short,
+    )
+    clipped = (min(max(part, 0.0), 1.0) for part in linear)
+    red, green, blue = (12.92 * part if part <= 0.0031308 else 1.055 * part ** (1 / 2.4) - 0.055 for part in clipped)
+    return red, green, blue

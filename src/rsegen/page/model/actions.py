@@ -1,0 +1,181 @@
+"""The actions by which pages change a recipe, each a function of this file called by its name.
+
+    {"do": "move_end", "row": 2, "end": "last", "cell": [4, 9], "gesture": "g7"} --> a change of the session
+
+Each returns the row that it was about, which a page then selects: -1 if none. Cells are of the map that the page shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
+from rsegen.page.calls import checked
+from rsegen.page.model.ends import End, aligned, fixed, with_end_at
+from rsegen.page.model.painting import UNPAINTED, can_paint, painted
+from rsegen.page.model.session import Session
+from rsegen.params.sorts import MOST_LEVELS, Cell, Json, parameters
+from rsegen.recipe.codec import MOST_OBSTACLES
+from rsegen.recipe.recipe import Recipe
+
+Action = Mapping[str, Json]
+
+_ACTIONS: dict[str, Callable[..., int]] = {}
+
+
+def act(session: Session, actions: Sequence[Action], index: int) -> int:
+    """Apply actions, all or none of them, on a page that shows map `index`; return the row that the last was about."""
+    selected = -1
+    with session.all_or_nothing():
+        for number, action in enumerate(actions):
+            with inside(f"actions[{number}]"):
+                selected = _apply(session, action, index)
+    return min(selected, len(session.draft.rows) - 1)
+
+
+def _apply(session: Session, action: Action, index: int) -> int:
+    if not isinstance(action, dict):
+        raise ParameterError("", f"{shown(action)} is not an action")
+    given = dict(action)
+    name = given.pop("do", None)
+    if not isinstance(name, str) or name not in _ACTIONS:
+        raise UnknownName.among("do", "action", name, _ACTIONS)
+    known = checked(_ACTIONS[name], given)
+    if "row" in known and not (name == "paint" and known["row"] == -1):
+        _check_row(session, "row", known["row"])
+    return _ACTIONS[name](session, index, **known)
+
+
+def _check_row(session: Session, where: str, row: int, extra: int = 0) -> None:
+    """Raise a ParameterError for a row that is not in the list, of which another page may have removed it."""
+    rows = len(session.draft.rows) + extra
+    if not 0 <= row < rows:
+        raise ParameterError(where, f"{row} is outside 0..{rows - 1}" if rows else f"{row}: the list is empty")
+
+
+def _check_cells(session: Session, where: str, cells: list[Cell]) -> None:
+    shape = session.recipe.grid.shape
+    for cell in cells:
+        if not all(0 <= at < most for at, most in zip(cell, shape, strict=True)):
+            raise ParameterError(where, f"{shown(list(cell))} is outside the map of {shape[0]} x {shape[1]} blocks")
+
+
+def _action(function: Callable[..., int]) -> Callable[..., int]:
+    """Let pages do what a function does, by its name."""
+    _ACTIONS[function.__name__.strip("_")] = function
+    return function
+
+
+@_action
+def _set(session: Session, _index: int, *, name: str, value: Any, gesture: str | None = None) -> int:
+    if name not in parameters(Recipe):
+        raise UnknownName.among("name", "parameter", name, parameters(Recipe))
+    session.set(name, value, gesture=gesture and ("set", name, gesture))
+    return -1
+
+
+@_action
+def reroll(session: Session, _index: int) -> int:
+    """Draw another seed."""
+    session.reroll()
+    return -1
+
+
+@_action
+def add(session: Session, _index: int, *, entry: dict[str, Any], at: int | None = None) -> int:
+    """Add an obstacle, in line where its kind must be axis-aligned."""
+    if len(session.draft.rows) >= MOST_OBSTACLES:
+        raise UserError(f"the list has {MOST_OBSTACLES:,} obstacles, the most that a recipe can have")
+    if at is not None:
+        _check_row(session, "at", at, 1)
+    return session.add(aligned(entry, "last"), at)
+
+
+@_action
+def change(session: Session, _index: int, *, row: int, entry: dict[str, Any], gesture: str | None = None) -> int:
+    """Replace the parameters of a row."""
+    session.change(row, entry, gesture=gesture and ("change", row, gesture))
+    return row
+
+
+@_action
+def remove(session: Session, _index: int, *, row: int) -> int:
+    """Remove a row."""
+    session.remove(row)
+    return row
+
+
+@_action
+def clear(session: Session, _index: int) -> int:
+    """Remove all rows."""
+    session.clear()
+    return -1
+
+
+@_action
+def move(session: Session, _index: int, *, row: int, to: int) -> int:
+    """Move a row in the list."""
+    _check_row(session, "to", to)
+    session.move(row, to)
+    return to
+
+
+@_action
+def enable(session: Session, _index: int, *, row: int, enabled: bool) -> int:
+    """Switch a row on or off."""
+    session.enable(row, enabled=enabled)
+    return row
+
+
+@_action
+def duplicate(session: Session, _index: int, *, row: int) -> int:
+    """Copy a row to the row below it."""
+    return add(session, 0, entry=dict(session.draft.rows[row]), at=row + 1)
+
+
+@_action
+def fix(session: Session, _index: int, *, row: int, index: int) -> int:
+    """Make random ends the cells where they are in a map."""
+    session.change(row, fixed(session.draft.rows[row], session.recipe, index))
+    return row
+
+
+@_action
+def move_end(session: Session, index: int, *, row: int, end: End, cell: Cell, gesture: str | None = None) -> int:
+    """Move an end of an obstacle, or both, to a cell; random ends are fixed where they are in the map shown."""
+    _check_cells(session, "cell", [cell])
+    entry = with_end_at(session.draft.rows[row], end, cell, session.recipe, index)
+    session.change(row, entry, gesture=gesture and ("move_end", row, gesture))
+    return row
+
+
+@_action
+def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: int, gesture: str | None = None) -> int:
+    """Give cells a level, in a matrix or, if the row is none that can be painted into, in a new one."""
+    _check_cells(session, "cells", cells)
+    if not UNPAINTED <= level < MOST_LEVELS:
+        raise ParameterError("level", f"{level} is outside {UNPAINTED}..{MOST_LEVELS - 1}")
+    entry = session.draft.rows[row] if row >= 0 else None
+    key = gesture and ("paint", gesture)
+    if entry is not None and can_paint(entry):
+        if cells:
+            session.change(row, painted(entry, cells, level), gesture=key)
+        return row
+    if level == UNPAINTED or not cells:
+        return row
+    return session.add(painted(None, cells, level), gesture=key)
+
+
+@_action
+def undo(session: Session, _index: int) -> int:
+    """Undo the last change."""
+    session.undo()
+    return -1
+
+
+@_action
+def redo(session: Session, _index: int) -> int:
+    """Redo the change that was undone last."""
+    session.redo()
+    return -1

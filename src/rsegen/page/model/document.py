@@ -1,0 +1,167 @@
+"""A recipe that is open, with its file: read, saved, watched, and kept in a journal while it is not saved."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+
+from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.io.input_files import regular_content
+from rsegen.io.recipe_file import MAX_MIB, load
+from rsegen.page.calls import Question
+from rsegen.page.model.journal import Journal
+from rsegen.page.model.session import Draft, Session
+from rsegen.page.model.texts import text_after
+from rsegen.params.sorts import parameters
+from rsegen.recipe.recipe import Recipe
+from rsegen.run.store import write_file
+
+SUFFIXES = (".yaml", ".yml", ".json")
+"""How the names of recipe files end."""
+
+
+@dataclass(kw_only=True)
+class Document:
+    """A session and its file.
+
+    title: what a page calls it while it has no file; text: of the file, as it was read or written last; recovered: when
+    changes were made that an earlier process did not save, and that were brought back.
+    """
+
+    session: Session
+    journal: Journal
+    title: str = "untitled"
+    path: Path | None = None
+    text: str = ""
+    changed_on_disk: bool = False
+    recovered: str | None = None
+    changed: Callable[[], None] = lambda: None
+    _start: Draft = field(init=False)
+    _stamp: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        self._start = self.session.draft
+        self._stamp = self._stamp_now()
+        self.session.changed = self._session_changed
+        if found := self.journal.recovered():
+            self.recovered = found.when
+            self.session.restore(found.draft)
+
+    @classmethod
+    def of_file(cls, path: Path) -> Document:
+        """Return the document of a recipe file, with the changes that an earlier process did not save."""
+        text = _read(path)
+        return cls(session=Session.of(load(path)), journal=Journal(name=str(path)), path=path, title="", text=text)
+
+    @property
+    def shown_title(self) -> str:
+        """What a page calls the document: the name of its file."""
+        return self.path.name if self.path else self.title
+
+    def save(self, path: Path | None = None, *, replace: bool = False) -> None:
+        """Write the recipe to its file or another one; a Question if that would replace what somebody else wrote."""
+        target = path or self.path
+        if target is None:
+            raise UserError("the recipe has no file yet; give a name")
+        if target.suffix.lower() not in SUFFIXES:
+            raise FileError(f"{target.name}: not a recipe's name; end it in .yaml or .json")
+        if not replace:
+            self._ask_before(target)
+        with self.session.all_or_nothing():
+            if target != self.path:
+                self._take_name_of(target)
+            recipe = self.session.draft.recipe()
+            same_kind = (target.suffix.lower() == ".json") == self.text.lstrip().startswith("{")
+            text = text_after(self.text if same_kind else "", recipe, target.suffix)
+            write_file([text.encode()], target, confirmed=True)
+        if target != self.path:
+            self.journal.remove()
+            self.journal = Journal(name=str(target))
+        self.path, self.text = target, text
+        self._saved()
+
+    def reload(self) -> None:
+        """Take over what is in the file, or what a document without one began with; undo takes it back."""
+        if self.path is None:
+            self._start_again(self._start)
+            return
+        text = _read(self.path)
+        draft = Session.of(load(self.path)).draft
+        self.text = text
+        self._start_again(draft)
+
+    def close(self) -> None:
+        """Discard what is not saved."""
+        self.journal.remove()
+
+    def look(self) -> bool:
+        """Look whether somebody else wrote the file; return whether that has changed since the last look."""
+        stamp = self._stamp_now()
+        if stamp == self._stamp:
+            return False
+        self._stamp, before = stamp, self.changed_on_disk
+        self.changed_on_disk = self._differs()
+        return self.changed_on_disk != before
+
+    def _start_again(self, draft: Draft) -> None:
+        self.session.saved = draft
+        self.session.restore(draft)
+        self._saved()
+
+    def _saved(self) -> None:
+        """Remember that the draft is in the file."""
+        self.session.saved = self.session.draft
+        self.changed_on_disk, self.recovered, self._stamp = False, None, self._stamp_now()
+        self._session_changed()
+
+    def _session_changed(self) -> None:
+        if self.session.unsaved:
+            self.journal.write(self.session.draft)
+        else:
+            self.journal.remove()
+            self.recovered = None
+        self.changed()
+
+    def _ask_before(self, target: Path) -> None:
+        if target == self.path:
+            if self._differs():
+                self.changed_on_disk = True
+                raise Question(f"{target.name} was changed by somebody else since it was opened", "changed")
+        elif os.path.lexists(target):
+            raise Question(f"{target.name} exists already", "exists")
+
+    def _differs(self) -> bool:
+        """Return whether the file has another text than it had; one that is gone can be written anew."""
+        if self.path is None or not self.path.exists():
+            return False
+        try:
+            return self.path.read_bytes() != self.text.encode()
+        except OSError:
+            return True
+
+    def _stamp_now(self) -> tuple[int, int] | None:
+        """Return what shows without reading the file that it may have changed."""
+        with suppress(OSError):
+            if self.path is not None:
+                status = self.path.stat()
+                return status.st_mtime_ns, status.st_size
+        return None
+
+    def _take_name_of(self, target: Path) -> None:
+        """Call the maps as the file, if they have no name of their own, and the file's name can be one."""
+        name = self.session.draft.values.get("name", _DEFAULT_NAME)
+        if name in (_DEFAULT_NAME, self.path.stem if self.path else _DEFAULT_NAME):
+            with suppress(ParameterError):
+                self.session.set("name", parameters(Recipe)["name"].check("name", target.stem))
+
+
+_DEFAULT_NAME = next(each.default for each in fields(Recipe) if each.name == "name")
+
+
+def _read(path: Path) -> str:
+    """Return the text of a recipe file, line ends as they are; empty if it has none, which loading it then says."""
+    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"]) * 2**20
+    return (regular_content(path, most) or b"").decode("utf-8", "replace")

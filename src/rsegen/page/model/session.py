@@ -1,0 +1,214 @@
+"""A recipe while it is edited, with undo and redo.
+
+    draft --recipe--> Recipe --compose--> Scene
+
+A draft may be invalid while the user types; the session then keeps the last valid recipe, and says what is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from rsegen.errors import ParameterError, RsegenError
+from rsegen.params.sorts import Json
+from rsegen.params.streams import fresh_seed
+from rsegen.recipe.codec import decode
+from rsegen.recipe.recipe import Recipe
+
+Entry = Mapping[str, Json]
+"""An obstacle as a recipe file has it."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Draft:
+    """Everything that undo restores: the global parameters as a recipe file has them, and the list of obstacles."""
+
+    values: Entry
+    rows: tuple[Entry, ...] = ()
+
+    def recipe(self) -> Recipe:
+        """Return the recipe of the draft; a ParameterError if it is invalid."""
+        return decode(self.content())
+
+    def content(self) -> dict[str, Json]:
+        """Return the draft as the content of a recipe file."""
+        return {**self.values, "obstacles": [dict(row) for row in self.rows]}
+
+
+def draft_of(recipe: Recipe) -> Draft:
+    """Return the draft of a recipe."""
+    rows = tuple(MappingProxyType(obstacle.entry()) for obstacle in recipe.obstacles)
+    return Draft(values=MappingProxyType(recipe.values()), rows=rows)
+
+
+def is_enabled(entry: Entry) -> bool:
+    """Return whether an obstacle is switched on."""
+    return entry.get("enabled", True) is not False
+
+
+@dataclass(kw_only=True)
+class Session:
+    """A draft and its history.
+
+    changed: called after every change; revision: counts them, undo included; problem: why the draft is invalid;
+    recipe: the last valid one; saved: the draft that is in the file, None if there is none.
+    """
+
+    draft: Draft
+    changed: Callable[[], None] = lambda: None
+    revision: int = 0
+    problem: ParameterError | None = None
+    recipe: Recipe = field(default_factory=lambda: Recipe(seed=0))
+    saved: Draft | None = None
+    _undone: list[Draft] = field(default_factory=list)
+    _done: list[Draft] = field(default_factory=list)
+    _gesture: object = None
+
+    def __post_init__(self) -> None:
+        self._check()
+
+    @classmethod
+    def of(cls, recipe: Recipe | None = None) -> Session:
+        """Return a session with a recipe, or with one flat pallet, that counts as saved."""
+        draft = draft_of(recipe or Recipe())
+        return cls(draft=draft, saved=draft)
+
+    # Global parameters.
+
+    def set(self, name: str, value: Json, *, gesture: object = None) -> None:
+        """Change a global parameter; None gives it back its default, of which a seed has none."""
+        values = {**self.draft.values, name: value}
+        if value is None and name != "seed":
+            del values[name]
+        self._put(replace(self.draft, values=MappingProxyType(values)), gesture)
+
+    def reroll(self) -> None:
+        """Draw another seed, short enough to be read out and typed."""
+        self.set("seed", fresh_seed() % 10**9)
+
+    # The list of obstacles.
+
+    def add(self, entry: Entry, at: int | None = None, *, gesture: object = None) -> int:
+        """Add an obstacle, at the end by default; return its row."""
+        at = len(self.draft.rows) if at is None else at
+        row = MappingProxyType({**entry, "key": self._free_key()})
+        self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]), gesture)
+        return at
+
+    def duplicate(self, row: int) -> int:
+        """Copy a row to the row below it; return that row."""
+        return self.add(self.draft.rows[row], row + 1)
+
+    def remove(self, row: int) -> None:
+        """Remove a row."""
+        self._put_rows((*self.draft.rows[:row], *self.draft.rows[row + 1 :]))
+
+    def clear(self) -> None:
+        """Remove all rows."""
+        self._put_rows(())
+
+    def move(self, row: int, to: int) -> None:
+        """Move a row in the list; later obstacles are imposed on earlier ones."""
+        rows = list(self.draft.rows)
+        rows.insert(to, rows.pop(row))
+        self._put_rows(tuple(rows))
+
+    def enable(self, row: int, *, enabled: bool) -> None:
+        """Switch a row on or off."""
+        entry = {name: value for name, value in self.draft.rows[row].items() if name != "enabled"}
+        self._replace(row, entry if enabled else {**entry, "enabled": False}, None)
+
+    def change(self, row: int, entry: Entry, *, gesture: object = None) -> None:
+        """Replace the parameters of a row; its key stays, and whether it is switched on.
+
+        Changes of one gesture, such as a drag, are undone together.
+        """
+        before = self.draft.rows[row]
+        stays = {name: before[name] for name in ("key", "enabled") if name in before}
+        given = {name: value for name, value in entry.items() if name != "enabled"}
+        self._replace(row, {**given, **stays}, gesture)
+
+    # History.
+
+    def undo(self) -> None:
+        """Undo the last change."""
+        if self._done:
+            self._undone.append(self.draft)
+            self._show(self._done.pop())
+
+    def redo(self) -> None:
+        """Redo the change that was undone last."""
+        if self._undone:
+            self._done.append(self.draft)
+            self._show(self._undone.pop())
+
+    def restore(self, draft: Draft) -> None:
+        """Take over a draft as one change, which undo takes back."""
+        self._put(draft, None)
+
+    @property
+    def can_undo(self) -> bool:
+        """Return whether there is anything to undo."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Return whether there is anything to redo."""
+        return bool(self._undone)
+
+    @property
+    def unsaved(self) -> bool:
+        """Return whether the draft differs from its file."""
+        return self.draft != self.saved
+
+    @contextmanager
+    def all_or_nothing(self) -> Iterator[None]:
+        """Take back the changes that were made inside if they end with an error."""
+        before = {**vars(self), "_done": [*self._done], "_undone": [*self._undone]}
+        try:
+            yield
+        except Exception:
+            revision = self.revision
+            vars(self).update(before)
+            if revision != self.revision:
+                self.revision = revision + 1
+                self.changed()
+            raise
+
+    def _put_rows(self, rows: tuple[Entry, ...], gesture: object = None) -> None:
+        self._put(replace(self.draft, rows=rows), gesture)
+
+    def _replace(self, number: int, entry: Entry, gesture: object) -> None:
+        rows = (*self.draft.rows[:number], MappingProxyType(dict(entry)), *self.draft.rows[number + 1 :])
+        self._put(replace(self.draft, rows=rows), gesture)
+
+    def _put(self, draft: Draft, gesture: object) -> None:
+        if draft == self.draft:
+            return
+        if gesture is None or gesture != self._gesture:
+            self._done.append(self.draft)
+        self._undone.clear()
+        self._show(draft)
+        self._gesture = gesture
+
+    def _show(self, draft: Draft) -> None:
+        self.draft, self._gesture = draft, None
+        self.revision += 1
+        self._check()
+        self.changed()
+
+    def _check(self) -> None:
+        """Take over a valid draft as the recipe; keep the problem of an invalid one."""
+        try:
+            self.recipe, self.problem = self.draft.recipe(), None
+        except ParameterError as error:
+            self.problem = error
+        except RsegenError as error:  # such as a plug-in that cannot be loaded
+            self.problem = ParameterError("", str(error))
+
+    def _free_key(self) -> str:
+        taken = {key for row in self.draft.rows if isinstance(key := row.get("key"), str)}
+        return next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)

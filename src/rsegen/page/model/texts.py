@@ -1,0 +1,220 @@
+"""The text of a recipe's file after edits: a hand-written YAML keeps its comments, its order and its lines.
+
+    text as read --ruamel.yaml--> tree --changed--> tree --ruamel.yaml--> text, of which only changed lines are taken
+
+ruamel.yaml writes a tree with its comments, but not every line as it was: quotes and blanks may differ. So the tree is
+written before and after the changes, and the difference of these two is what is changed in the text as read.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Sequence
+from difflib import SequenceMatcher
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from rsegen.errors import RsegenError
+from rsegen.io.recipe_file import parse_yaml, to_yaml
+from rsegen.params.sorts import Json
+from rsegen.recipe.codec import decode, to_json
+from rsegen.recipe.recipe import Recipe
+
+_LONGEST = 500_000
+"""Letters of a YAML that is edited: ruamel.yaml takes some ten seconds for them. A longer one is written anew."""
+
+
+def text_after(before: str, recipe: Recipe, suffix: str) -> str:
+    """Return the text of a recipe for a file that had another one before, or none; JSON if the suffix is .json."""
+    if "\r\n" in before:
+        return text_after(before.replace("\r\n", "\n"), recipe, suffix).replace("\n", "\r\n")
+    if suffix.lower() == ".json":
+        return _json_after(before, recipe)
+    if before.strip() and len(before) <= _LONGEST:
+        from ruamel.yaml.error import YAMLError
+
+        try:
+            edited = _yaml_after(before, recipe)
+        except (RsegenError, YAMLError, RecursionError, ValueError, TypeError, AttributeError, KeyError, IndexError):
+            edited = None  # an unusual file, such as one with aliases: it is written anew, and nothing is lost
+        if edited is not None:
+            return edited
+    return to_yaml(recipe)
+
+
+def _json_after(before: str, recipe: Recipe) -> str:
+    """Return the JSON of a recipe, which keeps the schema that its file names for editors."""
+    text = to_json(recipe)
+    try:
+        schema = json.loads(before)["$schema"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return text
+    return text.replace("{\n", '{\n  "$schema": ' + json.dumps(schema) + ",\n", 1)
+
+
+def _yaml_after(before: str, recipe: Recipe) -> str | None:
+    """Return a YAML with the values of a recipe in place of those that differ; None if it cannot be edited so."""
+    start = decode(parse_yaml(before, Path()))
+    unchanged = _written(before, lambda tree: None)
+
+    def edit(tree: Any) -> None:
+        _set_values(tree, start, recipe)
+        _set_rows(tree, start, recipe)
+
+    def edit_with_keys(tree: Any) -> None:
+        edit(tree)
+        _set_keys(tree, recipe)
+
+    for change in (edit, edit_with_keys):
+        changed = _written(before, change)
+        for text in (_patched(before, unchanged, changed), changed):
+            if _says(text, recipe):
+                return text
+    return None
+
+
+def _written(text: str, change: Callable[[Any], None]) -> str:
+    """Return a YAML as ruamel.yaml writes it after a change of its tree, which it can write once only."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.emitter import RoundTripEmitter
+
+    class Emitter(RoundTripEmitter):
+        """The emitter of ruamel.yaml, which forgets a line break after a row `- {...}  # with a comment`."""
+
+        def expect_flow_mapping_key(self) -> None:
+            super().expect_flow_mapping_key()
+            if not self.flow_context:
+                self.no_newline = False
+
+    tool = YAML(typ="rt", pure=True)
+    tool.Emitter = Emitter
+    tool.preserve_quotes = True
+    tool.width = 120
+    dashes = re.search(r"^( *)- ", text, re.MULTILINE)
+    before_dash = len(dashes[1]) if dashes else 0
+    tool.indent(mapping=2, sequence=before_dash + 2, offset=before_dash)
+    tree, stream = tool.load(text), StringIO()
+    change(tree)
+    tool.dump(tree, stream)
+    return stream.getvalue()
+
+
+def _says(text: str, recipe: Recipe) -> bool:
+    """Return whether a YAML is this recipe, keys of random streams included."""
+    try:
+        return decode(parse_yaml(text, Path())) == recipe
+    except RsegenError:
+        return False
+
+
+def _set_values(tree: Any, before: Recipe, recipe: Recipe) -> None:
+    """Change the global parameters of a tree that differ; new ones come before the obstacles."""
+    old, new, said = before.values(), recipe.values(), recipe.entry()
+    for name in {**old, **new}:
+        if name not in new:
+            tree.pop(name, None)
+        elif name not in old or old[name] != new[name] or (name == "seed" and name not in tree):
+            if name in tree:
+                tree[name] = _node(new[name])
+            elif name in said:
+                place = list(tree).index("obstacles") if "obstacles" in tree else len(tree)
+                tree.insert(place, name, _node(new[name]))
+
+
+def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
+    """Bring the rows of a tree to those of a recipe, each with its comments; a row is known by its key."""
+    from ruamel.yaml.comments import CommentedSeq
+
+    rows = tree.get("obstacles")
+    if not recipe.obstacles:
+        tree.pop("obstacles", None)
+        return
+    if not rows:
+        rows = tree["obstacles"] = CommentedSeq()
+    numbers = {obstacle.key: number for number, obstacle in enumerate(before.obstacles)}
+    nodes, comments = [], {}
+    block = not any(row.fa.flow_style() for row in rows)
+    for place, obstacle in enumerate(recipe.obstacles):
+        number = numbers.get(obstacle.key)
+        if number is None:
+            nodes.append(_row(obstacle.entry(), block=block and bool(rows)))
+            continue
+        _set_row(rows[number], before.obstacles[number].entry(), obstacle.entry())
+        nodes.append(rows[number])
+        if number in rows.ca.items:
+            comments[place] = rows.ca.items[number]
+    if len(nodes) == len(rows) and all(old is new for old, new in zip(rows, nodes, strict=True)):
+        return
+    kept = rows.ca.items
+    kept.clear()
+    rows[:] = []
+    rows.extend(nodes)
+    kept.update(comments)
+
+
+def _set_row(node: Any, before: dict[str, Json], after: dict[str, Json]) -> None:
+    """Change the parameters of a row that differ; one whose draw would change with them gets its key."""
+    differ = {name for name in {**before, **after} if before.get(name) != after.get(name)}
+    draws_anew = bool(differ - {"enabled"})
+    for name in [name for name in before if name not in after]:
+        node.pop(name, None)
+    for name, value in after.items():
+        if name in differ or (name == "key" and draws_anew and "key" not in node):
+            node[name] = _node(value)
+
+
+def _set_keys(tree: Any, recipe: Recipe) -> None:
+    """Give every row the key that it has, as some would get another one by their new place in the list."""
+    for node, obstacle in zip(tree.get("obstacles") or (), recipe.obstacles, strict=True):
+        node["key"] = obstacle.key
+
+
+def _row(entry: dict[str, Json], *, block: bool) -> Any:
+    """Return a new row: over several lines as the others, or on one."""
+    from ruamel.yaml.comments import CommentedMap
+
+    row = CommentedMap({name: _node(value) for name, value in entry.items()})
+    if not block:
+        row.fa.set_flow_style()
+    return row
+
+
+def _node(value: Json) -> Any:
+    """Return a value as a node: lists on one line, as people write places; texts of several lines of a matrix apart."""
+    if not isinstance(value, list):
+        return value
+    from ruamel.yaml.comments import CommentedSeq
+
+    node = CommentedSeq([_node(part) for part in value])
+    if not any(isinstance(part, str) and " " in part for part in value):
+        node.fa.set_flow_style()
+    return node
+
+
+def _patched(text: str, unchanged: str, changed: str) -> str:
+    """Return the text with the lines changed in which two others differ, of which the first says the same as it."""
+    lines, old, new = (each.splitlines(keepends=True) for each in (text, unchanged, changed))
+    places = _places(old, lines)
+    result: list[str] = []
+    at = 0
+    for tag, low, high, start, stop in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        if tag == "equal":
+            continue
+        result += [*lines[at : places[low]], *new[start:stop]]
+        at = places[high]
+    if result and not result[-1].endswith("\n"):
+        result[-1] += "\n"
+    return "".join([*result, *lines[at:]])
+
+
+def _places(old: Sequence[str], lines: Sequence[str]) -> list[int]:
+    """Return for the start of each line of `old`, and for its end, where that is in `lines`."""
+    places = [0] * (len(old) + 1)
+    for tag, low, high, start, stop in SequenceMatcher(None, old, lines, autojunk=False).get_opcodes():
+        for number in range(low, high):
+            # Lines that are written otherwise belong together one by one, as far as they go.
+            places[number] = start + (number - low if tag == "equal" else min(number - low, stop - start))
+    places[len(old)] = len(lines)
+    return places

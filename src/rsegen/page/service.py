@@ -1,0 +1,133 @@
+"""A server that runs: its address, its end, and a thread for it in a notebook."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import os
+import secrets
+import socket
+from contextlib import suppress
+from dataclasses import dataclass, field
+from threading import Thread
+from urllib.parse import quote
+
+import uvicorn
+from starlette.types import ASGIApp
+
+from rsegen.errors import UserError, said_by, shown
+from rsegen.page.host import Host
+from rsegen.page.server import Desk
+
+_GRACE = 6.0
+"""Seconds from the last page to the end: a reload takes one or two, and a page that lost its server tries after 1.5."""
+
+
+class _Server(uvicorn.Server):
+    """A server that ends the streams of its pages before it waits for what is under way, and ends after its last page.
+
+    keep: it goes on without a page
+    """
+
+    def __init__(self, app: ASGIApp, desk: Desk, *, keep: bool) -> None:
+        config = uvicorn.Config(
+            app,
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            proxy_headers=False,
+            ws="none",
+            timeout_graceful_shutdown=10,
+        )
+        super().__init__(config)
+        self._desk, self._keep = desk, keep
+
+    async def on_tick(self, counter: int) -> bool:
+        """Return whether to end, ten times a second."""
+        left = self._desk.last_page
+        if not self._keep and left is not None and asyncio.get_running_loop().time() - left > _GRACE:
+            self.should_exit = self.should_exit or not any(works() for works in self._desk.host.busy)
+        return await super().on_tick(counter)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End the streams, then everything else."""
+        self._desk.ended.set()
+        await super().shutdown(sockets)
+
+
+@dataclass(kw_only=True)
+class Service:
+    """A server with its address; run: serve until it ends, in this thread."""
+
+    host: Host
+    address: str = "127.0.0.1"
+    port: int | None = None
+    keep: bool = False
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
+    _socket: socket.socket = field(init=False)
+    _server: _Server = field(init=False)
+    _thread: Thread | None = None
+
+    def __post_init__(self) -> None:
+        self._socket = _listening(self.address, self.port)
+        ip = self._socket.getsockname()[0]
+        everywhere = ipaddress.ip_address(ip).is_unspecified
+        names = [self.address.lower(), *([socket.gethostname().lower()] if everywhere else [])]
+        desk = Desk(host=self.host, token=self.token)
+        app = desk.application(frozenset(names), any_address=not ipaddress.ip_address(ip).is_loopback)
+        self._server = _Server(app, desk, keep=self.keep)
+
+    def url(self, doc: str = "") -> str:
+        """Return the address of the page, with its token, and of a document on it."""
+        ip, port = self._socket.getsockname()[:2]
+        given = ipaddress.ip_address(ip)
+        name = "localhost" if given.is_loopback and given.version == 4 else socket.gethostname()
+        if (not given.is_loopback and not given.is_unspecified) or (given.version == 6 and given.is_loopback):
+            name = f"[{ip}]" if given.version == 6 else ip
+        return f"http://{name}:{port}/?token={self.token}" + (f"&doc={quote(doc)}" if doc else "")
+
+    @property
+    def listening_port(self) -> int:
+        """The port of the address."""
+        port: int = self._socket.getsockname()[1]
+        return port
+
+    def run(self) -> None:
+        """Serve until a signal, or the end of the last page."""
+        try:
+            with self._socket:
+                self._server.run(sockets=[self._socket])
+        finally:  # a signal is raised once more when the server has ended
+            self.host.close()
+
+    def start(self) -> None:
+        """Serve in a thread until `close`, or the end of this process."""
+        self._thread = Thread(target=self.run, name="rsegen.gui", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the server that runs in a thread, and what it runs."""
+        self._server.should_exit = True
+        if self._thread:
+            self._thread.join(30)
+        self._socket.close()
+
+
+_PORT = 8437
+"""The first choice, so that an address stays the same; another one is taken while this one is in use."""
+
+
+def _listening(address: str, port: int | None) -> socket.socket:
+    """Return a socket that listens at an address; a UserError if it cannot be had."""
+    try:
+        family, _, _, _, place = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM)[0]
+    except (OSError, UnicodeError) as error:
+        raise UserError(f"--host: {shown(address)} is no address of this machine ({said_by(error)})") from None
+    if port is None:
+        with suppress(OSError):
+            return socket.create_server((place[0], _PORT), family=family)
+    try:
+        return socket.create_server((place[0], port or 0), family=family)
+    except OSError as error:
+        reason = os.strerror(error.errno or 0)
+        raise UserError(f"--host {address}, --port {port}: cannot be listened at ({reason})") from None

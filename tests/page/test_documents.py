@@ -1,0 +1,345 @@
+"""Documents: what is on disk is never lost, neither what a person edits nor what somebody else wrote."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from base64 import b64decode
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen import Peak, Random, Recipe, load
+from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.page import host as calls
+from rsegen.page.calls import Question
+from rsegen.page.host import MOST_DOCUMENTS, Host, Opened
+from rsegen.page.model.session import Session
+from rsegen.page.scenes import scene
+from rsegen.recipe.building import build, owners
+
+PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
+TEXT = "# mine\nseed: 3\nname: course\nobstacles:\n  - {kind: random, levels: 3} # rough\n"
+
+
+@pytest.fixture
+def host(tmp_path: Path) -> Host:
+    (tmp_path / "course.yaml").write_text(TEXT)
+    return Host(folder=tmp_path)
+
+
+@pytest.fixture
+def opened(host: Host) -> Opened:
+    return host.opened(calls.open(host, what="course.yaml")["doc"])
+
+
+def act(opened: Opened, *actions: Mapping[str, Any], index: int = 0) -> dict[str, Any]:
+    return calls.edit(opened, actions=[dict(action) for action in actions], index=index)
+
+
+def drafts(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("*")) if folder.exists() else []
+
+
+# Files.
+
+
+def test_a_file_is_one_document_for_all_pages_that_open_it(host: Host, opened: Opened) -> None:
+    assert calls.open(host, what="./course.yaml")["doc"] == opened.id
+    assert calls.open(host, what="")["doc"] != calls.open(host, what="")["doc"]
+
+
+def test_switched_off_rows_and_comments_are_saved(host: Host, opened: Opened) -> None:
+    state = act(opened, {"do": "enable", "row": 0, "enabled": False})
+    assert (state["unsaved"], state["rows"][0]["enabled"]) == (True, False)
+    state = calls.save(host, doc=opened.id)
+    assert not state["unsaved"]
+    saved = (host.folder / "course.yaml").read_text()
+    assert saved.startswith("# mine\n")
+    assert "enabled: false" in saved
+    assert load(host.folder / "course.yaml") == opened.session.recipe
+
+
+def test_what_somebody_else_wrote_is_noticed_and_not_overwritten(host: Host, opened: Opened) -> None:
+    act(opened, {"do": "set", "name": "unit_cm", "value": 5})
+    path = host.folder / "course.yaml"
+    path.write_text("seed: 4\n")
+    assert opened.document.look()
+    assert not opened.document.look()
+    with pytest.raises(Question) as asked:
+        calls.save(host, doc=opened.id)
+    assert asked.value.kind == "changed"
+    assert path.read_text() == "seed: 4\n"
+    assert calls.state(opened)["changed_on_disk"]
+    assert not calls.save(host, doc=opened.id, replace=True)["changed_on_disk"]
+    assert load(path).unit_cm == 5
+
+
+def test_a_file_of_another_time_with_the_same_text_has_not_changed(opened: Opened) -> None:
+    assert opened.document.path
+    os.utime(opened.document.path, (1, 1))
+    assert not opened.document.look()
+    assert not opened.document.changed_on_disk
+
+
+def test_a_file_is_read_again_and_undo_takes_that_back(host: Host, opened: Opened) -> None:
+    act(opened, {"do": "set", "name": "unit_cm", "value": 5})
+    (host.folder / "course.yaml").write_text("seed: 4\n")
+    state = calls.reload(opened)
+    assert (state["values"]["seed"], state["unsaved"], state["changed_on_disk"]) == (4, False, False)
+    assert act(opened, {"do": "undo"})["values"]["unit_cm"] == 5
+
+
+def test_a_broken_file_is_not_taken_over(host: Host, opened: Opened) -> None:
+    (host.folder / "course.yaml").write_text("seed: [")
+    with pytest.raises(FileError):
+        calls.reload(opened)
+    assert opened.session.recipe.seed == 3
+
+
+def test_another_file_is_asked_about_before_it_is_replaced(host: Host, opened: Opened) -> None:
+    (host.folder / "other.yaml").write_text("seed: 9\n")
+    with pytest.raises(Question, match=r"other\.yaml exists already"):
+        calls.save(host, doc=opened.id, path="other.yaml")
+    assert (host.folder / "other.yaml").read_text() == "seed: 9\n"
+    assert calls.save(host, doc=opened.id, path="other.yaml", replace=True)["title"] == "other.yaml"
+
+
+def test_maps_are_called_as_their_file_unless_they_have_a_name(host: Host) -> None:
+    opened = host.open(Session.of(Recipe(seed=1)))
+    assert calls.save(host, doc=opened.id, path="hills.yaml")["name"] == "hills"
+    assert calls.save(host, doc=opened.id, path="dunes.json")["name"] == "dunes"
+    act(opened, {"do": "set", "name": "name", "value": "mine"})
+    assert calls.save(host, doc=opened.id, path="more.yaml")["name"] == "mine"
+    assert json.loads((host.folder / "dunes.json").read_text())["name"] == "dunes"
+
+
+@pytest.mark.parametrize("path", ["../out.yaml", "/etc/out.yaml", "sub/../../out.yaml", "no/such.yaml", ".hidden.yaml"])
+def test_nothing_is_written_outside_the_folder(host: Host, opened: Opened, path: str) -> None:
+    with pytest.raises(FileError):
+        calls.save(host, doc=opened.id, path=path)
+    with pytest.raises(FileError):
+        calls.save(host, doc=opened.id, path="course.txt")
+
+
+def test_links_lead_nowhere(host: Host, opened: Opened, tmp_path_factory: pytest.TempPathFactory) -> None:
+    outside = tmp_path_factory.mktemp("outside")
+    (host.folder / "link").symlink_to(outside)
+    (host.folder / "loop").symlink_to("loop")
+    for path in ("link/out.yaml", "loop", "loop/out.yaml"):
+        with pytest.raises(FileError):
+            calls.save(host, doc=opened.id, path=path)
+        with pytest.raises(FileError):
+            calls.open(host, what=path)
+
+
+def test_an_example_is_opened_as_a_copy(host: Host) -> None:
+    opened = host.opened(calls.open(host, what="figure-7")["doc"])
+    state = calls.state(opened)
+    assert (state["title"], state["path"], state["unsaved"]) == ("copy of figure-7", None, False)
+    with pytest.raises(UserError, match="give a name"):
+        calls.save(host, doc=opened.id)
+    calls.save(host, doc=opened.id, path="mine.yaml")
+    assert (host.folder / "mine.yaml").read_text().startswith("# The field that the paper built")
+
+
+def test_an_invalid_draft_is_not_saved(host: Host, opened: Opened) -> None:
+    state = act(opened, {"do": "set", "name": "unit_cm", "value": -1})
+    assert state["problem"]["where"] == "unit_cm"
+    with pytest.raises(ParameterError):
+        calls.save(host, doc=opened.id)
+    assert (host.folder / "course.yaml").read_text() == TEXT
+
+
+def test_many_documents_are_refused_only_if_none_can_be_closed(host: Host) -> None:
+    for _ in range(MOST_DOCUMENTS + 5):
+        host.open(Session.of(Recipe(seed=1)))
+    assert len(host.documents) == MOST_DOCUMENTS
+    for opened in host.documents.values():
+        act(opened, {"do": "add", "entry": PEAK})
+    with pytest.raises(UserError, match="save or close some"):
+        host.open(Session.of(Recipe(seed=1)))
+
+
+# The journal.
+
+
+def test_a_draft_is_on_disk_as_long_as_it_is_not_in_its_file(host: Host, opened: Opened, state_folder: Path) -> None:
+    assert drafts(state_folder) == []
+    act(opened, {"do": "add", "entry": PEAK})
+    assert len(drafts(state_folder)) == 1
+    act(opened, {"do": "undo"})
+    assert drafts(state_folder) == []
+    act(opened, {"do": "redo"})
+    calls.save(host, doc=opened.id)
+    assert drafts(state_folder) == []
+    act(opened, {"do": "add", "entry": PEAK})
+    calls.close(host, doc=opened.id)
+    assert drafts(state_folder) == []
+
+
+_EDITOR = """
+import os, signal, sys
+from pathlib import Path
+from rsegen.page import host as calls
+from rsegen.page.host import Host
+
+host = Host(folder=Path(sys.argv[1]))
+opened = host.opened(calls.open(host, what=sys.argv[2])["doc"])
+print(calls.state(opened)["recovered"], flush=True)
+calls.edit(opened, actions=[{"do": "set", "name": "unit_cm", "value": 5}, {"do": "clear"}])
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["course.yaml", ""])
+def test_changes_survive_a_kill(host: Host, what: str, state_folder: Path) -> None:
+    words = [sys.executable, "-c", _EDITOR, str(host.folder), what]
+    killed = subprocess.run(words, check=False, capture_output=True, text=True)
+    assert (killed.returncode, killed.stdout) == (-signal.SIGKILL, "None\n"), killed.stderr
+    assert (host.folder / "course.yaml").read_text() == TEXT
+    opened = host.opened(calls.open(host, what=what)["doc"])
+    state = calls.state(opened)
+    assert state["recovered"]
+    assert (state["values"]["unit_cm"], state["unsaved"], state["rows"]) == (5, True, [])
+    state = act(opened, {"do": "undo"})
+    assert (state["values"]["unit_cm"], state["unsaved"], state["recovered"]) == (10, False, None)
+    assert drafts(state_folder) == []
+
+
+def test_what_another_program_left_in_the_journal_is_not_taken(host: Host, opened: Opened, state_folder: Path) -> None:
+    act(opened, {"do": "add", "entry": PEAK})
+    (written,) = state_folder.iterdir()
+    dead = written.with_name(written.name.rpartition("-")[0] + "-999999999.json")
+    for content in ("", "[", "5", '{"name": 5}', "[" * 100_000, '{"rows": 1, "values": 2, "name": ""}'):
+        dead.write_text(content)
+        assert opened.document.journal.recovered() is None or written.exists()
+    written.unlink()
+    assert opened.document.journal.recovered() is None
+
+
+def test_a_full_disk_ends_nobodys_work(opened: Opened, state_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
+    assert act(opened, {"do": "clear"})["rows"] == []
+    assert "cannot be kept" in opened.document.journal.failed
+    assert drafts(state_folder) == []
+
+
+# Actions.
+
+
+def test_actions_are_applied_all_or_none(opened: Opened) -> None:
+    before = opened.session.draft
+    for wrong in (
+        {"do": "nothing"},
+        {"do": "remove", "row": 7},
+        {"do": "remove", "row": -1},
+        {"do": "remove", "row": True},
+        {"do": "remove"},
+        {"do": "remove", "row": 0, "more": 1},
+        {"do": "set", "name": "nothing", "value": 1},
+        {"do": "move_end", "row": 0, "end": "middle", "cell": [1, 1]},
+        {"do": "move_end", "row": 0, "end": "last", "cell": [10, 1]},
+        {"do": "paint", "row": -1, "cells": [[0, 0]], "level": 32768},
+        {"do": "paint", "row": -1, "cells": [[0]], "level": 1},
+        {"do": ["add"]},
+    ):
+        with pytest.raises(ParameterError) as refused:
+            act(opened, {"do": "clear"}, wrong)
+        assert refused.value.where.startswith("actions[1]")
+        assert opened.session.draft == before
+        assert not opened.session.can_undo
+
+
+def test_each_action_does_what_its_name_says(opened: Opened) -> None:
+    state = act(opened, {"do": "add", "entry": PEAK}, {"do": "duplicate", "row": 1}, {"do": "move", "row": 2, "to": 0})
+    assert ([row["entry"]["kind"] for row in state["rows"]], state["selected"]) == (["peak", "random", "peak"], 0)
+    assert len({row["entry"]["key"] for row in state["rows"]}) == 3
+    state = act(opened, {"do": "change", "row": 0, "entry": {**PEAK, "levels": 9}}, {"do": "remove", "row": 2})
+    assert [row["entry"]["levels"] for row in state["rows"]] == [9, 3]
+    state = act(opened, {"do": "paint", "row": 0, "cells": [[0, 0], [1, 0]], "level": 2, "gesture": "a"})
+    state = act(opened, {"do": "paint", "row": state["selected"], "cells": [[2, 0]], "level": 2, "gesture": "a"})
+    assert state["rows"][2]["entry"]["rows"] == ["2 2 2"]
+    state = act(opened, {"do": "undo"})
+    assert len(state["rows"]) == 2
+    state = act(opened, {"do": "redo"}, {"do": "reroll"})
+    assert (len(state["rows"]), state["values"]["seed"] == 3) == (3, False)
+
+
+def test_ends_are_those_of_the_map_shown_and_are_fixed_there(opened: Opened) -> None:
+    act(opened, {"do": "set", "name": "maps", "value": 9}, {"do": "add", "entry": {"kind": "peak", "levels": 3}})
+    ends = [calls.state(opened, index=index)["rows"][1]["ends"] for index in range(9)]
+    assert len({json.dumps(each) for each in ends}) > 1
+    before = build(opened.session.recipe, 4)
+    state = act(opened, {"do": "fix", "row": 1, "index": 4}, index=4)
+    assert {name: state["rows"][1]["entry"][name] for name in ("first", "last")} == ends[4]
+    assert build(opened.session.recipe, 4) == before
+
+
+# Scenes.
+
+
+def _owners(shown: dict[str, Any]) -> Any:
+    return np.frombuffer(b64decode(shown["owners"]), dtype="<i2").reshape(shown["cells"])
+
+
+def test_blocks_know_the_row_that_made_them(opened: Opened) -> None:
+    act(opened, {"do": "set", "name": "boundary", "value": "none"}, {"do": "add", "entry": PEAK})
+    act(opened, {"do": "enable", "row": 0, "enabled": False})
+    shown = scene(opened)
+    alone = build(replace(opened.session.recipe, obstacles=opened.session.recipe.obstacles[1:])).levels
+    assert np.array_equal(_owners(shown), np.where(alone > 0, 1, -1))
+    assert [handle["row"] for handle in shown["handles"]] == [1]
+
+
+def test_the_owner_is_the_last_that_replaced_or_changed_a_level() -> None:
+    floor, low, high = Random(levels=2), Peak(levels=2, blend="max"), Peak(levels=9, blend="max")
+    recipe = Recipe(seed=1, obstacles=[floor, *(replace(each, first=(2, 2), last=(7, 7)) for each in (low, high, low))])
+    found = owners(recipe, 0)
+    assert set(np.unique(found)) <= {0, 1, 2}
+    assert np.array_equal(found == 2, build(recipe).blocks > 1)
+    assert owners(replace(recipe, difficulty=0.2, max_step=1), 0).tolist() == found.tolist()
+    assert (owners(Recipe(seed=1), 0) == -1).all()
+
+
+def test_an_invalid_draft_shows_the_last_valid_map(opened: Opened) -> None:
+    before = scene(opened)
+    act(opened, {"do": "set", "name": "chunk_size", "value": 0}, {"do": "clear"})
+    after = scene(opened)
+    assert (after["content"], after["revision"]) == (before["content"], 2)
+    assert set(_owners(after).ravel()) == {-1}
+
+
+def test_large_maps_are_shown_coarser(host: Host) -> None:
+    opened = host.open(Session.of(Recipe(seed=1, chunk_size=900, obstacles=[Random(levels=3)])))
+    shown = scene(opened)
+    assert shown["factor"] == 3
+    assert shown["cells"] == [300, 300]
+    assert shown["block_width"] == pytest.approx(0.3)
+    assert sum(each["count"] for each in shown["palette"] if each["level"] is not None) == 900 * 900
+    assert _owners(shown).shape == (300, 300)
+
+
+def test_a_map_that_is_too_large_is_refused(host: Host) -> None:
+    opened = host.open(Session.of(Recipe(seed=1, chunk_size=1000, chunks=(10**6, 10**6), obstacles=[Random(levels=3)])))
+    with pytest.raises(rsegen.UserError, match="chunks: a map of"):
+        scene(opened)
+    with pytest.raises(ParameterError, match="1 is outside 0"):
+        scene(opened, index=1)
+
+
+def test_texts_say_the_same_in_three_languages(host: Host, opened: Opened) -> None:
+    act(opened, {"do": "enable", "row": 0, "enabled": False})
+    texts = calls.texts(opened)
+    assert texts["recipe"].startswith("# mine\n")
+    assert "enabled=no" in texts["shell"]
+    assert "enabled=False" in texts["python"]
