@@ -1,8 +1,9 @@
 """NIST's pallet patterns (Jacoff et al. 2008), with the block statistics of a model of one.
 
-The model is Team Hector's visual mesh of a red diagonal pallet, `stepfield_red_diagonal.dae`, with its shortest posts of
-5 cm as level 0; the designers' own rules and cut lists could not be read. It has 10 x 10 posts, all of the highest level on the ridge, the two adjacent lines ("shoulders") half of the level below it and half
-of the next, and no step larger than half the highest level, rounded up. A pallet here has
+The model is Team Hector's visual mesh of a red diagonal pallet, `stepfield_red_diagonal.dae`, with its shortest posts
+of 5 cm as level 0; the designers' own rules and cut lists could not be read. It has 10 x 10 posts, all of the highest
+level on the ridge, the two adjacent lines ("shoulders") half of the level below it and half of the next, and no step
+larger than half the highest level, rounded up. A pallet here has
 
     zone 0, the ridge       the highest level t
     zone 1, its shoulders   t - 2 and t - 1, equally often
