@@ -51,6 +51,8 @@ class Report:
             print(json.dumps(self.content() if callable(self.content) else self.content, indent=2))
         for line in () if arguments.json else self.lines:
             _print(line, arguments)
+        if arguments.json and _PROGRESS.get() == "json" and sys.stderr:
+            print(json.dumps({"report": list(self.lines)}), file=sys.stderr, flush=True)
         for line in self.notes:
             _print(line, arguments, sys.stderr if arguments.json else sys.stdout)
         return self.code

@@ -11,6 +11,7 @@ from rsegen.errors import UserError
 from rsegen.gui.model.document import Document
 from rsegen.gui.model.session import Session
 from rsegen.page.calls import call, call_of_host
+from rsegen.page.jobs import Jobs
 from rsegen.recipe.examples import or_example
 
 
@@ -25,9 +26,10 @@ class Opened:
 
 @dataclass(kw_only=True)
 class Host:
-    """All documents by their ids, and the folder in which files may be read and written."""
+    """All documents by their ids, the folder in which files may be read and written, and the commands that run."""
 
     folder: Path
+    jobs: Jobs = field(default_factory=Jobs)
     documents: dict[str, Opened] = field(default_factory=dict)
     _ids: Any = field(default_factory=lambda: count(1))
 
