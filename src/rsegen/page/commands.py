@@ -14,10 +14,10 @@ from typing import Any
 from rsegen.errors import ParameterError, UserError
 from rsegen.gui.model.session import Session
 from rsegen.page.calls import Question, call_of_host
-from rsegen.page.files import inside
 from rsegen.page.forms import CommandForm, command_form
 from rsegen.page.host import Host
 from rsegen.page.jobs import Job, Jobs, Run
+from rsegen.page.places import inside
 from rsegen.run.journal import read_journal, refuse_loss
 from rsegen.run.store import refuse_loss_below, refuse_taken_file
 

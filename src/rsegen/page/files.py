@@ -10,22 +10,12 @@ from typing import Any
 from rsegen.errors import FileError
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
+from rsegen.page.places import inside
 
 MOST = 1000
 """Entries of a folder that are listed: a page shows a list of some hundred."""
 
 _RECIPES = (".yaml", ".yml", ".json")
-
-
-def inside(folder: Path, text: str) -> Path:
-    """Return a path below a folder, seen from there; a FileError if it leads elsewhere, also by a link."""
-    if not isinstance(text, str) or "\0" in text:
-        raise FileError("a path is a text without zero bytes")
-    root = folder.resolve()
-    try:
-        return (root / text).resolve().relative_to(root)
-    except (OSError, RuntimeError, ValueError):  # a loop of links; not below
-        raise FileError(f"{text}: is outside {root}, the folder that this page reads and writes") from None
 
 
 def names_in(folder: Path) -> Iterator[os.DirEntry[str]]:

@@ -10,7 +10,6 @@ one and starts the page, so it is found by its name, as the processes are that r
 from __future__ import annotations
 
 import argparse
-import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -20,14 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from rsegen import __version__
-from rsegen.errors import ParameterError, UnknownName, refuse_unknown
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
 from rsegen.exporters.formats import FORMATS
 from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.io.recipe_file import load
 from rsegen.page.calls import call_of_host
-from rsegen.page.files import inside
 from rsegen.page.host import Host
+from rsegen.page.places import inside, refuse_outside
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary
 from rsegen.params.sorts import FilePath, Json, Text, plain
@@ -60,6 +59,9 @@ _RECIPES = ("recipe", "recipes", "target")
 
 _INPUTS = ("file", "clouds", "paths")
 """Names of the arguments that are files to read."""
+
+_WORDS_OR_FILES = ("robot", "plan", "inventory", "crossable_by")
+"""Names of the parameters that are a word or a file."""
 
 _WORDS: Mapping[str, Callable[[], Collection[str]]] = {
     "robot": lambda: ROBOTS,
@@ -330,21 +332,13 @@ def _placed(name: str, text: str, folder: Path) -> str:
     """Return a text that may name a file; a ParameterError if that file is outside the folder."""
     if name in _INPUTS:
         return str(_inside(name, text, folder))
-    if name in ("robot", "plan", "inventory", "crossable_by") and text not in _WORDS.get(name, _WORDS["robot"])():
-        path, *arguments = shlex.split(text) or [""]
-        if "/" in path or "." in Path(path).name[1:]:
-            return (
-                shlex.join([str(_inside(name, path, folder)), *arguments])
-                if arguments
-                else str(_inside(name, path, folder))
-            )
-    return text
+    return refuse_outside(name, text, folder) if name in _WORDS_OR_FILES else text
 
 
 def _inside(name: str, text: str, folder: Path) -> Path:
     try:
         return inside(folder, text)
-    except Exception as error:
+    except FileError as error:
         raise ParameterError(name, str(error)) from None
 
 

@@ -15,7 +15,7 @@ from starlette.routing import Route
 
 from rsegen.errors import ParameterError, UserError
 from rsegen.exporters.browser.page import editor_page
-from rsegen.page import calls, commands, files, forms, scenes  # noqa: F401  # register their calls
+from rsegen.page import calls, commands, files, forms, playback, robots, scenes, variants  # noqa: F401  # register their calls
 from rsegen.page.host import Host
 
 

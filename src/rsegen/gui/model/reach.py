@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.gui.model.solid import Bounds, Floats, Lines, Solid, solid
+from rsegen.standing.draping import draped
 from rsegen.standing.spots import Outline, Spot
 
 EASTWARD, NORTHWARD = (255, 45, 149), (255, 140, 0)
@@ -102,12 +102,6 @@ def reach_shape(scene: Scene, reach: Reach) -> ReachShape:
     )
 
 
-def draped(field: StepField, points: Array) -> Array:
-    """A line through points (n, 2) [m] laid on the blocks: (m, 3), with a vertical part at every step."""
-    parts = [_draped_part(field, start, end) for start, end in pairwise(points)]
-    return np.concatenate(parts) if parts else np.empty((0, 3))
-
-
 def dashes(points: Array, length: float) -> Lines:
     """Every second part, of this length, of a line through points (n, 3)."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
@@ -172,29 +166,6 @@ def _spot(field: StepField, outline: Array, ground: float, name: str) -> SpotSha
     top = np.full((4, 1), max(ground, float(covered.max(initial=0.0))))
     raised = np.hstack([outline, top])
     return SpotShape(raised, raised[2:], raised.mean(axis=0), name)
-
-
-def _draped_part(field: StepField, start: Array, end: Array) -> Array:
-    """A straight line laid on the blocks, cut at the edges of cells."""
-    cells = np.stack([start, end]) / field.block_width + np.array(field.shape) / 2
-    cuts = [np.array([0.0, 1.0])]
-    for low, high in cells.T.tolist():
-        first, last = sorted((low, high))
-        between = np.arange(np.floor(first) + 1, np.ceil(last))
-        cuts.append((between - low) / (high - low) if len(between) else np.empty(0))
-    t = np.unique(np.concatenate(cuts))
-    middles = cells[0] + ((t[:-1] + t[1:]) / 2)[:, None] * (cells[1] - cells[0])
-    ends = start + np.repeat(t, 2)[1:-1, None] * (end - start)
-    return np.column_stack([ends, np.repeat(_heights(field, middles), 2)])
-
-
-def _heights(field: StepField, places: Array) -> Array:
-    """The heights at places (n, 2) in cells; 0 beyond the map."""
-    i, j = np.floor(places).astype(int).T
-    inside = (i >= 0) & (j >= 0) & (i < field.shape[0]) & (j < field.shape[1])
-    found = np.zeros(len(places))
-    found[inside] = field.heights[i[inside], j[inside]]
-    return found
 
 
 class RobotPart(NamedTuple):
