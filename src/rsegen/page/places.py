@@ -21,7 +21,7 @@ def inside(folder: Path, text: str) -> Path:
 
 
 def refuse_outside(name: str, text: str, folder: Path) -> str:
-    """Return what may be a word, numbers, or a file with its arguments; a ParameterError for a file outside a folder."""
+    """Return what may be a word, numbers, or a file with arguments; a ParameterError for a file outside a folder."""
     if re.fullmatch(r"[0-9.,]*", text):
         return text
     try:

@@ -85,8 +85,14 @@ def _field(recipe: Recipe, index: int) -> StepField:
     return made
 
 
+def recipe_of(host: Host, doc: str) -> Recipe:
+    """Return the recipe of a document, of a draft that is invalid the last valid one."""
+    recipe: Recipe = host.opened(doc).document.session.recipe
+    return recipe
+
+
 def _map(host: Host, doc: str, index: int) -> tuple[Recipe, StepField]:
-    recipe = host.opened(doc).document.session.recipe
+    recipe = recipe_of(host, doc)
     return recipe, _field(recipe, index)
 
 

@@ -14,7 +14,6 @@ import re
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -36,7 +35,11 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
     """
     if field.frame.all():
         return
-    measured, length = metrics(field), partial(length_in, written)
+    measured = metrics(field)
+
+    def length(metres: float | None) -> str:  # to a tenth of a millimetre, which is 100,000 nanometres
+        return "–" if metres is None else f"{written.short(round(metres * 1e4) * 100_000)} {written.unit}"  # noqa: RUF001  # a dash
+
     spread, steps, rugged, opens = measured.spread, measured.steps, measured.ruggedness, measured.opening
     yield "mean height", length(spread.mean), f"{length(spread.lowest)} to {length(spread.highest)}"
     yield "standard deviation", length(spread.deviation), "of the heights"
@@ -50,11 +53,6 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
     if measured.scale.hurst is not None:
         weak = ", weak: of few lags" if measured.scale.hurst_is_weak else ""
         yield "Hurst exponent", f"{round(measured.scale.hurst, 2) + 0:.2f}", f"how differences grow with distance{weak}"
-
-
-def length_in(written: Lengths, metres: float | None) -> str:
-    """Return a length to a tenth of a millimetre, which is 100,000 nanometres, in the units of a recipe."""
-    return "–" if metres is None else f"{written.short(round(metres * 1e4) * 100_000)} {written.unit}"  # noqa: RUF001  # a dash
 
 
 _GROUND: Colour = (GROUND_GREY, GROUND_GREY, GROUND_GREY)
@@ -98,8 +96,8 @@ class ShownMap:
         return cls(drawn=ColouredField(field=field), name=name)
 
 
-def content(shown: ShownMap, *, measured: bool = True) -> dict[str, Any]:
-    """Return everything that the page needs of a map, as JSON values; the metrics only if it is to be measured."""
+def content(shown: ShownMap) -> dict[str, Any]:
+    """Return everything that the page needs of a map, as JSON values."""
     field, written = shown.drawn.field, lengths_in(shown.units)
     materials, cells = np.unique(np.where(field.frame, _FRAME, field.levels), return_inverse=True)
     return {
@@ -112,7 +110,7 @@ def content(shown: ShownMap, *, measured: bool = True) -> dict[str, Any]:
         "palette": list(_palette(shown, materials, np.bincount(cells.ravel()))),
         **_encoded(cells, len(materials)),
         "facts": list(_facts(shown)),
-        "metrics": list(figures(field, written)) if measured else [],
+        "metrics": list(figures(field, written)),
         "recipe": shown.recipe,
         "file": shown.file,
     }
