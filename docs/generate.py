@@ -375,6 +375,9 @@ Every command has
 
 - `--json`: it prints its result as JSON, with lengths in metres;
 - `-q`, `--quiet`: it prints no report and no progress;
+- `--progress bar`, `json` or `none`: it shows its progress as a bar if stderr is a terminal, which is the default; as
+  lines such as `{"done": 2, "total": 7, "unit": "map", "step": ""}` on stderr, for programs, which with `--json` also
+  get the report for people there, as `{"report": ["..."]}`; or not at all;
 - `--plugin FILE`: it loads [obstacles, formats, ... of your own](plugins.md);
 - exit codes: 0 done; 2 invalid input, and nothing was changed; 1 if something failed later, and of `compare` if maps
   differ; 130 after Ctrl-C. An error is one line on stderr.

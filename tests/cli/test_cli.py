@@ -367,6 +367,36 @@ def test_a_terminal_sees_how_many_maps_are_done(
     assert terminal or not stderr.getvalue()
 
 
+@pytest.mark.parametrize("command", ["generate", "series", "dataset", "export"])
+def test_progress_as_json_is_a_line_for_each_change(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    rsegen.save(rsegen.Recipe(seed=7, maps=3), tmp_path / "recipe.json")
+    to = ["--to", "heightmap"] if command == "export" else []
+    given = [command, str(tmp_path / "recipe.json"), *to, "--progress", "json", "-o", str(tmp_path / "out")]
+    assert main(given) == 0
+    said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert said[0] == {"done": 0, "total": 3, "unit": "map", "step": ""}
+    assert said[-1] == {"done": 3, "total": 3, "unit": "map", "step": ""}
+    assert [each["done"] for each in said] == sorted({each["done"] for each in said})
+
+
+@pytest.mark.parametrize("flags", [["--progress", "none"], ["--progress", "json", "--quiet"]])
+def test_a_terminal_may_want_no_progress(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, flags: list[str]) -> None:
+    stderr = Terminal()
+    monkeypatch.setattr(sys, "stderr", stderr)
+    assert main(["generate", "peak", "--maps", "3", *flags, "-o", str(tmp_path)]) == 0
+    assert stderr.getvalue() == ""
+
+
+def test_unknown_progress_is_refused_before_anything_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["generate", "peak", "--progress", "jso", "-o", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err == "rsegen: --progress: 'jso' is not one of bar, json, none; did you mean 'json'?\n"
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_command_leaves_the_signals_as_they_were(capsys: pytest.CaptureFixture[str]) -> None:
     before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)]
     assert printed(capsys, "schema")

@@ -12,7 +12,6 @@ import pytest
 import rsegen
 from rsegen import Terrain, load
 from rsegen.cli import main
-from rsegen.cli import report as bar
 from rsegen.recipe.examples import EXAMPLES
 
 ROUGH = rsegen.Random(levels=20)
@@ -43,13 +42,12 @@ def test_rows_rise_by_a_metric_of_a_robot(tmp_path: Path) -> None:
     assert expected.field != usual.field
 
 
-def test_on_a_terminal_a_bar_counts_tiles_and_their_spots(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(bar, "watched", lambda: True)
+def test_progress_counts_tiles_and_their_spots(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for flags, tiles in (((), 12), (("--spots", "0.3,0.2"), 24)):
-        assert main(["terrain", *SMALL, *flags, "--force", "-o", str(tmp_path)]) == 0
-        assert f"{tiles}/{tiles} [" in capsys.readouterr().err
+        assert main(["terrain", *SMALL, *flags, "--force", "--progress", "json", "-o", str(tmp_path)]) == 0
+        said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+        tile = [each for each in said if each["unit"] == "tile"]
+        assert [tile[0]["done"], tile[-1]["done"], tile[-1]["total"]] == [0, tiles, tiles]
 
 
 def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from PIL import Image
 
 from rsegen import Random, Recipe, Scene, compose
 from rsegen.exporters.pictures import pose_plots, robot_drawing
-from rsegen.exporters.pictures.pose_plots import pose_maps, reasons
+from rsegen.exporters.pictures.pose_plots import pose_maps
 from rsegen.exporters.pictures.robot_drawing import draw_robot, hull
 from rsegen.recipe.codec import decode
 from rsegen.robots import ROBOTS
@@ -40,7 +40,7 @@ def test_the_maps_show_every_reason_that_there_is_and_the_robot() -> None:
     assert image.size[0] == 1500
     assert len(image.convert("RGB").getcolors(1_000_000) or []) > 100
     x, y = pose_plots._places(scene.field)
-    found = reasons(poses(scene.field, BURGER, x[:, None], y[None, :], np.array(0.5)))
+    found = poses(scene.field, BURGER, x[:, None], y[None, :], np.array(0.5)).reason
     assert len(set(found.tolist())) > 1
     for number, colour in enumerate(pose_plots._REASON_COLOURS):
         assert share(image, colour) >= 0.15 * (found == number).mean()
@@ -52,7 +52,7 @@ def test_the_same_map_gives_the_same_bytes_and_the_legend_is_words() -> None:
     svg = pose_maps(scene_of(), BURGER, 0.0, "svg", robot="burger")
     assert svg == pose_maps(scene_of(), BURGER, 0.0, "svg", robot="burger")
     text = svg.decode()
-    for word in (*pose_plots._REASONS, "tilt [degrees]; grey: tips over", "margin", "burger, heading 0 degrees"):
+    for word in (*pose_plots._NAMES, "tilt [degrees]; grey: tips over", "margin", "burger, heading 0 degrees"):
         assert word in text
 
 

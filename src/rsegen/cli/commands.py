@@ -98,6 +98,14 @@ def parser() -> Parser:
     return top
 
 
+def parser_of(command: str) -> Parser:
+    """Return the parser of one command."""
+    (commands,) = (action for action in parser()._actions if isinstance(action, _Commands))
+    commands.add(command)
+    made: Parser = commands._name_parser_map[command]
+    return made
+
+
 OVERVIEW = """\
 rsegen makes Random Step Environments (NIST stepfields) as worlds and models for robot simulators.
 

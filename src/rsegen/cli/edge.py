@@ -217,9 +217,9 @@ def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
         if not hasattr(parsed, "run"):
             print(OVERVIEW, end="")
             return 0
-        from rsegen.cli.report import quiet
+        from rsegen.cli.report import progress_of
 
-        with signals.stop_it(), quiet(is_asked_for=parsed.quiet):
+        with signals.stop_it(), progress_of(parsed):
             outcome = parsed.run(parsed)
             return outcome.show(parsed) if outcome else 0
     finally:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles import Obstacle
 
 
+RECIPE = "recipe"
+"""The title of the flags that change a recipe."""
+
 OBSTACLE = "'KIND KEY=VALUE ...'"
 OBSTACLE_HELP = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
 
@@ -62,11 +65,11 @@ def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> N
 
 
 def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
-    group = command.add_argument_group("recipe", text)
+    group = command.add_argument_group(RECIPE, text)
     group.add_argument("--obstacle", action="append", default=[], metavar=OBSTACLE, help=OBSTACLE_HELP)
     for each, said in helps.items():
         action = group.add_argument(*each.flags, dest=each.name, metavar=each.metavar, help=said.replace("%", "%%"))
-        action.completer = completer(each.sort)  # type: ignore[attr-defined]  # argcomplete's word
+        action.completer, action.declared = completer(each.sort), each  # type: ignore[attr-defined]  # as `add_flags` does
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:

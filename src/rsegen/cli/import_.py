@@ -95,7 +95,8 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
         text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items()).replace("%", "%%")
         switch: dict[str, Any] = {"action": "store_const", "const": True} if isinstance(option.sort, Flag) else {}
         metavar: dict[str, Any] = {} if switch else {"metavar": name.upper()}
-        group.add_argument(*option.flags, dest=name, help=text, **switch, **metavar)
+        action = group.add_argument(*option.flags, dest=name, help=text, **switch, **metavar)
+        action.declared = option._replace(default=None)  # type: ignore[attr-defined]  # as `add_flags` does
 
 
 def _meanings(name: str) -> Mapping[str, Collection[str]]:

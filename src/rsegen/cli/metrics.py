@@ -104,7 +104,9 @@ def run(arguments: argparse.Namespace) -> Report:
     if path and robot:
         picture = _picture(first, robot, measured, heading, image_format(path))
         write_file([picture], path, force=arguments.force)
-    rows = chain([(first, measured)], ((scene, metrics(scene.field, robot)) for scene in scenes))
+    rows: Iterable[Measured] = chain([(first, measured)], ((scene, metrics(scene.field, robot)) for scene in scenes))
+    if arguments.json:
+        rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too
     lines = _csv(rows) if arguments.csv else _report(rows, _title(robot))
     return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
 

@@ -1,4 +1,4 @@
-"""The report of a command: lines for people, the same as JSON for programs, and a progress bar on a terminal.
+"""The report of a command: lines for people, the same as JSON for programs; and its progress, as a bar or as JSON.
 
 Nothing of it with --quiet.
 """
@@ -8,15 +8,17 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
 
 from rsegen.cli.parser import Parser
-from rsegen.params.command import flags_in_errors, given
+from rsegen.params.command import add_flags, flags_in_errors, given
 from rsegen.params.registry import offered_names
+from rsegen.params.sorts import Choice, plain, validate
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
@@ -49,6 +51,8 @@ class Report:
             print(json.dumps(self.content() if callable(self.content) else self.content, indent=2))
         for line in () if arguments.json else self.lines:
             _print(line, arguments)
+        if arguments.json and _PROGRESS.get() == "json" and sys.stderr:
+            print(json.dumps({"report": list(self.lines)}), file=sys.stderr, flush=True)
         for line in self.notes:
             _print(line, arguments, sys.stderr if arguments.json else sys.stdout)
         return self.code
@@ -59,6 +63,18 @@ def _print(line: str, arguments: argparse.Namespace, file: Any = None) -> None:
         print(line, file=file)
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Shown:
+    """The options of all commands that say what they show while they work."""
+
+    progress: Annotated[
+        str, Choice(("bar", "json", "none"), help="show progress as a bar on a terminal, or as lines of JSON on stderr")
+    ] = "bar"
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
 def add_command(
     commands: Subparsers, name: str, function: Callable[..., object] | None = None, *, text: str = "", epilog: str = ""
 ) -> Parser:
@@ -67,6 +83,7 @@ def add_command(
     parser = commands.add_parser(name, description=description.replace("%", "%%"), epilog=epilog)
     parser.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
     parser.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
+    add_flags(parser, Shown)
     return parser
 
 
@@ -81,33 +98,85 @@ def call(function: Callable[..., R], arguments: argparse.Namespace, *positional:
         return function(*positional, **{**given(function, arguments), **named})
 
 
-QUIET: ContextVar[bool] = ContextVar("no progress bars", default=False)
+_PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")
 
 
 @contextmanager
-def quiet(*, is_asked_for: bool) -> Iterator[None]:
-    """Show no progress inside, if that is asked for."""
-    token = QUIET.set(is_asked_for)
+def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
+    """Show progress inside as the flags of a command ask for; a ParameterError if they say what is not known."""
+    with flags_in_errors(Shown):
+        shown = Shown(**given(Shown, arguments)).progress
+    token = _PROGRESS.set("none" if arguments.quiet else shown)
     try:
         yield
     finally:
-        QUIET.reset(token)
+        _PROGRESS.reset(token)
 
 
-def watched() -> bool:
-    """Return whether there is a terminal for a progress bar, and somebody who wants one."""
-    return bool(sys.stderr and sys.stderr.isatty()) and not QUIET.get()
+class _Bar(Protocol):
+    """The part of tqdm's interface that is used here."""
+
+    n: float
+    initial: float
+
+    def update(self, steps: float = 1) -> object:
+        """Go on by some steps."""
+
+    def set_description(self, step: str) -> object:
+        """Say what is done now."""
+
+
+_LINES_APART = 0.05
+"""Seconds between two lines of progress: of a thousand maps in a second nobody reads each."""
+
+
+class _JsonLines:
+    """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`."""
+
+    def __init__(self, total: float, unit: str) -> None:
+        self.n = self.initial = 0.0
+        self._total, self._unit, self._step, self._said = total, unit, "", float("-inf")
+        self._say()
+
+    def update(self, steps: float = 1) -> None:
+        """Go on by some steps; the last one is always said."""
+        self.n += steps
+        if steps and (self.n >= self._total or time.monotonic() - self._said > _LINES_APART):
+            self._say()
+
+    def set_description(self, step: str) -> None:
+        """Say what is done now."""
+        self._step = step
+        self._say()
+
+    def _say(self) -> None:
+        self._said = time.monotonic()
+        state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
+        print(json.dumps(state), file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _watched(total: float, unit: str, **style: Any) -> Iterator[_Bar | None]:
+    """Yield what shows the progress: a bar, with a style of tqdm's, or lines of JSON; None if nothing does."""
+    how = _PROGRESS.get()
+    if how == "json" and sys.stderr:
+        yield _JsonLines(total, unit)
+    elif how == "bar" and sys.stderr and sys.stderr.isatty():
+        from tqdm import tqdm
+
+        with tqdm(total=total, unit=unit, **style) as bar:
+            yield bar
+    else:
+        yield None
 
 
 @contextmanager
 def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None] | None]:
-    """Yield a function to call with each thing that is done; None without a terminal, or for a single one."""
-    if count == 1 or not watched():
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=count, unit=unit, miniters=1) as bar:
+    """Yield a function to call with each thing that is done; None if nobody watches, or there is a single one."""
+    with _watched(count, unit, miniters=1, disable=count == 1) as bar:
+        if bar is None:
+            yield None
+            return
 
         def done(*_: object) -> None:
             bar.update()
@@ -118,12 +187,10 @@ def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None] | No
 @contextmanager
 def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
     """Yield a function to call with each map of a recipe; maps that exist already count as done."""
-    if recipe.maps == 1 or not watched():
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=recipe.maps, unit="map", miniters=1) as bar:
+    with _watched(recipe.maps, "map", miniters=1, disable=recipe.maps == 1) as bar:
+        if bar is None:
+            yield None
+            return
 
         def done(generated: GeneratedMap) -> None:
             place = generated.index - recipe.first_map + 1
@@ -138,12 +205,10 @@ def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
 @contextmanager
 def shards_bar(maps: int) -> Iterator[Progress | None]:
     """Yield a function for maps in shards; those that exist already are of no weight in the time that is left."""
-    if not watched():
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=maps, unit="map", unit_scale=True) as bar:
+    with _watched(maps, "map", unit_scale=True) as bar:
+        if bar is None:
+            yield None
+            return
 
         def done(maps: int, *, already: bool) -> None:
             bar.initial += maps * already
@@ -155,34 +220,29 @@ def shards_bar(maps: int) -> Iterator[Progress | None]:
 @contextmanager
 def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
     """Yield a function for the simulation time."""
-    if not watched():
-        yield lambda _: None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=seconds, unit="s", bar_format="{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}]") as bar:
+    style = "{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}]"
+    with _watched(seconds, "s", bar_format=style) as bar:
 
         def progress(done: float) -> None:
-            bar.update(done - bar.n)
+            if bar is not None:
+                bar.update(done - bar.n)
 
         yield progress
 
 
 @contextmanager
 def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
-    """Yield a function for the trials of an experiment; without a terminal each is a line, but with --quiet."""
+    """Yield a function for the trials of an experiment; without a terminal each is a line, unless nothing is wanted."""
     trials = len(plan.cells) * plan.repeats
-    if not watched():
+    with _watched(trials, "trial") as bar:
+        if bar is None:
 
-        def line(done: int, cell: Cell) -> None:
-            if not QUIET.get():
-                print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
+            def line(done: int, cell: Cell) -> None:
+                if _PROGRESS.get() != "none":
+                    print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
 
-        yield line
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=trials, unit="trial") as bar:
+            yield line
+            return
 
         def progress(done: int, cell: Cell) -> None:
             bar.update(done - bar.n)

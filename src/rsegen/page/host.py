@@ -19,6 +19,7 @@ from rsegen.errors import FileError, ParameterError, TooLarge, UserError
 from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
+from rsegen.page.jobs import Jobs
 from rsegen.page.model.actions import act
 from rsegen.page.model.as_code import command_line, python_code
 from rsegen.page.model.document import Document
@@ -26,6 +27,7 @@ from rsegen.page.model.ends import ends_of
 from rsegen.page.model.journal import Journal
 from rsegen.page.model.session import Session, is_enabled
 from rsegen.page.model.texts import text_after
+from rsegen.page.places import Places
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 
@@ -109,18 +111,21 @@ class Opened:
 
 @dataclass(kw_only=True)
 class Host:
-    """All documents by their ids, and the folder in which files may be read and written.
-
-    ending: called when the server ends, in turn; busy: say whether something runs that should end first.
-    """
+    """All documents by their ids, and the folder in which files may be read and written, and the commands that run."""
 
     folder: Path
+    jobs: Jobs = field(default_factory=Jobs)
     documents: dict[str, Opened] = field(default_factory=dict)
-    ending: list[Callable[[], None]] = field(default_factory=list)
-    busy: list[Callable[[], bool]] = field(default_factory=list)
     _ids: Iterator[int] = field(default_factory=lambda: count(1))
     _temporary: TemporaryDirectory[str] | None = None
     _lock: RLock = field(default_factory=RLock)
+
+    def __post_init__(self) -> None:
+        self.jobs.changed = self._tell_job
+
+    def _tell_job(self, job: Mapping[str, Any]) -> None:
+        if opened := self.documents.get(job["doc"]):
+            opened.tell({"event": "job", "job": job})
 
     def opened(self, name: str) -> Opened:
         """Return a document by its id."""
@@ -143,8 +148,7 @@ class Host:
 
     def close(self) -> None:
         """End what runs, and remove what was uploaded; what is not saved stays in the journal."""
-        for end in self.ending:
-            end()
+        self.jobs.close()
         if self._temporary is not None:
             self._temporary.cleanup()
 
@@ -156,26 +160,10 @@ class Host:
                 self._temporary = TemporaryDirectory(prefix="rsegen-", ignore_cleanup_errors=True)
             return Path(self._temporary.name).resolve()
 
-    def inside(self, path: str) -> Path:
-        """Return a path in the host's folder, or among the files that pages sent; a FileError for any other."""
-        if "\0" in path:
-            raise FileError("a path has no NUL character")
-        try:
-            found = (self.folder / path).resolve()
-        except (OSError, RuntimeError) as error:  # a loop of links
-            raise FileError(f"{path}: {error}") from None
-        allowed = [self.folder.resolve(), *([self.uploads] if self._temporary else [])]
-        for folder in allowed:
-            if found.is_relative_to(folder):
-                if any(part.startswith(".") for part in found.relative_to(folder).parts):
-                    raise FileError(f"{path}: is hidden; only other files are read and written here")
-                return found
-        raise FileError(f"{path}: is not in {self.folder}, where rsegen gui was started")
-
-    def relative(self, path: Path) -> str:
-        """Return a path as pages show it: relative to the folder if it is in it."""
-        folder = self.folder.resolve()
-        return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
+    @property
+    def places(self) -> Places:
+        """Where files may be read and written."""
+        return Places(self.folder, self.uploads if self._temporary else None)
 
     def _add(self, document: Document) -> Opened:
         if len(self.documents) >= MOST_DOCUMENTS:
@@ -203,7 +191,7 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
     if not what:
         return {"doc": host.open(Session.of()).id}
     name, sharp, number = what.rpartition("#")
-    path = host.inside(name if sharp and number.isdecimal() else what)
+    path = host.places.inside(name if sharp and number.isdecimal() else what)
     if sharp and number.isdecimal():
         return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
     is_example = what in EXAMPLES and not path.exists()
@@ -250,7 +238,7 @@ def texts(opened: Opened) -> dict[str, str]:
 def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: str = "") -> dict[str, Any]:
     """Write a document to its file, or to another one in the folder."""
     opened = host.opened(doc)
-    target = host.inside(path) if path else None
+    target = host.places.inside(path) if path else None
     if target is not None and not target.parent.is_dir():
         raise FileError(f"{path}: there is no folder {target.parent.name}")
     with opened.lock:

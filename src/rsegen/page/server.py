@@ -139,7 +139,7 @@ class Desk:
         """Return the bytes of a file in the server's folder, or of one that a page sent."""
         try:
             known = calls.checked(_named, await self._arguments(request))
-            path = self.host.inside(known["path"])
+            path = self.host.places.inside(known["path"])
         except UserError as error:
             raise _refused(error) from None
         if not path.is_file():

@@ -46,7 +46,7 @@ class _Server(uvicorn.Server):
         """Return whether to end, ten times a second."""
         left = self._desk.last_page
         if not self._keep and left is not None and asyncio.get_running_loop().time() - left > _GRACE:
-            self.should_exit = self.should_exit or not any(works() for works in self._desk.host.busy)
+            self.should_exit = self.should_exit or not self._desk.host.jobs.are_running
         return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:

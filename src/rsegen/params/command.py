@@ -143,6 +143,8 @@ def add_flags(
 ) -> None:
     """Add a flag for each declared parameter to a parser of argparse, or to a group of one.
 
+    Its action keeps the `Declared` as `declared`, so a form can be made of a parser.
+
     only: the names of those to add, by default all; without: those to leave out
     """
     for parameter in declared(owner).values():
@@ -153,9 +155,13 @@ def add_flags(
         if parameter.is_switch:
             options |= {"action": "store_const", "const": not parameter.default}
         else:
-            action = "append" if hasattr(parameter.sort, "repeats") else "store"
-            options |= {"metavar": parameter.metavar, "action": action}
-        group.add_argument(*parameter.flags, **options).completer = completer(parameter.sort)  # argcomplete's word
+            options |= {"metavar": parameter.metavar}
+            options |= {"action": "append" if hasattr(parameter.sort, "repeats") else "store"}
+        action = group.add_argument(*parameter.flags, **options)
+        action.completer, action.declared = (
+            completer(parameter.sort),
+            parameter,
+        )  # argcomplete's word, and that of forms
 
 
 def completer(sort: Parameter) -> Callable[..., Collection[str]] | None:

@@ -8,7 +8,8 @@ its outermost contacts. Cost: 100 microseconds a pose. What breaks it: nothing m
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +30,10 @@ _EDGES = 64
 
 _ROWS = 512
 """Poses whose samples are all looked at together: some ten megabytes."""
+
+
+REASONS = ("", "cannot push itself on", "slides", "tips over")
+"""Why a pose is bad, from good to bad, in words that follow "the robot"; nothing for a good one."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -64,6 +69,11 @@ class Poses:
     def tilt(self) -> Array:
         """Angle between the robot's upright and the vertical, radians, (n,)."""
         return np.asarray(np.arccos(np.clip(np.cos(self.roll) * np.cos(self.pitch), -1, 1)))
+
+    @property
+    def reason(self) -> Ints:
+        """Why each pose is bad, (n,): the number of the worst of REASONS that holds, 0 for a good pose."""
+        return np.select([~self.stands, ~self.holds, ~self.pushes], [3, 2, 1], 0)
 
 
 def poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> Poses:
@@ -121,6 +131,11 @@ def of_settled(ground: Ground, body: Body, rest: Settled) -> Poses:
         holds=stands & (surplus(ground, body, rest, is_moving=False) > SLIDING),
         pushes=stands & (surplus(ground, body, rest) >= 0),
     )
+
+
+def joined(parts: Sequence[Poses]) -> Poses:
+    """Return poses one after the other."""
+    return Poses(**{each.name: np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Poses)})
 
 
 def has_stood(rest: Settled) -> Mask:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from heapq import heapify, heappop, heappush
+from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
-from rsegen.standing.resting import has_stood, of_settled
+from rsegen.standing.resting import Poses, has_stood, joined, of_settled
 from rsegen.standing.settling import Ground, Settled, reach_of, settle
 
 
@@ -53,6 +53,20 @@ class Way:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DrivenWay:
+    """A way between two places, pose by pose.
+
+    length: metres, with turns as the path of its sides; drops, slips: the numbers of the poses at which the robot
+    begins to fall, or to slide by itself
+    """
+
+    length: float
+    poses: Poses
+    drops: tuple[int, ...]
+    slips: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Reach:
     """The places of a field that a robot can reach, and its ways across.
 
@@ -78,6 +92,9 @@ BEST = ("length", "tilt", "margin")
 
 _Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
+
+_NEXT = 24
+"""Places at the front of a search that are looked at together: of fewer, each call costs as much as its poses."""
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
@@ -140,10 +157,7 @@ class Lattice:
         while len(front):
             seen[front] = True
             i, j, k = np.unravel_index(front, self.moves.shape)
-            before = np.ravel_multi_index((i, j, (k - 1) % HEADINGS), self.moves.shape)
-            after = np.ravel_multi_index((i, j, (k + 1) % HEADINGS), self.moves.shape)
-            self._drive_from(front)
-            self._turn_at(np.unique(np.concatenate([front, before])))
+            before, after = self._find_from(front), np.ravel_multi_index((i, j, (k + 1) % HEADINGS), self.moves.shape)
             driven = self.moves.ravel()[front]
             ahead = i[driven] + _MOVES[k[driven], 0], j[driven] + _MOVES[k[driven], 1], k[driven]
             reached = np.concatenate(
@@ -154,6 +168,14 @@ class Lattice:
                 ]
             )
             front = np.unique(reached[~seen[reached]])
+
+    def _find_from(self, places: Ints) -> Ints:
+        """Find the moves and turns from places, and return the places at the headings before them."""
+        i, j, k = np.unravel_index(places, self.moves.shape)
+        before = np.ravel_multi_index((i, j, (k - 1) % HEADINGS), self.moves.shape)
+        self._drive_from(places)
+        self._turn_at(np.unique(np.concatenate([places, before])))
+        return before
 
     def _driven(self, x: Array, y: Array, yaw: Array, length: float) -> tuple[Mask, Array]:
         """Return which lanes are driven to their ends, and the worst on each."""
@@ -209,6 +231,45 @@ class Lattice:
         if not starts or not goals:
             return None
         self._explore(np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp))
+        best = self._best(starts, goals, lambda _: 0.0)
+        return self._way_of(axis, *best) if best else None
+
+    def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
+        """Return the best way between two places, x and y in metres, at any heading; None if there is none.
+
+        They are the centres of the cells in which these places are, or of the nearest ones.
+        """
+        cells = [
+            (int(np.abs(self.x - along_x).argmin()), int(np.abs(self.y - along_y).argmin()))
+            for along_x, along_y in (start, goal)
+        ]
+        starts, goals = (self._standing_at(*cell) for cell in cells)
+        if not starts or not goals:
+            return None
+        if self.best != "length":  # nearly all of it counts then, and is found faster in waves
+            self._explore(np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp))
+        best = self._best(starts, goals, self._distance_to(cells[1]))
+        return self._driven_way(*best) if best else None
+
+    def _standing_at(self, i: int, j: int) -> dict[_Place, float]:
+        """Return the places of a cell at which the robot stands, with how bad its pose is there."""
+        yaw = np.arange(HEADINGS) * np.pi / 4
+        rest = settle(self.ground, self.body, np.full(HEADINGS, self.x[i]), np.full(HEADINGS, self.y[j]), yaw)
+        worst = self._badness(rest)
+        return {(i, j, k): float(worst[k]) for k in np.flatnonzero(has_stood(rest)).tolist()}
+
+    def _distance_to(self, goal: tuple[int, int]) -> Callable[[_Place], float]:
+        """Return the distance of places from a cell, metres, which no way to it is shorter than."""
+        i, j = goal
+        return lambda place: self.field.block_width * float(np.hypot(place[0] - i, place[1] - j))
+
+    def _best(
+        self, starts: Mapping[_Place, float], goals: Mapping[_Place, float], left: Callable[[_Place], float]
+    ) -> tuple[float, list[_Place]] | None:
+        """Return the length of the best way from a start to a goal, and its places; None if there is none.
+
+        left: a length from a place that no way to a goal is shorter than
+        """
         limit = np.inf
         if self.best != "length":
             least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst))
@@ -220,31 +281,41 @@ class Lattice:
             return cost + length if worst <= limit else np.inf
 
         allowed = {place: 0.0 for place, worst in starts.items() if worst <= limit}
-        shortest = self._cheapest(allowed, goals, longer)
-        return self._way_of(axis, *shortest) if shortest else None
+        return self._cheapest(allowed, goals, longer, left)
 
     def _cheapest(
-        self, starts: Mapping[_Place, float], goals: Mapping[_Place, float], cost_of: Callable[..., float]
+        self,
+        starts: Mapping[_Place, float],
+        goals: Mapping[_Place, float],
+        cost_of: Callable[..., float],
+        left: Callable[[_Place], float] = lambda _: 0.0,
     ) -> tuple[float, list[_Place]] | None:
-        """Return the least cost from a start to a goal, which have costs too, and the places between (Dijkstra).
+        """Return the least cost from a start to a goal, which have costs too, and the places between.
 
+        Of all places at the front the one goes on whose cost, and a bound of what is left, are least (Dijkstra; with a
+        bound A*, Hart, Nilsson and Raphael 1968). What the robot can do there is found then.
         cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
+        left: a cost from a place that no way to a goal is below, and which falls by no more than a move costs
         """
         costs, before = dict(starts), dict[_Place | None, _Place]()
         # None is beyond all goals.
-        front: list[tuple[float, int, _Place | None]] = [(cost, 0, place) for place, cost in starts.items()]
+        front: list[tuple[float, int, _Place | None]] = [
+            (cost + left(place), 0, place) for place, cost in starts.items()
+        ]
         heapify(front)
         done, arrived = set[_Place](), np.inf
         while front:
-            cost, _, place = heappop(front)
+            _, _, place = heappop(front)
             if place is None:
                 places = [before[None]]
                 while places[-1] in before:
                     places.append(before[places[-1]])
-                return cost, places[::-1]
+                return arrived, places[::-1]
             if place in done:
                 continue
             done.add(place)
+            self._look_from(place, front)
+            cost = costs[place]
             if place in goals and (last := cost_of(cost, 0.0, goals[place])) < arrived:
                 arrived, before[None] = last, place
                 heappush(front, (last, 1, None))
@@ -252,8 +323,16 @@ class Lattice:
                 after = cost_of(cost, length, worst)
                 if after < costs.get(onward, np.inf) - 1e-9:
                     costs[onward], before[onward] = after, place
-                    heappush(front, (after, 0, onward))
+                    heappush(front, (after + left(onward), 0, onward))
         return None
+
+    def _look_from(self, place: _Place, front: Sequence[tuple[float, int, _Place | None]]) -> None:
+        """Find what the robot can do from a place, and from those that are likely to be next, unless it is known."""
+        i, j, k = place
+        if self._is_driven[place] and self._is_turned[place] and self._is_turned[i, j, (k - 1) % HEADINGS]:
+            return
+        near = [each for _, _, each in nsmallest(_NEXT, front) if each and not self._is_driven[each]]
+        self._find_from(np.unique([np.ravel_multi_index(each, self.moves.shape) for each in (place, *near)]))
 
     def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
         """Yield the places to which the robot can go on, and length and worst of each move; a turn moves its sides."""
@@ -309,6 +388,51 @@ class Lattice:
             **_told(self.ground, self.body, lanes, [turned] if len(turned.x) else []),
         )
 
+    def _driven_way(self, length: float, places: list[_Place]) -> DrivenWay:
+        """Return the way over places, pose by pose."""
+        pieces = list(self._pieces(np.array(places)))
+        poses = [
+            of_settled(self.ground, self.body, piece.poses if isinstance(piece, Lanes) else piece) for piece in pieces
+        ]
+        begins = np.cumsum([0, *(len(piece.x) for piece in poses)])[:-1]
+        drops, slips = (
+            tuple(
+                int(begin) + at
+                for begin, piece in zip(begins, pieces, strict=True)
+                if isinstance(piece, Lanes)
+                for at in _begins(getattr(piece, name)[0])
+            )
+            for name in ("drops", "slips")
+        )
+        return DrivenWay(length=length, poses=joined(poses), drops=drops, slips=slips)
+
+    def _pieces(self, places: Ints) -> Iterator[Lanes | Settled]:
+        """Yield the lanes and the turns of a way over places (n, 3), in their order; a way of one place is a turn."""
+        points, yaw = np.stack([self.x[places[:, 0]], self.y[places[:, 1]]], axis=1), places[:, 2] * np.pi / 4
+        begin, last = 0, len(places) - 1
+        for m in range(len(places)):
+            turns_on = m < last and places[m, 2] != places[m + 1, 2]
+            if m < last and not turns_on:
+                continue
+            ahead = points[m] - points[begin]
+            if ahead.any():
+                x, y = points[begin, :1], points[begin, 1:]
+                yield drive(self.ground, self.body, x, y, yaw[m : m + 1], float(np.hypot(*ahead)))
+            if turns_on or not last:
+                on = (places[min(m + 1, last), 2] - places[m, 2] + 4) % HEADINGS - 4
+                headings = yaw[m] + np.linspace(0, 1, _TURN_POSES) * on * np.pi / 4
+                x, y = np.tile(points[m], (_TURN_POSES, 1)).T
+                yield settle(self.ground, self.body, x, y, headings)
+            begin = m + 1
+
+
+def _begins(which: Mask) -> list[int]:
+    """Return the numbers of the first of each stretch of a mask."""
+    return [int(at) for at in np.flatnonzero(which & ~np.append(False, which[:-1]))]
+
+
+_TURN_POSES = 7
+"""Poses of a turn by 45 degrees that are shown."""
 
 _PLACES = 3
 """Places that a sentence names: more hide the others."""

@@ -15,7 +15,7 @@ from rsegen.exporters.pictures.robot_drawing import draw_robot
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.resting import Poses, poses
+from rsegen.standing.resting import REASONS, Poses, poses
 from rsegen.standing.settling import reach_of
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _PER_BLOCK, _MOST = 4, 240
 """Poses along the side of a block, and along the longer side of a map at most: 60,000 take some ten seconds."""
 
-_REASONS = ("stands and pushes", "cannot push itself on", "does not hold: it slides", "tips over")
+_NAMES = ("stands and pushes", *REASONS[1:])
 _REASON_COLOURS = ("#4caf78", "#f2c14e", "#e8743b", "#8e2043")
 """From good to bad, in lightness too, so that they differ in grey."""
 
@@ -48,7 +48,7 @@ def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, 
     tilts, margins = (np.degrees(np.where(found.stands, angle, np.nan)) for angle in (found.tilt, found.tip_angle))
     _draw_angles(tilt, scene.field, tilts.reshape(shape), "tilt", colours="magma_r")
     _draw_angles(margin, scene.field, margins.reshape(shape), "margin", colours="viridis", most=_MOST_MARGIN)
-    _draw_reasons(reason, scene.field, reasons(found).reshape(shape))
+    _draw_reasons(reason, scene.field, found.reason.reshape(shape))
     tilt.set(ylabel="y [m]", title="tilt" + _draw_steepest(tilt, scene.field, body, found))
     margin.set(title="margin: the turn that tips it over")
     figure.suptitle(f"{scene.name}: {robot}, heading {degrees(heading) % 360:.3g} degrees")
@@ -63,11 +63,6 @@ def _draw_steepest(axes: Axes, field: StepField, body: Body, found: Poses) -> st
         return ""
     draw_robot(axes, body, found, int(np.where(found.stands & inside, found.tilt, -1).argmax()))
     return "; drawn: the robot where it is steepest"
-
-
-def reasons(found: Poses) -> Ints:
-    """Return for each pose whether it pushes (0), cannot push (1), does not hold (2) or tips over (3)."""
-    return np.select([~found.stands, ~found.holds, ~found.pushes], [3, 2, 1], 0)
 
 
 def _places(field: StepField) -> tuple[Array, Array]:
@@ -95,13 +90,13 @@ def _draw_reasons(axes: Axes, field: StepField, reason: Ints) -> None:
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
-    norm = BoundaryNorm(np.arange(len(_REASONS) + 1) - 0.5, len(_REASONS))
+    norm = BoundaryNorm(np.arange(len(_NAMES) + 1) - 0.5, len(_NAMES))
     colours = ListedColormap(_REASON_COLOURS)
     axes.imshow(reason.T, origin="lower", extent=_extent(field), interpolation="nearest", cmap=colours, norm=norm)
-    shares = [float((reason == number).mean()) for number in range(len(_REASONS))]
+    shares = [float((reason == number).mean()) for number in range(len(_NAMES))]
     entries = [
         Patch(facecolor=colour, label=f"{name}, {share:.0%}")
-        for colour, name, share in zip(_REASON_COLOURS, _REASONS, shares, strict=True)
+        for colour, name, share in zip(_REASON_COLOURS, _NAMES, shares, strict=True)
     ]
     axes.set(title="what it can do there")
     axes.figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)

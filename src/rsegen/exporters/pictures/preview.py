@@ -37,7 +37,7 @@ from rsegen.exporters.scene import FRAME_COLOUR, Colour, Scene, level_colour
 from rsegen.field.stepfield import Array, Ints, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
 from rsegen.standing.body import Body
-from rsegen.standing.resting import Poses, poses
+from rsegen.standing.resting import REASONS, Poses, poses
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -269,10 +269,11 @@ def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None
 
 def _how_it_stands(found: Poses) -> str:
     """Return in words how the one robot of some poses stands."""
+    reason = REASONS[int(found.reason[0])]
     if not found.stands[0]:
-        return "the robot tips over"
+        return f"the robot {reason}"
     tilt, margin = (degrees(float(angles[0])) for angles in (found.tilt, found.tip_angle))
-    what = "" if found.pushes[0] else ", and cannot push itself on" if found.holds[0] else ", and slides"
+    what = f", and {reason}" if reason else ""
     return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
 

@@ -1,0 +1,380 @@
+"""Forms for a page, each made of the one declaration that there is: of a recipe, of a kind, of a command line.
+
+    Declared --field--> Field of a page       parser of a command --CommandForm--> fields, and values --> arguments
+
+A command line is the form of its command: each flag, and each argument besides the recipe, is a field. A flag that is
+declared has its sort, bounds and unit; any other takes a text, or is a switch. The command line is the room above this
+one and starts the page, so it is found by its name, as the processes are that run its commands (`jobs.py`).
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from inspect import Parameter as Argument
+from pathlib import Path
+from typing import Any
+
+from rsegen import __version__
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
+from rsegen.exporters.formats import FORMATS
+from rsegen.field.obstacles import KINDS
+from rsegen.field.obstacles.base import PLACING, own_parameters
+from rsegen.io.recipe_file import load
+from rsegen.page.calls import call_of_host
+from rsegen.page.host import Host
+from rsegen.page.places import Places
+from rsegen.params.command import Declared, declared
+from rsegen.params.registry import summary
+from rsegen.params.sorts import FilePath, Json, Text, plain
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots import ROBOTS
+from rsegen.simulation.experiment.plan import PLANS
+from rsegen.simulation.simulators import SIMULATORS
+
+COMMANDS = (
+    *("generate", "series", "terrain", "import", "scan"),
+    *("metrics", "compare", "spots", "preview", "view"),
+    *("export", "sheet", "dataset"),
+    *("open", "drive", "spawn", "respawn", "remove", "experiment"),
+    *("sim", "doctor"),
+)
+"""The commands that a page may run."""
+
+_RARE = frozenset({"workers", "scheduler", "sync", "resume", "timeout", "wheels", "tracks", "size", "speed", "turn"})
+"""Fields of commands that a form shows only when it is asked for more."""
+
+_LEFT_OUT = frozenset({"help", "json", "quiet", "progress", "plugin", "list", "force", "verify", "rebuild"})
+"""Flags that a page gives itself, and those that do something else instead."""
+
+_LEFT_OUT_OF = {"metrics": frozenset({"csv"})}
+"""A table as CSV is another form of a report than JSON, which a page reads."""
+
+_RECIPES = ("recipe", "recipes", "target")
+"""Names of the argument for which a document stands."""
+
+_INPUTS = ("file", "clouds", "paths")
+"""Names of the arguments that are files to read."""
+
+_WORDS_OR_FILES = ("robot", "plan", "inventory", "crossable_by")
+"""Names of the parameters that are a word or a file."""
+
+_WORDS: Mapping[str, Callable[[], Collection[str]]] = {
+    "robot": lambda: ROBOTS,
+    "simulator": lambda: SIMULATORS,
+    "plan": lambda: PLANS,
+    "formats": lambda: FORMATS,
+}
+"""The known words of parameters that take these or something else, such as a file, by their names."""
+
+TITLES = {
+    "maps": "Number of maps",
+    "chunk_size": "Chunk size",
+    "chunks": "Map size in chunks",
+    "unit_cm": "Height step (unit)",
+    "boundary": "Chunk boundary",
+    "mesh_type": "Model mesh type",
+    "by": "Metric",
+    "plan": "Plan",
+    "names": "Models",
+    "paths": "Scans, or a map",
+}
+"""Titles in the paper's words, and those that a name does not give."""
+
+BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "seed")
+"""The parameters of the paper's figure 5, and the seed."""
+
+_GROUPS = {
+    "Shape": ("block_width_cm", "frame_height_cm", "difficulty"),
+    "Constraints": ("max_step", "crossable_by", "inventory"),
+    "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile"),
+    "Friction": ("friction", "frame_friction", "level_friction"),
+    "Look": ("look", "frame_colour", "level_colours", "shadows", "sky"),
+}
+"""The titles of the other groups and their parameters; a parameter that no group has is in the last one, Other."""
+
+
+def title_of(name: str) -> str:
+    """Return the title of a parameter: its name in words, without the unit."""
+    bare = name.strip("_").removesuffix("_cm").removesuffix("_mm")
+    return TITLES.get(name, bare.replace("_", " ").capitalize())
+
+
+def field(parameter: Declared, *, basic: bool = True) -> dict[str, Json]:
+    """Return a declared parameter as a field of a form."""
+    return {
+        "name": parameter.name,
+        "title": title_of(parameter.name),
+        "help": parameter.shell.help or parameter.sort.help or parameter.sort.describe(),
+        "schema": _with_words(parameter.name, _without_const(parameter.sort.schema())),
+        "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
+        "default": None if parameter.default is Argument.empty else _json(parameter.default),
+        "basic": basic,
+    }
+
+
+def _json(default: object) -> Json:
+    return str(default) if isinstance(default, Path) else plain(default)
+
+
+def _without_const(schema: Any) -> Any:
+    """Return a schema in which a constant is a choice of one, so that a form knows one word less."""
+    if isinstance(schema, list):
+        return [_without_const(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    return {
+        "enum" if name == "const" else name: [each] if name == "const" else _without_const(each)
+        for name, each in schema.items()
+    }
+
+
+def _with_words(name: str, schema: dict[str, Json]) -> dict[str, Json]:
+    """Return a schema of a text, or of a list of texts, with the known words before any other text."""
+    if name not in _WORDS:
+        return schema
+    if schema.get("type") == "string":
+        return {"anyOf": [{"enum": sorted(_WORDS[name]())}, schema]}
+    if schema.get("type") == "array":
+        return schema | {"items": _with_words(name, schema["items"])}
+    return schema
+
+
+def global_groups() -> list[dict[str, Json]]:
+    """Return the parameters of a recipe in groups, those of the paper first."""
+    known = declared(Recipe)
+    grouped = {*BASIC, *(name for names in _GROUPS.values() for name in names)}
+    others = tuple(name for name in known if name not in grouped)
+    groups = {"Map": BASIC, **_GROUPS, **({"Other": others} if others else {})}
+    return [
+        {"title": title, "fields": [field(known[name], basic=name in BASIC) for name in names if name in known]}
+        for title, names in groups.items()
+    ]
+
+
+def kinds() -> list[dict[str, Json]]:
+    """Return every kind of obstacle with its own parameters, levels and softness first, and those of its place."""
+    return [
+        {
+            "name": name,
+            "title": title_of(name),
+            "help": summary(cls),
+            "fields": [field(declared(cls)[each]) for each in sorted(own_parameters(cls), key=_levels_first)],
+            "place": [field(declared(cls)[each], basic=each != "key") for each in PLACING],
+        }
+        for name, cls in KINDS.items()
+    ]
+
+
+def _levels_first(name: str) -> int:
+    return ("levels", "softness").index(name) if name in ("levels", "softness") else 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandForm:
+    """The form of a command.
+
+    fields: the actions of its parser that a form has, by name; output: that of the file or folder to write, if any
+    takes_recipe: whether a document stands for one of its arguments
+    """
+
+    name: str
+    help: str
+    group: str
+    fields: Mapping[str, argparse.Action]
+    output: argparse.Action | None
+    takes_recipe: bool
+    can_replace: bool
+
+    @classmethod
+    def of(cls, name: str, text: str, group: str, parser: argparse.ArgumentParser) -> CommandForm:
+        """Return the form of a command from its parser."""
+        actions = {action.dest: action for action in parser._actions}
+        takes_recipe = name == "compare" or any(_is_argument(actions.get(each)) for each in _RECIPES)
+        of_recipe = {
+            action for part in parser._action_groups if part.title == "recipe" for action in part._group_actions
+        }
+        output = next((action for action in actions.values() if "--output" in action.option_strings), None)
+        left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}
+        known = {
+            dest: action
+            for dest, action in actions.items()
+            if dest not in left_out
+            and action is not output
+            # A document has its own parameters; what makes a new recipe may be given some, but no obstacles as texts.
+            and not (action in of_recipe and (takes_recipe or not hasattr(action, "declared")))
+        }
+        can_replace = "force" in actions
+        return cls(
+            name=name,
+            help=text,
+            group=group,
+            fields=known,
+            output=output,
+            takes_recipe=takes_recipe,
+            can_replace=can_replace,
+        )
+
+    @property
+    def needs_output(self) -> bool:
+        """Return whether it cannot do without a file or folder to write."""
+        # A data set's is one of two flags of which one is needed, and the other is no field.
+        return self.output is not None and (self.output.required or self.name == "dataset")
+
+    def described(self) -> dict[str, Json]:
+        """Return it as pages have it."""
+        return {
+            "name": self.name,
+            "help": self.help,
+            "group": self.group,
+            "target": "recipe" if self.takes_recipe else "none",
+            "fields": [self._described(action) for action in self.fields.values()],
+            "output": self._output,
+        }
+
+    @property
+    def _output(self) -> str:
+        if self.output is None:
+            return "none"
+        sort = getattr(self.output, "declared", None) and self.output.declared.sort  # type: ignore[attr-defined]
+        return "file" if isinstance(sort, FilePath) and sort.meaning != FilePath.meaning else "folder"
+
+    def _described(self, action: argparse.Action) -> dict[str, Json]:
+        """Return an action of the parser as a field; one that is not declared is a text or a switch of its help."""
+        parameter: Declared = getattr(action, "declared", None) or _undeclared(action)
+        basic = action.dest not in _RARE and (action.dest not in declared(Recipe) or action.dest in BASIC)
+        made = field(parameter, basic=basic)
+        if action.nargs == 0:
+            made |= {"schema": {"type": "boolean"}, "default": bool(made["default"])}
+        if action.nargs == "+":
+            made |= {"schema": {"type": "array", "items": made["schema"], "minItems": 1}}
+        flag = {"flag": action.option_strings[-1]} if action.option_strings else {}
+        return made | flag | {"required": action.required}
+
+    def arguments(self, values: Mapping[str, Json], places: Places) -> tuple[list[str], list[str]]:
+        """Return the flags and the other arguments for values by name; a ParameterError if one of them is wrong.
+
+        places: in which all files are that are read or written
+        """
+        refuse_unknown(f"parameter of {self.name}", values, self.fields)
+        flags: list[str] = []
+        others: list[str] = []
+        for name, action in self.fields.items():
+            value = values.get(name)
+            if value is None or value == []:
+                if action.required:
+                    raise ParameterError(name, "is missing")
+            elif action.nargs == 0:
+                flags += [action.option_strings[-1]] if _switched(name, value) != _is_on(action) else []
+            elif action.option_strings:
+                flags += [f"{action.option_strings[-1]}={text}" for text in _texts(action, value, places)]
+            else:
+                others += _texts(action, value, places)
+        return flags, others
+
+
+def _is_on(action: argparse.Action) -> bool:
+    """Return whether a switch is on without its flag."""
+    parameter: Declared | None = getattr(action, "declared", None)
+    return parameter is not None and parameter.default is True
+
+
+def _undeclared(action: argparse.Action) -> Declared:
+    """Return a declaration for an action that has none: any text."""
+    text = (action.help or "").replace("%%", "%")
+    return Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
+
+
+def _is_argument(action: argparse.Action | None) -> bool:
+    return action is not None and not action.option_strings
+
+
+def _switched(name: str, value: Json) -> bool:
+    if not isinstance(value, bool):
+        raise ParameterError(name, f"{value!r} is neither yes nor no")
+    return value
+
+
+def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str]:
+    """Yield a value as texts of a command line: several for what may be repeated, else one."""
+    parameter: Declared | None = getattr(action, "declared", None)
+    name = action.dest
+    if parameter is None or hasattr(parameter.sort, "repeats"):
+        texts = [str(each) for each in (value if isinstance(value, list) else [value])]
+        for text in texts:
+            _refuse_unusable(name, text)
+        if parameter:
+            parameter.sort.check(name, parameter.sort.parse(texts))  # type: ignore[arg-type]  # of all texts
+        yield from (_placed(name, text, places) for text in texts)
+        return
+    checked = parameter.sort.check(name, value)
+    listed = value if isinstance(value, list) or not isinstance(checked, tuple) else [value]
+    text = parameter.sort.format(_as_file(listed))
+    _refuse_unusable(name, text)
+    yield _inside(name, text, places) if isinstance(parameter.sort, FilePath) else _placed(name, text, places)
+
+
+def _as_file(value: Json) -> Json:
+    """Return a value without the endings of whole numbers that are floats in JSON."""
+    return [plain(each) for each in value] if isinstance(value, list) else plain(value)
+
+
+def _refuse_unusable(name: str, text: str) -> None:
+    if not text or "\0" in text or not text.isprintable():
+        raise ParameterError(name, f"{text!r} is not a text that a command line takes")
+
+
+def _placed(name: str, text: str, places: Places) -> str:
+    """Return a text that may name a file; a ParameterError if that file is elsewhere."""
+    if name in _INPUTS:
+        return _inside(name, text, places)
+    return places.refuse_outside(name, text) if name in _WORDS_OR_FILES else text
+
+
+def _inside(name: str, text: str, places: Places) -> str:
+    try:
+        return str(places.seen(places.inside(text)))
+    except FileError as error:
+        raise ParameterError(name, str(error)) from None
+
+
+@cache
+def command_forms() -> Mapping[str, CommandForm]:
+    """Return the form of every command that a page may run, by its name."""
+    line = import_module("rsegen.cli.commands")
+    groups = {name: title for title, names in line.GROUPS.items() for name in names}
+    return {name: CommandForm.of(name, line.COMMANDS[name], groups[name], line.parser_of(name)) for name in COMMANDS}
+
+
+def command_form(name: str) -> CommandForm:
+    """Return the form of a command; an UnknownName, which lists the commands, if there is none."""
+    if name not in command_forms():
+        raise UnknownName.among("command", "command", name, command_forms())
+    return command_forms()[name]
+
+
+@cache
+def simulators() -> list[dict[str, Json]]:
+    """Return the simulators and their versions, None for one that is not installed; this runs their programs once."""
+    found = import_module("rsegen.cli.sim").found_simulators()
+    return [{name: each.summary[name] for name in ("name", "title", "version")} for each in found]
+
+
+@call_of_host
+def hello(host: Host) -> dict[str, Any]:
+    """Return what is the same for all documents: forms, kinds, robots, formats, simulators."""
+    return {
+        "version": __version__,
+        "folder": str(host.folder.resolve()),
+        "globals": global_groups(),
+        "kinds": kinds(),
+        "examples": [{"name": name, "description": load(path).description} for name, path in EXAMPLES.items()],
+        "robots": [{"name": name, "title": robot.title} for name, robot in ROBOTS.items()],
+        "commands": [form.described() for form in command_forms().values()],
+        "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],
+        "simulators": simulators(),
+    }

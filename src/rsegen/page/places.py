@@ -1,0 +1,50 @@
+"""Paths that pages give: all of them lead into the folder of the host, or to a file that a page sent."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+from typing import NamedTuple
+
+from rsegen.errors import FileError, ParameterError
+
+
+class Places(NamedTuple):
+    """The folder in which pages read and write, and that of the files that they sent, if there are any."""
+
+    folder: Path
+    sent: Path | None = None
+
+    def inside(self, text: str) -> Path:
+        """Return a path that a page gives, with no link in it; a FileError if it leads elsewhere or is hidden."""
+        if "\0" in text:
+            raise FileError("a path has no NUL character")
+        try:
+            found = (self.folder / text).resolve()
+        except (OSError, RuntimeError) as error:  # a loop of links
+            raise FileError(f"{text}: {error}") from None
+        for folder in (self.folder.resolve(), *([self.sent.resolve()] if self.sent else [])):
+            if found.is_relative_to(folder):
+                if any(part.startswith(".") for part in found.relative_to(folder).parts):
+                    raise FileError(f"{text}: is hidden; only other files are read and written here")
+                return found
+        raise FileError(f"{text}: is outside {self.folder}, the folder that this page reads and writes")
+
+    def seen(self, path: Path) -> Path:
+        """Return a path as it is seen from the folder: relative if it is in it."""
+        folder = self.folder.resolve()
+        return path.relative_to(folder) if path.is_relative_to(folder) else path
+
+    def refuse_outside(self, name: str, text: str) -> str:
+        """Return what may be a word, numbers, or a file with arguments; a ParameterError for a file elsewhere."""
+        if re.fullmatch(r"[0-9.,]*", text):
+            return text
+        try:
+            path, *arguments = shlex.split(text) or [""]
+            if "/" not in path and "." not in Path(path).name[1:]:
+                return text
+            place = str(self.inside(path))
+        except (FileError, ValueError) as error:  # a quotation mark that is not closed
+            raise ParameterError(name, str(error)) from None
+        return shlex.join([place, *arguments]) if arguments else place

@@ -1,0 +1,331 @@
+"""What pages ask of a robot on a map: its shape, how it stands somewhere, where it tilts, where it gets, and how.
+
+    document, index --> StepField --> Ground of a robot's Body --> poses, reach, ways (rsegen.standing)
+
+A page asks with every move of the mouse, so fields and lattices are kept while their recipe is the same. What takes
+seconds is done once at a time for a document, and of several that wait only the newest is answered.
+"""
+
+from __future__ import annotations
+
+import threading
+from base64 import b64encode
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import ceil, degrees, isfinite
+from typing import Any, Literal
+
+import numpy as np
+
+from rsegen.errors import ParameterError, line_of
+from rsegen.exporters.pictures.robot_drawing import hull
+from rsegen.field.metrics import metrics
+from rsegen.field.metrics.catalogue import METRICS, UNITS, custom, flattened, nested
+from rsegen.field.stepfield import Array, StepField
+from rsegen.io.resources import refuse_too_large
+from rsegen.page.calls import call_of_host
+from rsegen.page.forms import title_of
+from rsegen.page.host import Host
+from rsegen.page.turns import newest_turn
+from rsegen.recipe.building import build
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots import Robot, robot_of
+from rsegen.robots.base import DrivableRobot
+from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
+from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
+from rsegen.simulation.driving.routes import followed
+from rsegen.standing.body import Body
+from rsegen.standing.draping import draped
+from rsegen.standing.resting import REASONS, Poses, of_settled
+from rsegen.standing.settling import Ground, reach_of, settle
+from rsegen.standing.spots import Spot
+from rsegen.standing.ways import Lattice
+from rsegen.standing.ways import Reach as Places
+from rsegen.standing.ways import reach as reached
+
+_KEPT = 8
+"""Fields and lattices that are kept."""
+
+_FAR = 1000.0
+"""Metres from the origin up to which a place is looked at."""
+
+
+@dataclass(kw_only=True)
+class _Kept:
+    """The newest values that were made of a recipe's map: by the recipe itself, its map, and what else counts."""
+
+    values: list[tuple[Recipe, tuple[Any, ...], Any]] = field(default_factory=list)
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def get(self, recipe: Recipe, key: tuple[Any, ...]) -> Any:
+        """Return a value; None if it is not kept."""
+        with self.lock:
+            return next((value for of, known, value in self.values if of is recipe and known == key), None)
+
+    def put(self, recipe: Recipe, key: tuple[Any, ...], value: Any) -> Any:
+        """Keep a value, and return it."""
+        with self.lock:
+            self.values = [(recipe, key, value), *self.values][:_KEPT]
+        return value
+
+
+_FIELDS, _LATTICES = _Kept(), _Kept()
+
+
+def _field(recipe: Recipe, index: int) -> StepField:
+    if (kept := _FIELDS.get(recipe, (index,))) is not None:
+        found: StepField = kept
+        return found
+    if index not in recipe.indices:
+        last = recipe.indices[-1]
+        raise ParameterError("index", f"{index} is not a map of this recipe; give {recipe.first_map}..{last}")
+    refuse_too_large(recipe)
+    made: StepField = _FIELDS.put(recipe, (index,), build(recipe, index))
+    return made
+
+
+def recipe_of(host: Host, doc: str) -> Recipe:
+    """Return the recipe of a document, of a draft that is invalid the last valid one."""
+    recipe: Recipe = host.opened(doc).session.recipe
+    return recipe
+
+
+def _map(host: Host, doc: str, index: int) -> tuple[Recipe, StepField]:
+    recipe = recipe_of(host, doc)
+    return recipe, _field(recipe, index)
+
+
+def _robot(host: Host, robot: str) -> DrivableRobot:
+    """Return a robot by its kind, or of a file in the folder of pages."""
+    return robot_of(host.places.refuse_outside("robot", robot), "robot")
+
+
+@call_of_host
+def robot(host: Host, *, robot: str) -> dict[str, Any]:
+    """Return a robot as it is drawn: the parts of its links, or of a file the boxes around its collision shapes."""
+    known = _robot(host, robot)
+    driven = {part.name.partition("::")[0] for part in known.body_or_box.parts if part.drives}
+    title = known.title if isinstance(known, Robot) else known.kind
+    parts = _parts_of_links(known, driven) if isinstance(known, Robot) else _boxes(known.body_or_box)
+    return {"name": robot, "title": title, "size": list(known.size), "parts": list(parts)}
+
+
+def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
+    for link in robot.links:
+        for part in link.parts:
+            shape, size = _shape(part.solid)
+            yield {
+                "shape": shape,
+                "size": size,
+                "pose": (_transform(link.pose) @ _transform(part.pose)).ravel().tolist(),
+                "colour": "#" + "".join(f"{round(255 * each):02x}" for each in part.colour),
+                "wheel": link.name in driven,
+            }
+
+
+def _shape(solid: Solid) -> tuple[str, list[float]]:
+    if isinstance(solid, Box):
+        return "box", list(solid.size)
+    return ("cylinder", [solid.radius, solid.length]) if isinstance(solid, Cylinder) else ("sphere", [solid.radius])
+
+
+def _transform(pose: SdfPose) -> Array:
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = rotation(*pose[3:]), pose[:3]
+    return matrix
+
+
+_BODY, _DRIVEN = "#73757a", "#1f1f21"
+"""Colours of the parts of a robot of a file, which are known as shapes without a colour."""
+
+
+def _boxes(body: Body) -> Iterator[dict[str, Any]]:
+    """Yield the boxes around the parts of a body."""
+    for number, part in enumerate(body.parts):
+        surface = body.surface[body.part_of_surface == number]
+        if not len(surface):
+            continue
+        pose = np.eye(4)
+        pose[:3, 3] = (surface.min(axis=0) + surface.max(axis=0)) / 2
+        yield {
+            "shape": "box",
+            "size": np.ptp(surface, axis=0).tolist(),
+            "pose": pose.ravel().tolist(),
+            "colour": _DRIVEN if part.drives else _BODY,
+            "wheel": part.drives,
+        }
+
+
+def _settled(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> Poses:
+    ground = Ground.of(field, reach_of(body))
+    return of_settled(ground, body, settle(ground, body, x, y, heading))
+
+
+def _refuse_unplaced(**numbers: float) -> None:
+    for name, number in numbers.items():
+        if not isfinite(number) or abs(number) > _FAR:
+            raise ParameterError(name, f"{number} is no place near the map")
+
+
+@call_of_host
+def pose(  # noqa: PLR0913  # each is named by the page
+    host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
+) -> dict[str, Any]:
+    """Return how a robot rests that is put down level at x, y with a heading; also beside the map."""
+    _refuse_unplaced(x=x, y=y, heading=heading)
+    _, field = _map(host, doc, index)
+    found = _settled(field, _robot(host, robot).body, *(np.array([each]) for each in (x, y, heading)))
+    stands, clearance = bool(found.stands[0]), float(found.clearance[0])
+    corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)]
+    return {
+        "stands": stands,
+        "holds": bool(found.holds[0]),
+        "pushes": bool(found.pushes[0]),
+        "reason": REASONS[int(found.reason[0])],
+        **{name: float(getattr(found, name)[0]) for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt")},
+        "margin": float(found.tip_angle[0]),
+        "clearance": clearance if isfinite(clearance) else None,
+        "contacts": found.contacts[0].tolist() if stands else [],
+        "polygon": _in_order(corners).tolist() if stands else [],
+    }
+
+
+def _in_order(corners: Array) -> Array:
+    """Return the corners (n, 3) of the hull of points as they are seen from above, counterclockwise."""
+    return np.array([corners[np.hypot(*(corners[:, :2] - at).T).argmin()] for at in hull(corners[:, :2])])
+
+
+_PER_BLOCK, _MOST = 4, 8000
+"""Poses along the side of a block, and on a map at most: a page waits two seconds for them."""
+
+
+@call_of_host
+def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dict[str, Any]:
+    """Return how a robot of one heading rests on a grid of places all over a map."""
+    _refuse_unplaced(heading=heading)
+    with newest_turn(doc, "tilt"):
+        _, field = _map(host, doc, index)
+        (along_x, along_y), body = field.extent, _robot(host, robot).body
+        step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
+        counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
+        x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
+        every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
+        found = _settled(field, body, every_x, every_y, np.full(len(every_x), heading))
+    tilt, margin = (np.where(found.stands, angles, np.nan) for angles in (found.tilt, found.tip_angle))
+    return {
+        "shape": counts,
+        "low": [float(x[0]), float(y[0])],
+        "step": step,
+        "tilt": _encoded(tilt, "<f4"),
+        "margin": _encoded(margin, "<f4"),
+        "reason": _encoded(found.reason, "u1"),
+        "reasons": list(REASONS),
+    }
+
+
+def _encoded(values: Any, kind: str) -> str:
+    return b64encode(np.ascontiguousarray(values).astype(kind).tobytes()).decode()
+
+
+@call_of_host
+def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
+    """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
+    with newest_turn(doc, "reach"):
+        recipe, field = _map(host, doc, index)
+        body = _robot(host, robot).body
+        found = reached(field, body)
+        spots = _spots(field, body, recipe.seed)
+    crossings = {"west to east": found.west_east, "south to north": found.south_north}
+    across = [name for name, way in crossings.items() if way.crosses]
+    nowhere = f"does not cross; largest area {found.cover:.0%} of the map"
+    return {
+        "text": f"crosses {' and '.join(across)}" if across else nowhere,
+        "region": _encoded(found.region, "u1"),
+        "ways": list(_ways(field, body, found)),
+        "spots": [
+            {"x": spot.x, "y": spot.y, "z": spot.z, "yaw": spot.yaw, "name": name}
+            for name, spot in zip(("S", "G"), spots, strict=False)
+        ],
+    }
+
+
+def _ways(field: StepField, body: Body, found: Places) -> Iterator[dict[str, Any]]:
+    """Yield the ways across on the blocks; if there is none, the one that `drive --route way` tries."""
+    crossings = {"west to east": found.west_east, "south to north": found.south_north}
+    ways = {name: way.points for name, way in crossings.items() if way.crosses}
+    for name, points in (ways or {"tried": followed(field, body, found.west_east).points}).items():
+        yield {"points": draped(field, points).tolist(), "name": name, "crosses": name != "tried"}
+
+
+def _spots(field: StepField, body: Body, seed: int) -> tuple[Spot, ...]:
+    try:
+        return spots_on_map(field, body, 2, spot_generator(seed))
+    except ParameterError:  # there are none
+        return ()
+
+
+@call_of_host
+def way(  # noqa: PLR0913  # each is named by the page
+    host: Host,
+    *,
+    doc: str,
+    index: int,
+    robot: str,
+    start: tuple[float, float],
+    goal: tuple[float, float],
+    best: Literal["length", "tilt", "margin"] = "length",
+) -> dict[str, Any]:
+    """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
+    for place in (start, goal):
+        _refuse_unplaced(x=place[0], y=place[1])
+    with newest_turn(doc, "way"):
+        recipe, field = _map(host, doc, index)
+        body = _robot(host, robot).body
+        key = (index, robot, best)
+        lattice: Lattice = _LATTICES.get(recipe, key) or _LATTICES.put(recipe, key, Lattice(field, body, best))
+        found = lattice.between(start, goal)
+    if found is None:
+        none = {"found": False, "text": f"no way for {robot} between these places", "poses": [], "events": []}
+        return none | {"length": 0.0, "worst_tilt": 0.0, "least_margin": 0.0}
+    poses = found.poses
+    worst, least = float(poses.tilt.max()), float(poses.tip_angle.min())
+    events = [(at, "falls") for at in found.drops] + [(at, "slides") for at in found.slips]
+    text = f"{found.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {degrees(least):.0f} from tipping over"
+    rows = np.stack([getattr(poses, name) for name in ("x", "y", "z", "roll", "pitch", "yaw")], axis=1)
+    return {
+        "found": True,
+        "text": text,
+        "poses": np.round(rows, 5).tolist(),
+        "events": [{"at": at, "text": words} for at, words in sorted(events)],
+        "length": found.length,
+        "worst_tilt": worst,
+        "least_margin": least,
+    }
+
+
+@call_of_host
+def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> dict[str, Any]:
+    """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
+    crosser = _robot(host, robot) if robot else None
+    with newest_turn(doc, "measure"):
+        _, field = _map(host, doc, index)
+        entries = nested(metrics(field, crosser)) | custom(field)
+    rows = [(_named(key), _shown(value), _meaning(key), key) for key, value in flattened(entries)]
+    return {"rows": [list(row) for row in rows if row[1]]}
+
+
+def _named(key: str) -> str:
+    """Return a metric in words: its family, and what it is in it."""
+    return " ".join(title_of(part).lower() for part in key.split(".")).replace(" tri", " TRI")
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.4g}" if isinstance(value, float) else "" if value is None else line_of(str(value))
+
+
+def _meaning(key: str) -> str:
+    if key in METRICS:
+        return f"{METRICS[key].unit} {METRICS[key].help}".strip()
+    return {"m": "metres", "rad": "radians"}.get(UNITS.get(key, ""), "")

@@ -1,0 +1,35 @@
+"""Turns of what takes seconds: one at a time of each sort for a document, and of those that wait the newest alone."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from rsegen.errors import UserError
+
+
+@dataclass(slots=True)
+class _Queue:
+    """The number of the newest request, and the lock of the one that is worked on."""
+
+    asked: int = 0
+    works: threading.Lock = field(default_factory=threading.Lock)
+
+
+_QUEUES: dict[tuple[str, str], _Queue] = {}
+_LOCK = threading.Lock()
+
+
+@contextmanager
+def newest_turn(doc: str, name: str) -> Iterator[None]:
+    """Wait until nothing of this name is done for a document; a UserError for a request that a newer one replaced."""
+    with _LOCK:
+        queue = _QUEUES.setdefault((doc, name), _Queue())
+        queue.asked += 1
+        number = queue.asked
+    with queue.works:
+        if queue.asked != number:
+            raise UserError("a newer request took its place")
+        yield

@@ -1,0 +1,87 @@
+"""Small maps for a page to choose from: of a recipe at other seeds, and the maps that a recipe has itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from rsegen.errors import ParameterError
+from rsegen.exporters.browser.page import ShownMap, content
+from rsegen.exporters.numbers import lengths_in
+from rsegen.exporters.scene import compose
+from rsegen.field.metrics.roughness import ruggedness, steps
+from rsegen.field.metrics.traversability import percolation
+from rsegen.field.stepfield import StepField, coarse, coarseness
+from rsegen.io.resources import refuse_too_large
+from rsegen.page.calls import call_of_host
+from rsegen.page.host import Host
+from rsegen.page.robots import recipe_of
+from rsegen.page.turns import newest_turn
+from rsegen.params.sorts import Integer
+from rsegen.params.streams import fresh_seed
+from rsegen.recipe.recipe import Recipe
+
+_COUNT = Integer(1, 24, unit="maps")
+"""More would be too small to be told apart."""
+
+_OPENED = 40_000
+"""Cells of a map up to which the smallest step across it is found: of more it takes too long for a picture."""
+
+_SIDE = 100
+"""Cells along the longer side of a small map, at most: of larger ones each is the highest of several."""
+
+
+@call_of_host
+def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
+    """Return the first map of a document's recipe at fresh seeds."""
+    count = _COUNT.check("count", count)
+    with newest_turn(doc, "variants"):
+        recipe = recipe_of(host, doc)
+        seeds = dict.fromkeys([recipe.seed])
+        while len(seeds) <= count:
+            seeds[fresh_seed()] = None
+        return [_variant(replace(recipe, seed=seed), recipe.first_map) for seed in list(seeds)[1:]]
+
+
+@call_of_host
+def maps(host: Host, *, doc: str, first: int, count: int) -> list[dict[str, Any]]:
+    """Return maps of a document's recipe from an index on, as many as there are."""
+    count = _COUNT.check("count", count)
+    with newest_turn(doc, "variants"):
+        recipe = recipe_of(host, doc)
+        if first not in recipe.indices:
+            raise ParameterError("first", f"{first} is not a map of this recipe")
+        indices = range(first, min(first + count, recipe.indices.stop))
+        return [_variant(recipe, index) for index in indices]
+
+
+def _variant(recipe: Recipe, index: int) -> dict[str, Any]:
+    """Return a map with its seed, index and difficulty; large maps coarser."""
+    refuse_too_large(recipe)
+    scene = compose(recipe, index)
+    small = replace(scene, field=coarse(scene.field, coarseness(scene.field, _SIDE)))
+    shown = content(ShownMap.of(small, "", ".yaml"))
+    return {
+        "seed": recipe.seed,
+        "index": index,
+        # The metrics of a map that is drawn coarser are not its own.
+        "scene": shown | {"index": index, "step": scene.field.unit, "look": recipe.look, "metrics": []},
+        "difficulty": list(_difficulty(scene.field, recipe.units)),
+    }
+
+
+def _difficulty(field: StepField, units: str) -> Iterator[tuple[str, str]]:
+    """Yield what says how hard a field is to cross, quickly found."""
+    if field.frame.all():
+        return
+    written = lengths_in(units)
+
+    def length(metres: float | None) -> str:  # to a millimetre
+        return "-" if metres is None else f"{written.short(round(metres * 1e3) * 1_000_000)} {written.unit}"
+
+    if field.levels.size <= _OPENED:
+        opens = percolation(field, 0.0)
+        yield "opens", f"{length(opens.west_east)} W-E, {length(opens.south_north)} S-N"
+    yield "mean step", length(steps(field).mean)
+    yield "TRI", length(ruggedness(field).tri)
