@@ -13,6 +13,7 @@ export enum Faces { Up, West, East, South, North }
 
 export interface Dress {
   look: "recipe" | "heights";
+  floor: string; // its colour
   isSeen(i: number, j: number): boolean; // false: neither drawn nor hiding its neighbours' sides
 }
 
@@ -21,8 +22,10 @@ const GRAIN = { wood: 1, painted: 0.34, plain: 0.22, none: 0 };
 
 export function blocksOf(field: Field, dress: Dress): BufferGeometry {
   const { nX, nY } = field;
-  const colours = field.palette.map(({ surface, colour }) => rgb(dress.look === "heights" ? colour : surface));
+  // Where no block is one sees the floor.
+  const colours = field.palette.map(({ level, surface, colour }) => rgb(dress.look === "heights" ? colour : level === 0 ? dress.floor : surface));
   const grains = field.palette.map(({ level }) => {
+    if (level === 0) return GRAIN.none;
     if (dress.look === "heights") return level === null ? GRAIN.plain : GRAIN.none;
     if (field.scene.look === "wood") return GRAIN.wood;
     return level === null ? GRAIN.painted : GRAIN.plain;
@@ -80,7 +83,7 @@ export function blocksOf(field: Field, dress: Dress): BufferGeometry {
     const lines = board ? +!west + 2 * +!east + 4 * +!south + 8 * +!north : 15;
     const layer = board ? KINDS + (((south || north) && !(west || east) ? i : j) % KINDS) : hash(i, j) % KINDS;
     const along = board && (west || east) ? 1 : 0;
-    put([x0, y0, z, x1, y0, z, x1, y1, z, x0, y1, z], i, j, lines, Faces.Up, layer, along);
+    put([x0, y0, z, x1, y0, z, x1, y1, z, x0, y1, z], i, j, lines, Faces.Up, layer, board, along);
   }
 
   /* The side of a cell from a lower neighbour's top upward, between two corners of the plan, seen from outside. */
@@ -94,23 +97,27 @@ export function blocksOf(field: Field, dress: Dress): BufferGeometry {
     const [left, right] = faces === Faces.West || faces === Faces.North ? [after, before] : [before, after];
     const lines = board ? +!left + 2 * +!right + 8 : 11;
     const layer = KINDS + (board ? 3 : hash(i, j) % KINDS);
-    put([xa, ya, low, xb, yb, low, xb, yb, high, xa, ya, high], i, j, lines, faces, layer, board ? 1 : 0);
+    put([xa, ya, low, xb, yb, low, xb, yb, high, xa, ya, high], i, j, lines, faces, layer, board, board ? 1 : 0);
   }
 
-  function put(corners: number[], i: number, j: number, lines: number, faces: Faces, layer: number, along: number): void {
+  function put(
+    corners: number[], i: number, j: number, lines: number, faces: Faces, layer: number, board: boolean, along: number,
+  ): void {
+    const varied = board ? 3 : hash(j, i) % 8; // all of a board is of one tree
     const first = 4 * next;
     const material = field.content[i * nY + j];
     const [red, green, blue] = colours[material];
+    const isFloor = field.palette[material].level === 0;
     const grain = Math.round(255 * grains[material]);
     positions.set(corners, 3 * first);
     for (let at = 4 * first; at < 4 * first + 16; at += 4) {
       colour[at] = red;
       colour[at + 1] = green;
       colour[at + 2] = blue;
-      colour[at + 3] = lines;
+      colour[at + 3] = lines + (isFloor ? 16 : 0); // fainter ones there
       face[at] = faces;
       face[at + 1] = layer;
-      face[at + 2] = along + 2 * (hash(j, i) % 8);
+      face[at + 2] = along + 2 * varied;
       face[at + 3] = grain;
     }
     const at = 6 * next;

@@ -39,15 +39,13 @@ export function lightOn(field: Field): Light {
     for (let k = 1; k < fine; k++) heights.copyWithin(first + k * high, first, first + high);
   }
   const shadow = new Float32Array(wide * high);
-  const [whole, part] = [Math.floor(slope), slope - Math.floor(slope)];
   for (let i = 0; i < wide; i++) {
+    // Rays go from texel to texel, so that shadows stay sharp however far they fall.
+    const aside = Math.round(slope * i) - Math.round(slope * (i - 1));
     for (let j = 0; j < high; j++) {
-      // The neighbour towards the sun is between two texels of the column before.
-      const from = (i - 1) * high + j - whole;
-      const ok = i > 0 && j - whole - 1 >= 0 && j - whole < high;
-      shadow[i * high + j] = ok
-        ? (1 - part) * Math.max(heights[from], shadow[from]) + part * Math.max(heights[from - 1], shadow[from - 1]) - fall
-        : -fall;
+      const from = (i - 1) * high + j - aside;
+      const isInside = i > 0 && j >= aside;
+      shadow[i * high + j] = (isInside ? Math.max(heights[from], shadow[from]) : 0) - fall;
     }
   }
   const radius = Math.max(1, Math.round(AROUND * fine));

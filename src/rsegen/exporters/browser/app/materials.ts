@@ -9,7 +9,7 @@ import { MEAN, grainOf } from "./wood";
 type Uniforms = Record<string, IUniform>;
 
 export interface Surroundings { floor: string; joint: string; horizon: string; zenith: string }
-export const LIGHT: Surroundings = { floor: "#b9b4ab", joint: "#8f8b84", horizon: "#e9ecf0", zenith: "#bccbdd" };
+export const LIGHT: Surroundings = { floor: "#c6c1b8", joint: "#8f8b84", horizon: "#e9ecf0", zenith: "#bccbdd" };
 export const DARK: Surroundings = { floor: "#3a3c40", joint: "#55585e", horizon: "#1b1e23", zenith: "#101216" };
 
 /* What the materials of a map have in common; they change together. */
@@ -30,7 +30,7 @@ export function uniforms(): Uniforms {
     zenith: { value: new Color() },
     joint: { value: new Color() },
     radius: { value: 1 },
-    fades: { value: new Vector2(2, 9) },
+    fades: { value: new Vector2(1.6, 8) },
     grid: { value: 1 },
   };
 }
@@ -71,7 +71,7 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         varying vec3 vPlace, vColour, vFacing, vGrain;
         varying vec2 vFace;
         varying vec4 vEdges;
-        varying float vStrength;`,
+        varying float vStrength, vLine;`,
       )
       .replace(
         "#include <beginnormal_vertex>",
@@ -91,15 +91,16 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         vFacing = objectNormal;
         vColour = pow(colour.rgb / 255.0, vec3(2.2));
         float varied = floor(face.z / 2.0);
-        vec2 long = vec2(side < 0.5 ? position.x : vFace.x, side < 0.5 ? position.y : position.z) / block;
-        if (side > 2.5 && mod(face.z, 2.0) > 0.5) long.x = position.x / block;
-        else if (side > 0.5 && mod(face.z, 2.0) > 0.5) long.x = position.y / block;
-        if (mod(face.z, 2.0) > 0.5) long = long.yx;
+        vec2 fibre = vec2(side < 0.5 ? position.x : vFace.x, side < 0.5 ? position.y : position.z) / block;
+        if (side > 2.5 && mod(face.z, 2.0) > 0.5) fibre.x = position.x / block;
+        else if (side > 0.5 && mod(face.z, 2.0) > 0.5) fibre.x = position.y / block;
+        if (mod(face.z, 2.0) > 0.5) fibre = fibre.yx;
         // End grain is turned over for variety; long grain starts anywhere along the post.
         vec2 end = varied < 4.0 ? vFace : vFace.yx;
         end = vec2(mod(varied, 2.0) > 0.5 ? 1.0 - end.x : end.x, mod(varied, 4.0) > 1.5 ? 1.0 - end.y : end.y);
-        vGrain = vec3(face.y < 15.5 ? end : vec2(long.x, 0.5 * long.y + 0.37 * varied), face.y);
+        vGrain = vec3(face.y < 15.5 ? end : vec2(fibre.x, 0.5 * fibre.y + 0.37 * varied), face.y);
         vStrength = face.w / 255.0;
+        vLine = colour.w > 15.5 ? 0.2 : 0.55;
         vColour *= 1.0 + (0.1 * vStrength + 0.02) * (varied / 3.5 - 1.0);`,
       );
     shader.fragmentShader = shader.fragmentShader
@@ -114,7 +115,7 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         varying vec3 vPlace, vColour, vFacing, vGrain;
         varying vec2 vFace;
         varying vec4 vEdges;
-        varying float vStrength;
+        varying float vStrength, vLine;
         ${LIT}`,
       )
       .replace(
@@ -128,7 +129,7 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         vec2 lines = 1.0 - smoothstep(vec2(0.3), vec2(1.25), apart / pixel);
         vec2 fade = 1.0 - smoothstep(vec2(0.1), vec2(0.4), pixel);
         float edge = max(lines.x * fade.x, lines.y * fade.y);
-        diffuseColor.rgb *= 1.0 - grid * 0.55 * edge;`,
+        diffuseColor.rgb *= 1.0 - grid * vLine * edge;`,
       )
       .replace(
         "#include <normal_fragment_begin>",
@@ -180,7 +181,7 @@ export function floorMaterial(shared: Uniforms): MeshLambertMaterial {
         vec2 pixel = max(fwidth(tile), vec2(1e-6));
         vec2 lines = 1.0 - smoothstep(vec2(0.4), vec2(1.3), abs(fract(tile - 0.5) - 0.5) / pixel);
         float line = max(lines.x, lines.y) * (1.0 - smoothstep(0.05, 0.3, max(pixel.x, pixel.y)));
-        diffuseColor.rgb = mix(diffuseColor.rgb, joint, 0.55 * line);`,
+        diffuseColor.rgb = mix(diffuseColor.rgb, joint, 0.4 * line);`,
       )
       .replace("#include <lights_fragment_end>", SHADED("vec3(0.0)"))
       .replace(

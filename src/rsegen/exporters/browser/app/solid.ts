@@ -78,7 +78,7 @@ export class Solid implements View, Board {
     }
     const before = this.field;
     this.field = new Field(scene);
-    this.stage.show(this.field, this.options.look);
+    this.stage.show(this.field, this.options);
     const isOther = !before || before.nX !== this.field.nX || before.nY !== this.field.nY || before.width !== this.field.width;
     this.tools.shown();
     this.drawAxes();
@@ -90,11 +90,11 @@ export class Solid implements View, Board {
   }
 
   set(options: Partial<Options>): void {
-    const { look } = this.options;
+    const { look, dark } = this.options;
     Object.assign(this.options, options);
     this.host.toggleAttribute("data-dark", this.options.dark);
     this.stage.dress(this.options);
-    if (this.field && look !== this.options.look) this.stage.show(this.field, this.options.look);
+    if (this.field && (look !== this.options.look || dark !== this.options.dark)) this.stage.show(this.field, this.options);
     this.drawAxes();
     this.ask();
   }
@@ -126,7 +126,7 @@ export class Solid implements View, Board {
       const material = new MeshLambertMaterial({
         color: ACCENT, transparent: true, opacity: 0.55, flatShading: true, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
       });
-      const geometry = blocksOf(field, { look: "heights", isSeen: (i, j) => field.owner(i, j) === row });
+      const geometry = blocksOf(field, { look: "heights", floor: ACCENT, isSeen: (i, j) => field.owner(i, j) === row });
       const lines = linesOf(outline(field, field.cellsOf(row)), { colour: ACCENT, width: 2, hidden: true });
       this.part("ghost", [new Mesh(geometry, material), lines]);
     }
@@ -482,7 +482,7 @@ export function thumbnail(scene: SceneData, width: number, height: number, dark 
     renderer.setSize(width, height, false);
     stage.camera.aspect = width / height;
     stage.dress({ dark, grid: true });
-    stage.show(new Field(scene), "recipe");
+    stage.show(new Field(scene), { look: "recipe", dark });
     stage.look("oblique");
     stage.render(renderer);
     const canvas = renderer.domElement;

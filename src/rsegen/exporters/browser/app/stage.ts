@@ -2,7 +2,7 @@
 
 import {
   Box3, CanvasTexture, Color, DirectionalLight, HemisphereLight, LinearFilter, Mesh, MeshLambertMaterial, NearestFilter,
-  NeutralToneMapping, Object3D, PCFShadowMap, PerspectiveCamera, PlaneGeometry, SRGBColorSpace, Scene, SphereGeometry,
+  Object3D, PCFShadowMap, PerspectiveCamera, PlaneGeometry, SRGBColorSpace, Scene, SphereGeometry,
   Vector3, WebGLRenderer,
 } from "three";
 import { blocksOf } from "./blocks";
@@ -19,7 +19,6 @@ const DIRECTIONS: Record<From, [number, number, number]> = {
 
 export function rendererOf(canvas: HTMLCanvasElement, antialias: boolean): WebGLRenderer {
   const renderer = new WebGLRenderer({ canvas, antialias, powerPreference: "high-performance" });
-  renderer.toneMapping = NeutralToneMapping; // keeps colours as they are on the plan, and tames the brightest
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFShadowMap;
   renderer.shadowMap.autoUpdate = false;
@@ -36,8 +35,8 @@ export class Stage {
   private readonly blocks = new Mesh(undefined, blockMaterial(this.shared));
   private readonly floor = new Mesh(new PlaneGeometry(), floorMaterial(this.shared));
   private readonly sky = new Mesh(new SphereGeometry(1, 24, 16), skyMaterial(this.shared));
-  private readonly sun = new DirectionalLight("#fff1dc", 3.1);
-  private readonly ambient = new HemisphereLight("#dfeaff", "#a39a8c", 1.55);
+  private readonly sun = new DirectionalLight("#fff1dc", 2.75);
+  private readonly ambient = new HemisphereLight("#e8efff", "#a39a8c", 1.2);
 
   constructor() {
     this.camera.up.set(0, 0, 1);
@@ -52,10 +51,10 @@ export class Stage {
     this.dress({ dark: false, grid: true });
   }
 
-  show(field: Field, look: Options["look"]): void {
+  show(field: Field, { look, dark }: Pick<Options, "look" | "dark">): void {
     this.field = field;
     this.blocks.geometry.dispose();
-    this.blocks.geometry = blocksOf(field, { look, isSeen: () => true });
+    this.blocks.geometry = blocksOf(field, { look, floor: (dark ? DARK : LIGHT).floor, isSeen: () => true });
     this.blocks.visible = true;
     this.shared.light.value?.dispose();
     setLight(this.shared, lightOn(field), field.width);
@@ -73,7 +72,7 @@ export class Stage {
     this.shared.horizon.value = asWritten(colours.horizon);
     this.shared.zenith.value = asWritten(colours.zenith);
     this.shared.grid.value = grid ? 1 : 0;
-    this.ambient.intensity = dark ? 1.25 : 1.55;
+    this.ambient.intensity = dark ? 1.0 : 1.2;
   }
 
   /* Lay a picture over the tops; null takes it away. */
