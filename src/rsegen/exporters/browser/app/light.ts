@@ -52,7 +52,8 @@ export function lightOn(field: Field): Light {
   const mean = blurred(blurred(heights, wide, high, radius), wide, high, Math.max(1, radius >> 1));
   const both = new Uint16Array(2 * wide * high);
   for (let k = 0; k < shadow.length; k++) {
-    both[2 * k] = DataUtils.toHalfFloat(shadow[k]);
+    // A lit top counts as dark just below itself, so that the foot of every wall is dark alike.
+    both[2 * k] = DataUtils.toHalfFloat(Math.max(shadow[k], heights[k] - fall));
     both[2 * k + 1] = DataUtils.toHalfFloat(mean[k]);
   }
   const texture = new DataTexture(both, high, wide, RGFormat, HalfFloatType);

@@ -199,11 +199,10 @@ export function skyMaterial(shared: Uniforms): ShaderMaterial {
     uniforms: shared,
     side: BackSide,
     depthWrite: false,
-    depthTest: false,
     vertexShader: `varying vec3 vAway;
       void main() {
         vAway = position;
-        gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0);
+        gl_Position = (projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0)).xyww; // as far as can be
       }`,
     fragmentShader: `uniform vec3 horizon, zenith;
       varying vec3 vAway;

@@ -55,7 +55,9 @@ export class Solid implements View, Board {
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
     host.append(this.canvas);
-    this.renderer = rendererOf(this.canvas, !isSoftware());
+    const isSlow = isSoftware();
+    this.renderer = rendererOf(this.canvas, !isSlow);
+    if (isSlow) this.scale = 0.6;
     this.tools = new Tools(this, on);
     this.controls = new OrbitControls(this.stage.camera, this.canvas);
     Object.assign(this.controls, { maxPolarAngle: Math.PI / 2 - 0.02, zoomToCursor: true, zoomSpeed: 1.6 });

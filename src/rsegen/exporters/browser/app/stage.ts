@@ -35,15 +35,16 @@ export class Stage {
   private readonly blocks = new Mesh(undefined, blockMaterial(this.shared));
   private readonly floor = new Mesh(new PlaneGeometry(), floorMaterial(this.shared));
   private readonly sky = new Mesh(new SphereGeometry(1, 24, 16), skyMaterial(this.shared));
-  private readonly sun = new DirectionalLight("#fff1dc", 2.75);
+  private readonly sun = new DirectionalLight("#fff1dc", 2.95);
   private readonly ambient = new HemisphereLight("#e8efff", "#a39a8c", 1.2);
 
   constructor() {
     this.camera.up.set(0, 0, 1);
     this.ambient.position.set(0, 0, 1); // the sky is where z is
     this.sky.frustumCulled = this.floor.frustumCulled = false;
-    this.sky.renderOrder = -2;
-    this.floor.renderOrder = -1;
+    // From the front to the back: no pixel is coloured in vain.
+    this.floor.renderOrder = 0.1;
+    this.sky.renderOrder = 0.2;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.radius = 3;
     this.blocks.visible = false;

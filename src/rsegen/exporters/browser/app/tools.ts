@@ -156,7 +156,8 @@ export class Tools {
       if (at) this.moveEnd(drag, board.field.nearest(board.field.place(at[0] + drag.apart[0], at[1] + drag.apart[1])));
     } else if (drag.kind === "stroke") {
       // The browser joins moves of the mouse; each is heard, and between them lie straight lines.
-      for (const part of event.getCoalescedEvents?.() ?? [event]) {
+      const parts = event.getCoalescedEvents?.() ?? [];
+      for (const part of parts.length ? parts : [event]) {
         const spot = board.spotAt(...this.pixel(part), drag.field);
         if (!spot) continue;
         this.paint(drag, line(drag.now, spot.cell));
