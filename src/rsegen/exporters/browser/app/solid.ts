@@ -269,7 +269,7 @@ export class Solid implements View, Board {
   private placeGrips(): void {
     const { field } = this;
     const isShown = field && this.row >= 0 && this.tools.tool.name === "select";
-    this.grips.set(isShown ? gripsOf(field, this.row, 0.06 * this.stage.radius) : []);
+    this.grips.set(isShown ? gripsOf(field, this.row, 0.11 * this.stage.radius) : []);
   }
 
   /* ---- a board for tools */
