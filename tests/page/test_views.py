@@ -7,6 +7,7 @@ import json
 import subprocess
 from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,14 +33,15 @@ ENTRY = """
 import { createSolid, thumbnail } from "./solid";
 import { createPlan } from "./plan";
 const said = [];
-const names = ["hover", "pick", "moveEnd", "raise", "paint", "picked", "draw", "robotAt", "robotPut", "wayPoint", "turn"];
+const names = "hover pick moveEnd raise paint picked draw robotAt robotPut wayPoint turn".split(" ");
 const on = Object.fromEntries(names.map((name) => [name, (...args) => void said.push([name, ...args])]));
 const [solid, plan] = [createSolid, createPlan].map((create, k) => create(document.body.children[k], on));
 const send = (view, type, x, y, more) => {
   const { left, top } = view.canvas.getBoundingClientRect();
   const buttons = type === "pointerup" || more?.hovers ? 0 : 1;
-  const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1, button: type === "pointermove" ? -1 : 0 };
-  view.canvas.dispatchEvent(new PointerEvent(type, { ...place, buttons, pointerType: "mouse", ...more }));
+  const button = type === "pointermove" ? -1 : 0;
+  const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1, pointerType: "mouse" };
+  view.canvas.dispatchEvent(new PointerEvent(type, { ...place, button, buttons, ...more }));
 };
 window.rsegen = { solid, plan, said, send, thumbnail };
 """
@@ -72,7 +74,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
     if not bundler.exists():
         missing("no packages of npm in exporters/browser/app: run scripts/page")
     folder = tmp_path_factory.mktemp("views")
-    made = subprocess.run(  # noqa: S603  # what was found above
+    made = subprocess.run(
         [
             bundler,
             "--bundle",
@@ -251,8 +253,9 @@ def test_stroke_has_no_gap_and_leaves_frames_out(browser: Chrome, view: str) -> 
     said = _said(browser, view, "paint")
     cells = [tuple(cell) for event in said for cell in event[0]]
     assert {(event[1], event[2]) for event in said} == {(4, said[0][2])}
-    assert cells[0] == (0, 0) and cells[-1] == (7, 5) and len(set(cells)) == len(cells)
-    assert all(max(abs(a - c), abs(b - d)) == 1 for (a, b), (c, d) in zip(cells, cells[1:], strict=False))
+    assert (cells[0], cells[-1]) == ((0, 0), (7, 5))
+    assert len(set(cells)) == len(cells)
+    assert all(max(abs(a - c), abs(b - d)) == 1 for (a, b), (c, d) in pairwise(cells))
 
 
 def test_rectangle_fill_and_pick(browser: Chrome, view: str) -> None:
@@ -284,7 +287,8 @@ def test_robot_and_way_say_metres(browser: Chrome, view: str) -> None:
     _run(
         browser,
         view,
-        "view.canvas.dispatchEvent(new WheelEvent('wheel', { deltaY: 100, shiftKey: true, bubbles: true }))",
+        "const shift = { deltaY: 100, shiftKey: true, bubbles: true };"
+        "view.canvas.dispatchEvent(new WheelEvent('wheel', shift));",
     )
     _tool(browser, view, name="way")
     _drag(browser, view, pixel)
@@ -328,7 +332,10 @@ def test_nothing_is_drawn_while_nothing_changes(browser: Chrome, solid: str) -> 
     browser.set_script_timeout(30)
     frames = browser.execute_async_script(
         """const done = arguments[0], { info } = window.rsegen.solid.renderer;
-        setTimeout(() => { const before = info.render.frame; setTimeout(() => done(info.render.frame - before), 400); }, 600);"""
+        setTimeout(() => {
+          const before = info.render.frame;
+          setTimeout(() => done(info.render.frame - before), 400);
+        }, 900);"""
     )
     assert frames == 0
 
@@ -363,7 +370,8 @@ def test_pictures_have_the_size_that_is_asked_for(browser: Chrome) -> None:
         assert _picture(browser, view, 320, 200).shape == (200, 320, 3)
     size = browser.execute_async_script(
         """const [scene, done] = arguments;
-        window.rsegen.thumbnail(scene, 96, 64).then(createImageBitmap).then(({ width, height }) => done([width, height]));""",
+        const bitmap = window.rsegen.thumbnail(scene, 96, 64).then(createImageBitmap);
+        bitmap.then(({ width, height }) => done([width, height]));""",
         _scene(),
     )
     assert size == [96, 64]
@@ -381,10 +389,10 @@ def _robot() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("stands", "redder"), [(True, False), (False, True)])
-def test_robot_is_red_if_it_does_not_stand(browser: Chrome, solid: str, stands: bool, redder: bool) -> None:  # noqa: FBT001  # parameters
-    pose = dict.fromkeys(("x", "y", "roll", "pitch", "yaw", "tilt", "margin"), 0.0)
+def test_robot_is_red_if_it_does_not_stand(browser: Chrome, solid: str, stands: bool, redder: bool) -> None:
+    pose: dict[str, Any] = dict.fromkeys(("x", "y", "roll", "pitch", "yaw", "tilt", "margin"), 0.0)
     pose |= {"stands": stands, "holds": True, "pushes": True, "reason": "", "z": 0.45, "clearance": None}
-    pose |= {"contacts": [], "polygon": []}  # type: ignore[dict-item]
+    pose |= {"contacts": [], "polygon": []}
     _run(browser, solid, "view.look('above'); view.robot(arguments[0], arguments[1])", _robot(), pose)
     x, y = np.rint(_run(browser, solid, "return view.pixel([0.1, 0.05, 0.5])")).astype(int)
     red, _, blue = _picture(browser, solid, 620, 600)[y, x]
@@ -429,3 +437,45 @@ def test_scene_without_owners_is_shown(browser: Chrome, view: str) -> None:
     _run(browser, view, "view.show(arguments[0])", json.loads(json.dumps(scene)))
     _drag(browser, view, _pixel(browser, view, (3, 2)))
     assert _said(browser, view, "pick") == [[-1, [3, 2]]]
+
+
+def test_second_finger_ends_a_stroke(browser: Chrome, solid: str) -> None:
+    _tool(browser, solid, name="paint", shape="cells", level=2)
+    _run(
+        browser,
+        solid,
+        """view.look("above");
+        const [a, b, c] = [[2, 2], [3, 2], [7, 5]].map((cell) => view.pixelOf(...cell));
+        const [one, two] = [1, 2].map((pointerId) => ({ pointerId, pointerType: "touch" }));
+        send(view, "pointerdown", ...a, one);
+        send(view, "pointermove", ...b, one);
+        send(view, "pointerdown", ...c, two);
+        send(view, "pointermove", ...c, one);
+        send(view, "pointerup", ...c, two);
+        send(view, "pointerup", ...c, one);""",
+    )
+    assert [event[0] for event in _said(browser, solid, "paint")] == [[[1, 1]], [[2, 1]]]
+
+
+def test_cells_below_the_brush_look_as_they_will(browser: Chrome, view: str) -> None:
+    _run(browser, view, "view.look('above')")
+    before = _picture(browser, view, 380, 380)
+    _tool(browser, view, name="paint", shape="cells", level=6)
+    _drag(browser, view, _pixel(browser, view, (0, 0)), _pixel(browser, view, (2, 0)))
+    after = _picture(browser, view, 380, 380)
+    _run(browser, view, "view.show(arguments[0])", _scene())
+    assert (np.abs(after - before).max(axis=2) > 40).mean() > 0.015
+    assert np.abs(_picture(browser, view, 380, 380) - before).max() <= 1
+
+
+def test_robot_does_not_reach_what_is_pale(browser: Chrome, view: str) -> None:
+    _run(browser, view, "view.look('above'); view.set({ grid: false })")
+    before = _picture(browser, view, 380, 380)
+    region = np.ones((10, 8), dtype=np.uint8)
+    region[:5] = 0
+    reach = {"text": "", "region": b64encode(region.tobytes()).decode(), "ways": [], "spots": []}
+    _run(browser, view, "view.reach(arguments[0])", reach)
+    changed = (_picture(browser, view, 380, 380) - before).max(axis=2) > 20
+    _run(browser, view, "view.reach(null)")
+    assert changed[:, :185].mean() > 0.2
+    assert changed[:, 195:].mean() < 0.01

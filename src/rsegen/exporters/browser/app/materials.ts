@@ -53,7 +53,8 @@ vec2 litAt(vec3 point, vec3 facing) {
   vec2 plan = point.xy + 0.6 * lightTexel * facing.xy;
   vec2 dark = texture2D(light, (plan.yx - lightLow.yx) / lightSize.yx).rg;
   float sun = smoothstep(0.0, 0.85 * lightFall, point.z - dark.x + 0.02 * lightFall);
-  float open = 1.0 - 0.62 * (1.0 - exp(-1.9 * max(0.0, dark.y - point.z) / block));
+  float deep = max(0.0, dark.y - point.z) / block;
+  float open = 1.0 - 0.66 * deep / (deep + 0.45);
   return vec2(sun, open);
 }`;
 
@@ -121,8 +122,9 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
       .replace(
         "#include <color_fragment>",
         `float tone = texture(grain, vec3(vGrain.xy, floor(vGrain.z + 0.5))).r;
-        // Where wood is dark it is also redder.
-        vec3 wood = pow(vec3(tone / ${MEAN.toFixed(3)}), vec3(1.15, 1.5, 2.1));
+        // Where wood is dark it is also redder; paint is not.
+        tone /= ${MEAN.toFixed(3)};
+        vec3 wood = vStrength > 0.9 ? vec3(tone, tone * sqrt(tone), tone * tone) : vec3(tone);
         diffuseColor.rgb = vColour * mix(vec3(1.0), wood, vStrength);
         vec2 pixel = max(fwidth(vFace), vec2(1e-6));
         vec2 apart = min(vEdges.xz, vEdges.yw);

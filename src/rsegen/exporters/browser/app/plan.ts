@@ -318,6 +318,7 @@ export class Plan implements View, Board {
     const pen = this.canvas.getContext("2d")!;
     pen.setTransform(sharp, 0, 0, sharp, 0, 0);
     this.paint(pen, width, height);
+    this.host.toggleAttribute("data-small", Math.min(width, height) < NARROW);
     this.grips.place((point) => this.pixel(point));
     this.label.hidden = !this.marked || !this.field || this.field.width * this.scale >= LEGIBLE || Math.min(width, height) < NARROW;
     if (this.marked && this.field) {

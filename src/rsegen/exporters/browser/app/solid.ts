@@ -16,8 +16,8 @@ import type { Options, Tool, View, ViewEvents } from "./views";
 import "./views.css";
 
 const ACCENT = "#e0218a";
-const SLOW = 45; // milliseconds per frame beyond which a moving picture is drawn in fewer pixels
-const REST = 180; // milliseconds without a move after which it is drawn in full again
+const SLOW = 60; // milliseconds per picture beyond which the next ones have fewer pixels
+const REST = 200; // milliseconds without a change after which it is drawn in full again
 
 export function createSolid(host: HTMLElement, on: ViewEvents): Solid {
   return new Solid(host, on);
@@ -45,9 +45,10 @@ export class Solid implements View, Board {
   private ends: Point[] = [];
   private marked: Spot | null = null;
   private frame = 0;
-  private isStill = 0;
-  private last = 0;
-  private scale = 1; // of pixels while it moves
+  private isWanted = false; // another picture
+  private isBusy = false; // one is being drawn
+  private resting = 0;
+  private scale = 1; // of pixels while something changes
 
   constructor(readonly host: HTMLElement, on: ViewEvents) {
     host.classList.add("view");
@@ -62,7 +63,7 @@ export class Solid implements View, Board {
     this.controls = new OrbitControls(this.stage.camera, this.canvas);
     Object.assign(this.controls, { maxPolarAngle: Math.PI / 2 - 0.02, zoomToCursor: true, zoomSpeed: 1.6 });
     this.controls.target = this.stage.target;
-    this.controls.addEventListener("change", () => this.moved());
+    this.controls.addEventListener("change", () => this.ask());
     this.grips = new Grips(host);
     this.axes = ["x", "y"].map((name) => add(host, "axis", name));
     this.label = add(host, "tag");
@@ -199,7 +200,7 @@ export class Solid implements View, Board {
     const away = this.stage.look(from);
     if (this.field) Object.assign(this.controls, { minDistance: 2 * this.field.width, maxDistance: 5 * away });
     this.controls.update();
-    this.moved();
+    this.ask();
   }
 
   async picture(width: number, height: number): Promise<Blob> {
@@ -217,13 +218,14 @@ export class Solid implements View, Board {
 
   dispose(): void {
     cancelAnimationFrame(this.frame);
-    clearTimeout(this.isStill);
+    clearTimeout(this.resting);
     this.sizes.disconnect();
     this.tools.dispose();
     this.controls.dispose();
     for (const name of [...this.parts.keys()]) this.part(name, []);
     this.stage.dispose();
     this.renderer.dispose();
+    this.renderer.forceContextLoss(); // browsers have few of them
     this.host.replaceChildren();
   }
 
@@ -408,31 +410,39 @@ export class Solid implements View, Board {
     this.stage.camera.updateProjectionMatrix();
   }
 
-  /* The camera has moved: draw quickly, and in full once it rests. */
-  private moved(): void {
-    clearTimeout(this.isStill);
-    this.isStill = window.setTimeout(() => {
-      this.last = 0;
-      if (this.scale < 1) this.draw(1);
-    }, REST);
-    this.ask(true);
-  }
-
-  /* Draw before long; several wishes are one picture. */
-  private ask(isMoving = false): void {
-    if (this.frame) return;
-    this.frame = requestAnimationFrame((now) => {
+  /* Draw before long; several wishes are one picture. It is drawn quickly, and in full once nothing changes. */
+  private ask(): void {
+    this.isWanted = true;
+    clearTimeout(this.resting);
+    if (this.scale < 1) this.resting = window.setTimeout(() => this.finish(1), REST);
+    if (this.frame || this.isBusy) return;
+    this.frame = requestAnimationFrame(() => {
       this.frame = 0;
-      if (isMoving && this.last) this.adapt(now - this.last);
-      this.last = isMoving ? now : 0;
-      this.draw(isMoving ? this.scale : 1);
+      this.isWanted = false;
+      this.finish(this.scale);
     });
   }
 
-  /* Fewer pixels while frames are slow, and more again once they are quick. */
-  private adapt(took: number): void {
-    if (took > SLOW) this.scale = Math.max(0.4, 0.8 * this.scale);
-    else if (took < SLOW / 2.5) this.scale = Math.min(1, 1.1 * this.scale);
+  /* Draw, and wait until the picture is finished before the next one is begun; one that took long has fewer pixels next time. */
+  private finish(scale: number): void {
+    this.draw(scale);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!sync) return;
+    gl.flush();
+    const began = performance.now();
+    this.isBusy = true;
+    const poll = () => {
+      if (!gl.isContextLost() && gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(poll, 3);
+      gl.deleteSync(sync);
+      this.isBusy = false;
+      const took = performance.now() - began;
+      if (scale !== this.scale) return void (this.isWanted && this.ask());
+      if (took > SLOW) this.scale = Math.max(0.4, 0.8 * this.scale);
+      else if (took < SLOW / 2.5) this.scale = Math.min(1, 1.1 * this.scale);
+      if (this.isWanted) this.ask();
+    };
+    poll();
   }
 
   private draw(scale: number): void {
