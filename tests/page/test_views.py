@@ -43,7 +43,7 @@ const send = (view, type, x, y, more) => {
   const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1, pointerType: "mouse" };
   view.canvas.dispatchEvent(new PointerEvent(type, { ...place, button, buttons, ...more }));
 };
-window.rsegen = { solid, plan, said, send, thumbnail };
+window.rsegen = { solid, plan, said, send, thumbnail, createSolid };
 """
 
 
@@ -304,7 +304,8 @@ def test_keys_paint_at_a_cursor(browser: Chrome, view: str) -> None:
     _run(
         browser,
         view,
-        "for (const key of arguments[0]) view.canvas.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }))",
+        "const press = (key) => view.canvas.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));"
+        "arguments[0].forEach(press);",
         keys,
     )
     assert [event[:2] for event in _said(browser, view, "paint")] == [[[[5, 4]], 5]]
@@ -437,6 +438,23 @@ def test_scene_without_owners_is_shown(browser: Chrome, view: str) -> None:
     _run(browser, view, "view.show(arguments[0])", json.loads(json.dumps(scene)))
     _drag(browser, view, _pixel(browser, view, (3, 2)))
     assert _said(browser, view, "pick") == [[-1, [3, 2]]]
+
+
+@pytest.mark.usefixtures("solid")
+def test_browser_without_3d_graphics_says_so(browser: Chrome) -> None:
+    said = browser.execute_script(
+        """const { getContext } = HTMLCanvasElement.prototype;
+        const [host, silent] = [document.createElement("div"), console.error];
+        HTMLCanvasElement.prototype.getContext = () => null;
+        console.error = () => {};
+        const view = window.rsegen.createSolid(host, {});
+        [HTMLCanvasElement.prototype.getContext, console.error] = [getContext, silent];
+        view.show(arguments[0]);
+        view.select(1);
+        return host.textContent;""",
+        _scene(),
+    )
+    assert said == "This browser shows no 3D graphics (WebGL 2)."
 
 
 def test_second_finger_ends_a_stroke(browser: Chrome, solid: str) -> None:

@@ -10,7 +10,7 @@ import { ClampToEdgeWrapping, DataTexture, DataUtils, HalfFloatType, LinearFilte
 import type { Field } from "./field";
 
 export const SUN = [-0.8, -0.42, 1.0] as const; // towards it; x is the longest of x and y, along which the sweep goes
-const TEXELS = 420_000;
+const TEXELS = 700_000; // of which a map of 400 x 400 cells has two along each
 const FINEST = 8; // texels along a cell
 const AROUND = 0.8; // cells around a point whose mean height matters
 

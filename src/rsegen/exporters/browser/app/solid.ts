@@ -19,8 +19,24 @@ const ACCENT = "#e0218a";
 const SLOW = 60; // milliseconds per picture beyond which the next ones have fewer pixels
 const REST = 200; // milliseconds without a change after which it is drawn in full again
 
-export function createSolid(host: HTMLElement, on: ViewEvents): Solid {
-  return new Solid(host, on);
+export function createSolid(host: HTMLElement, on: ViewEvents): View {
+  try {
+    return new Solid(host, on);
+  } catch {
+    return unseen(host);
+  }
+}
+
+/* What stands where the browser cannot draw in three dimensions; all else of a page works. */
+function unseen(host: HTMLElement): View {
+  host.replaceChildren();
+  host.classList.add("view");
+  add(host, "unseen", "This browser shows no 3D graphics (WebGL 2).").removeAttribute("aria-hidden");
+  const nothing = () => undefined;
+  const picture = () => Promise.reject(new Error("this browser shows no 3D graphics"));
+  const [show, set, tool, select, ghost] = Array<() => undefined>(5).fill(nothing);
+  const [robot, poseMap, reach, way, play, at, look] = Array<() => undefined>(7).fill(nothing);
+  return { show, set, tool, select, ghost, robot, poseMap, reach, way, play, at, look, picture, dispose: () => host.replaceChildren() };
 }
 
 export class Solid implements View, Board {
@@ -44,6 +60,7 @@ export class Solid implements View, Board {
   private readonly parts = new Map<string, Object3D>(); // what is drawn besides the map, by what it is
   private ends: Point[] = [];
   private marked: Spot | null = null;
+  private markedIn: Field | null = null;
   private frame = 0;
   private isWanted = false; // another picture
   private isBusy = false; // one is being drawn
@@ -55,9 +72,9 @@ export class Solid implements View, Board {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
-    host.append(this.canvas);
     const isSlow = isSoftware();
     this.renderer = rendererOf(this.canvas, !isSlow);
+    host.append(this.canvas);
     if (isSlow) this.scale = 0.6;
     this.tools = new Tools(this, on);
     this.controls = new OrbitControls(this.stage.camera, this.canvas);
@@ -68,6 +85,7 @@ export class Solid implements View, Board {
     this.axes = ["x", "y"].map((name) => add(host, "axis", name));
     this.label = add(host, "tag");
     this.label.hidden = true;
+    this.canvas.addEventListener("webglcontextrestored", () => this.ask());
     this.sizes = new ResizeObserver(() => this.resize());
     this.sizes.observe(host);
   }
@@ -301,7 +319,9 @@ export class Solid implements View, Board {
 
   mark(spot: Spot | null): void {
     const { field } = this;
-    this.marked = spot;
+    const isSame = String(spot?.cell) === String(this.marked?.cell) && this.markedIn === field;
+    [this.marked, this.markedIn] = [spot, field];
+    if (isSame) return;
     this.label.hidden = !spot;
     if (spot && field) {
       const [i, j] = spot.cell;
