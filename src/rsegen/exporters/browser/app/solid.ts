@@ -1,0 +1,532 @@
+/* The 3D view: a map that is turned, edited and driven on. It is drawn only when something changed. */
+
+import {
+  BoxGeometry, Color, InstancedMesh, MOUSE, Matrix4, Mesh, MeshLambertMaterial, Object3D, Plane,
+  Raycaster, TOUCH, Vector2, Vector3, type WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { blocksOf } from "./blocks";
+import { Field, metres, onRay, outline, type Place, type Point } from "./field";
+import { Player, Robot, dot, drop, linesOf, pairs, restOf, rotationOf } from "./models";
+import { ofPoses, ofReach, type Overlay } from "./overlay";
+import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
+import { Stage, rendererOf, type From } from "./stage";
+import { Grips, Tools, add, cellsBetween, gripsOf, moveTo, type Board, type Grip, type Preview, type Spot } from "./tools";
+import type { Options, Tool, View, ViewEvents } from "./views";
+import "./views.css";
+
+const ACCENT = "#e0218a";
+const SLOW = 60; // milliseconds per picture beyond which the next ones have fewer pixels
+const REST = 200; // milliseconds without a change after which it is drawn in full again
+
+export function createSolid(host: HTMLElement, on: ViewEvents): View {
+  try {
+    return new Solid(host, on);
+  } catch {
+    return unseen(host);
+  }
+}
+
+/* What stands where the browser cannot draw in three dimensions; all else of a page works. */
+function unseen(host: HTMLElement): View {
+  host.replaceChildren();
+  host.classList.add("view");
+  add(host, "unseen", "This browser shows no 3D graphics (WebGL 2).").removeAttribute("aria-hidden");
+  const nothing = () => undefined;
+  const picture = () => Promise.reject(new Error("this browser shows no 3D graphics"));
+  const [show, set, tool, select, ghost] = Array<() => undefined>(5).fill(nothing);
+  const [robot, poseMap, reach, way, play, at, look] = Array<() => undefined>(7).fill(nothing);
+  return { show, set, tool, select, ghost, robot, poseMap, reach, way, play, at, look, picture, dispose: () => host.replaceChildren() };
+}
+
+export class Solid implements View, Board {
+  field: Field | null = null;
+  readonly canvas = document.createElement("canvas");
+  readonly stage = new Stage();
+  private readonly renderer: WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly tools: Tools;
+  private readonly grips: Grips;
+  private readonly label: HTMLElement;
+  private readonly axes: HTMLElement[];
+  private readonly sizes: ResizeObserver;
+  private options: Options = { look: "recipe", grid: true, axes: true, dark: false };
+  private from: From = "oblique";
+  private row = -1;
+  private shownReach: Reach | null = null;
+  private shownPoses: Overlay | null = null;
+  private shownRobot: Robot | null = null;
+  private player: Player | null = null;
+  private readonly parts = new Map<string, Object3D>(); // what is drawn besides the map, by what it is
+  private ends: Point[] = [];
+  private marked: Spot | null = null;
+  private markedIn: Field | null = null;
+  private frame = 0;
+  private isWanted = false; // another picture
+  private isBusy = false; // one is being drawn
+  private resting = 0;
+  private scale = 1; // of pixels while something changes
+
+  constructor(readonly host: HTMLElement, on: ViewEvents) {
+    host.classList.add("view");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "application");
+    this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
+    const isSlow = isSoftware();
+    this.renderer = rendererOf(this.canvas, !isSlow);
+    host.append(this.canvas);
+    if (isSlow) this.scale = 0.6;
+    this.tools = new Tools(this, on);
+    this.controls = new OrbitControls(this.stage.camera, this.canvas);
+    Object.assign(this.controls, { maxPolarAngle: Math.PI / 2 - 0.02, zoomToCursor: true, zoomSpeed: 1.6 });
+    this.controls.target = this.stage.target;
+    this.controls.addEventListener("change", () => this.ask());
+    this.grips = new Grips(host);
+    this.axes = ["x", "y"].map((name) => add(host, "axis", name));
+    this.label = add(host, "tag");
+    this.label.hidden = true;
+    this.canvas.addEventListener("webglcontextrestored", () => this.ask());
+    this.sizes = new ResizeObserver(() => this.resize());
+    this.sizes.observe(host);
+  }
+
+  /* ---- what is shown */
+
+  show(scene: SceneData | null): void {
+    if (!scene) {
+      this.field = null;
+      return;
+    }
+    const before = this.field;
+    this.field = new Field(scene);
+    this.stage.show(this.field, this.options);
+    const isOther = !before || before.nX !== this.field.nX || before.nY !== this.field.nY || before.width !== this.field.width;
+    this.tools.shown();
+    this.drawAxes();
+    this.select(this.row);
+    if (this.shownReach) this.lay();
+    if (this.marked) this.mark(this.field.has(...this.marked.cell) ? this.marked : null);
+    if (isOther) this.look(this.from);
+    this.ask();
+  }
+
+  set(options: Partial<Options>): void {
+    const { look, dark } = this.options;
+    Object.assign(this.options, options);
+    this.host.toggleAttribute("data-dark", this.options.dark);
+    this.stage.dress(this.options);
+    if (this.field && (look !== this.options.look || dark !== this.options.dark)) this.stage.show(this.field, this.options);
+    this.drawAxes();
+    this.ask();
+  }
+
+  tool(tool: Tool): void {
+    this.tools.set(tool);
+    this.lets(true, tool.name === "paint" || tool.name === "draw");
+    this.placeGrips();
+    this.ask();
+  }
+
+  select(row: number): void {
+    this.row = row;
+    const { field } = this;
+    const cells = field?.cellsOf(row) ?? [];
+    this.part("cells", field && cells.length ? [linesOf(lifted(outline(field, cells), field), { colour: ACCENT, width: 3 })] : []);
+    const hidden = field && cells.length ? [linesOf(outline(field, cells), { colour: ACCENT, width: 1.5, opacity: 0.35, hidden: true })] : [];
+    const between = field ? cellsBetween(field, row) : [];
+    const ends = between.length ? [linesOf(outline(field!, between), { colour: "#ffffff", width: 1.5, opacity: 0.85, hidden: true, dash: 0.3 * field!.width })] : [];
+    this.part("ends", [...hidden, ...ends]);
+    this.placeGrips();
+    this.ask();
+  }
+
+  ghost(scene: SceneData | null, row: number): void {
+    if (!scene) this.part("ghost", []);
+    else {
+      const field = new Field(scene);
+      const material = new MeshLambertMaterial({
+        color: ACCENT, transparent: true, opacity: 0.55, flatShading: true, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+      });
+      const geometry = blocksOf(field, { look: "heights", floor: ACCENT, isSeen: (i, j) => field.owner(i, j) === row });
+      const lines = linesOf(outline(field, field.cellsOf(row)), { colour: ACCENT, width: 2, hidden: true });
+      this.part("ghost", [new Mesh(geometry, material), lines]);
+    }
+    this.ask();
+  }
+
+  robot(drawing: RobotDrawing | null, pose: Pose | null): void {
+    if (this.shownRobot?.drawing !== drawing) {
+      this.part("robot", []);
+      this.shownRobot = drawing && new Robot(drawing);
+    }
+    const { shownRobot, field } = this;
+    this.part("rest", shownRobot && pose ? [restOf(pose, 0.012 * Math.max(...drawing!.size, field?.width ?? 0))] : []);
+    if (shownRobot && pose) {
+      shownRobot.put(new Vector3(pose.x, pose.y, pose.z), rotationOf(pose.roll, pose.pitch, pose.yaw));
+      shownRobot.tint(!pose.stands || !pose.holds);
+      if (!this.parts.has("robot")) this.part("robot", [shownRobot.group]);
+    } else if (shownRobot) {
+      this.part("robot", []);
+      this.shownRobot = null;
+    }
+    this.castShadows();
+  }
+
+  poseMap(map: PoseMap | null, shown: "tilt" | "margin" | "reason"): void {
+    this.shownPoses = map && ofPoses(map, shown);
+    this.lay();
+  }
+
+  reach(reach: Reach | null): void {
+    this.shownReach = reach;
+    const width = this.field?.width ?? 0.1;
+    this.part("ways", reach ? reach.ways.map(({ points, crosses }) => linesOf(pairs(points), { colour: crosses ? "#0b8f6a" : "#e8590c", width: 4, hidden: true })) : []);
+    this.part("spots", reach ? reach.spots.map(({ x, y, z, name }) => dot([x, y, z], 0.22 * width, name === "S" ? "#0b8f6a" : ACCENT)) : []);
+    this.lay();
+  }
+
+  way(way: Way | null, start: [number, number] | null): void {
+    const { field } = this;
+    const size = 0.22 * (field?.width ?? 0.1);
+    const parts: Object3D[] = [];
+    const ground = ([x, y]: [number, number]): Point => [x, y, field ? field.height(...field.place(x, y)) : 0];
+    if (start) parts.push(dot(ground(start), size, "#0b8f6a"));
+    if (way?.poses.length) {
+      const points = way.poses.map(([x, y, z]): Point => [x, y, z + 0.1 * size]);
+      parts.push(linesOf(pairs(points), { colour: "#ffffff", width: 7, opacity: 0.8, hidden: true }));
+      parts.push(linesOf(pairs(points), { colour: "#0b8f6a", width: 4, hidden: true }));
+      parts.push(dot(points[0], size, "#0b8f6a"), dot(points[points.length - 1], size, ACCENT));
+      for (const { at } of way.events) if (points[at]) parts.push(dot(points[at], 0.8 * size, "#e8590c"));
+    }
+    this.part("way", parts);
+    this.ask();
+  }
+
+  play(playback: Playback | null, drawings: Map<string, RobotDrawing>): void {
+    this.player = playback && new Player(playback, drawings, 0.1 * (this.field?.width ?? 0.1));
+    this.part("play", this.player ? [this.player.group] : []);
+    this.castShadows();
+  }
+
+  at(second: number): void {
+    this.player?.at(second);
+    this.castShadows();
+  }
+
+  look(from: From): void {
+    this.from = from;
+    const away = this.stage.look(from);
+    if (this.field) Object.assign(this.controls, { minDistance: 2 * this.field.width, maxDistance: 5 * away });
+    this.controls.update();
+    this.ask();
+  }
+
+  async picture(width: number, height: number): Promise<Blob> {
+    cancelAnimationFrame(this.frame);
+    this.frame = 0;
+    this.renderer.setPixelRatio(1);
+    this.size(width, height);
+    this.stage.render(this.renderer);
+    const blob = new Promise<Blob>((done, failed) =>
+      this.canvas.toBlob((made) => (made ? done(made) : failed(new Error("the browser made no picture"))), "image/png"),
+    );
+    this.resize();
+    return blob;
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.frame);
+    clearTimeout(this.resting);
+    this.sizes.disconnect();
+    this.tools.dispose();
+    this.controls.dispose();
+    for (const name of [...this.parts.keys()]) this.part(name, []);
+    this.stage.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss(); // browsers have few of them
+    this.host.replaceChildren();
+  }
+
+  /* Put objects into the scene in place of those of the same name. */
+  private part(name: string, objects: Object3D[]): void {
+    drop(this.parts.get(name) ?? null);
+    this.parts.delete(name);
+    if (!objects.length) return;
+    const group = new Object3D();
+    group.add(...objects);
+    this.parts.set(name, group);
+    this.stage.scene.add(group);
+  }
+
+  /* One picture lies on the tops: the map of poses if it is shown, else what is reached. */
+  private lay(): void {
+    this.stage.overlay(this.shownPoses ?? (this.shownReach && this.field ? ofReach(this.shownReach, this.field.scene) : null));
+    this.ask();
+  }
+
+  private castShadows(): void {
+    const robots = [...(this.shownRobot ? [this.shownRobot.group] : []), ...(this.player?.robots ?? [])];
+    this.stage.cast(robots);
+    this.ask();
+  }
+
+  /* Lines along x before the south side, and along y beside the east side, with heads. */
+  private drawAxes(): void {
+    const { field, stage } = this;
+    const isShown = Boolean(field) && this.options.axes;
+    this.axes.forEach((label) => (label.hidden = !isShown));
+    if (!field || !isShown) return this.part("axes", []);
+    const [gap, head, length] = [0.05 * stage.radius, 0.025 * stage.radius, 0.35 * stage.radius];
+    const [x0, x1] = [field.x(0), field.x(0) + length];
+    const south = field.y(0) - gap;
+    const [east, y0, y1] = [field.x(field.nX) + gap, field.y(0), field.y(0) + length];
+    this.ends = [[x1 + 2.5 * head, south, 0], [east, y1 + 2.5 * head, 0]];
+    const along: Point[] = [[x0, south, 0], [x1, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0]];
+    const across: Point[] = [[east, y0, 0], [east, y1, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0]];
+    this.part("axes", [linesOf([...along, ...across], { colour: this.options.dark ? "#8d95a1" : "#5b626c", width: 1.6 })]);
+  }
+
+  private placeGrips(): void {
+    const { field } = this;
+    const isShown = field && this.row >= 0 && this.tools.tool.name === "select";
+    this.grips.set(isShown ? gripsOf(field, this.row, 0.11 * this.stage.radius) : []);
+  }
+
+  /* ---- a board for tools */
+
+  spotAt(x: number, y: number, field: Field): Spot | null {
+    const { origin, direction } = this.ray(x, y);
+    const hit = onRay(field, origin.toArray() as Point, direction.toArray() as Point);
+    return hit && { cell: hit.cell, point: hit.point };
+  }
+
+  planeAt(x: number, y: number, z: number): [number, number] | null {
+    const point = this.ray(x, y).intersectPlane(new Plane(new Vector3(0, 0, 1), -z), new Vector3());
+    return point && [point.x, point.y];
+  }
+
+  heightAt(x: number, y: number, [px, py]: Point): number {
+    // The point of the upright line that is nearest to the ray: both are seen at the same pixel, or nearly so.
+    const { origin, direction } = this.ray(x, y);
+    const flat = direction.x ** 2 + direction.y ** 2;
+    const along = ((px - origin.x) * direction.x + (py - origin.y) * direction.y) / Math.max(flat, 1e-6);
+    return origin.z + along * direction.z;
+  }
+
+  gripAt(x: number, y: number, reach: number): Grip | null {
+    return this.grips.at(x, y, reach, (point) => this.pixel(point));
+  }
+
+  mark(spot: Spot | null): void {
+    const { field } = this;
+    const isSame = String(spot?.cell) === String(this.marked?.cell) && this.markedIn === field;
+    [this.marked, this.markedIn] = [spot, field];
+    if (isSame) return;
+    this.label.hidden = !spot;
+    if (spot && field) {
+      const [i, j] = spot.cell;
+      this.part("mark", [linesOf(lifted(outline(field, [[i, j]]), field), { colour: "#ffffff", width: 2.5 })]);
+      this.label.textContent = field.hover(spot.cell, spot.point).label;
+    } else this.part("mark", []);
+    this.ask();
+  }
+
+  preview(preview: Preview | null): void {
+    const { field } = this;
+    if (!preview || !field) this.part("preview", []);
+    else if (preview.level === null || preview.level < 0) {
+      const colour = preview.level === null ? ACCENT : "#e3263a";
+      this.part("preview", [linesOf(lifted(outline(field, preview.cells), field), { colour, width: 3, hidden: true })]);
+    } else {
+      const height = preview.level * field.step;
+      const material = new MeshLambertMaterial({ color: new Color(field.colourOf(preview.level)), transparent: true, opacity: 0.72 });
+      const boxes = new InstancedMesh(new BoxGeometry(1, 1, 1).translate(0, 0, 0.5), material, preview.cells.length);
+      const lines = linesOf(preview.cells.flatMap((cell) => squareOf(field, cell, height)), { colour: "#ffffff", width: 1.5, hidden: true });
+      preview.cells.forEach(([i, j], k) => {
+        const size = new Vector3(1.01 * field.width, 1.01 * field.width, height + 0.02 * field.width);
+        boxes.setMatrixAt(k, new Matrix4().makeScale(...(size.toArray() as Point)).setPosition(...flat(field.top(i, j))));
+      });
+      boxes.frustumCulled = false;
+      this.part("preview", [boxes, lines]);
+    }
+    this.ask();
+  }
+
+  held(grip: Grip | null): void {
+    this.grips.held(grip);
+  }
+
+  lets(camera: boolean, isEditing: boolean): void {
+    const { controls } = this;
+    controls.mouseButtons = { LEFT: camera ? MOUSE.ROTATE : null, MIDDLE: MOUSE.PAN, RIGHT: isEditing ? MOUSE.ROTATE : MOUSE.PAN };
+    controls.touches = { ONE: camera ? TOUCH.ROTATE : null, TWO: TOUCH.DOLLY_PAN };
+  }
+
+  turn(right: number, up: number): void {
+    const { camera, target } = this.stage;
+    const arm = camera.position.clone().sub(target);
+    const length = arm.length();
+    const round = Math.atan2(arm.y, arm.x) - 0.12 * right;
+    const rise = Math.min(1.56, Math.max(0.03, Math.asin(arm.z / length) + 0.08 * up));
+    arm.set(Math.cos(round) * Math.cos(rise), Math.sin(round) * Math.cos(rise), Math.sin(rise)).multiplyScalar(length);
+    camera.position.copy(target).add(arm);
+    this.controls.update();
+  }
+
+  zoom(nearer: number): void {
+    const { camera, target } = this.stage;
+    camera.position.sub(target).multiplyScalar(nearer).add(target);
+    this.controls.update();
+  }
+
+  towards(right: number, up: number): Place {
+    // To the nearest quarter of a turn, "right" on the screen is a direction on the map.
+    const quarters = Math.round((this.controls.getAzimuthalAngle() / Math.PI) * 2);
+    const [cos, sin] = [Math.round(Math.cos((quarters * Math.PI) / 2)), Math.round(Math.sin((quarters * Math.PI) / 2))];
+    return [right * cos - up * sin, right * sin + up * cos];
+  }
+
+  private ray(x: number, y: number) {
+    const caster = new Raycaster();
+    this.stage.camera.updateMatrixWorld();
+    const place = new Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
+    caster.setFromCamera(place, this.stage.camera);
+    return caster.ray;
+  }
+
+  /* Where a point is seen, in CSS pixels. */
+  pixel(point: Point): [number, number] {
+    const { x, y } = new Vector3(...point).project(this.stage.camera);
+    return [((x + 1) / 2) * this.canvas.clientWidth, ((1 - y) / 2) * this.canvas.clientHeight];
+  }
+
+  /* Where the middle of a cell's top is seen, in CSS pixels. */
+  pixelOf(i: number, j: number): [number, number] {
+    this.stage.camera.updateMatrixWorld();
+    return this.pixel(this.field!.top(i, j));
+  }
+
+  /* The cell that is seen at a pixel; null beside the map. */
+  cellAt(x: number, y: number): Place | null {
+    return this.field && (this.spotAt(x, y, this.field)?.cell ?? null);
+  }
+
+  /* Where each handle is seen, by the end that it moves. */
+  handles(): Record<string, [number, number]> {
+    return Object.fromEntries(this.grips.grips.map(({ end, point }) => [end, this.pixel(point)]));
+  }
+
+  /* ---- drawing */
+
+  private resize(): void {
+    if (!this.host.clientWidth || !this.host.clientHeight) return;
+    this.size(this.host.clientWidth, this.host.clientHeight);
+    this.draw(1);
+  }
+
+  private size(width: number, height: number): void {
+    this.renderer.setSize(width, height, false);
+    this.stage.camera.aspect = width / height;
+    this.stage.camera.updateProjectionMatrix();
+  }
+
+  /* Draw before long; several wishes are one picture. It is drawn quickly, and in full once nothing changes. */
+  private ask(): void {
+    this.isWanted = true;
+    clearTimeout(this.resting);
+    if (this.scale < 1) this.resting = window.setTimeout(() => this.finish(1), REST);
+    if (this.frame || this.isBusy) return;
+    this.frame = requestAnimationFrame(() => {
+      this.frame = 0;
+      this.isWanted = false;
+      this.finish(this.scale);
+    });
+  }
+
+  /* Draw, and wait until the picture is finished before the next one is begun; one that took long has fewer pixels next time. */
+  private finish(scale: number): void {
+    this.draw(scale);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!sync) return;
+    gl.flush();
+    const began = performance.now();
+    this.isBusy = true;
+    const poll = () => {
+      if (!gl.isContextLost() && gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(poll, 3);
+      gl.deleteSync(sync);
+      this.isBusy = false;
+      const took = performance.now() - began;
+      if (scale !== this.scale) return void (this.isWanted && this.ask());
+      if (took > SLOW) this.scale = Math.max(0.4, 0.8 * this.scale);
+      else if (took < SLOW / 2.5) this.scale = Math.min(1, 1.1 * this.scale);
+      if (this.isWanted) this.ask();
+    };
+    poll();
+  }
+
+  private draw(scale: number): void {
+    if (!this.field || !this.host.clientWidth) return;
+    const ratio = Math.min(window.devicePixelRatio, 2) * scale;
+    if (Math.abs(this.renderer.getPixelRatio() - ratio) > 1e-6) this.renderer.setPixelRatio(ratio);
+    this.stage.render(this.renderer);
+    this.grips.place((point) => this.pixel(point));
+    this.axes.forEach((label, k) => this.ends[k] && moveTo(label, ...shifted(this.pixel(this.ends[k]), -4, -7)));
+    if (this.marked) moveTo(this.label, ...shifted(this.pixel(this.field.top(...this.marked.cell)), 14, -30));
+  }
+}
+
+function shifted([x, y]: [number, number], right: number, down: number): [number, number] {
+  return [x + right, y + down];
+}
+
+function flat([x, y]: Point): Point {
+  return [x, y, 0];
+}
+
+/* Points a little above the blocks, so that lines are not half in them. */
+function lifted(points: Point[], field: Field): Point[] {
+  return points.map(([x, y, z]) => [x, y, z + 0.015 * field.width]);
+}
+
+function squareOf(field: Field, [i, j]: Place, z: number): Point[] {
+  const corners: Point[] = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]].map(([a, b]) => [field.x(i + a), field.y(j + b), z + 0.02 * field.width]);
+  return pairs(corners);
+}
+
+/* Whether the processor draws in place of a graphics card; smoothing of edges would then cost most of the time. */
+function isSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const renderer = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(renderer);
+}
+
+let studio: { stage: Stage; renderer: WebGLRenderer } | null = null;
+let queue: Promise<unknown> = Promise.resolve();
+
+/* A small picture of a map, for galleries; all are drawn by one renderer, one after another. */
+export function thumbnail(scene: SceneData, width: number, height: number, dark = false): Promise<Blob> {
+  const made = queue.then(async () => {
+    studio ??= { stage: new Stage(), renderer: rendererOf(document.createElement("canvas"), true) };
+    const { stage, renderer } = studio;
+    renderer.setSize(width, height, false);
+    stage.camera.aspect = width / height;
+    stage.dress({ dark, grid: true });
+    stage.show(new Field(scene), { look: "recipe", dark });
+    stage.look("oblique");
+    stage.render(renderer);
+    const canvas = renderer.domElement;
+    return new Promise<Blob>((done, failed) =>
+      canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error(`no picture of ${scene.name}`)))),
+    );
+  });
+  queue = made.catch(() => null);
+  return made;
+}
+
+/* A place in words: "x 0.35 m, y −1.2 m". */
+export function placeText(x: number, y: number): string {
+  return `x ${metres(x)} m, y ${metres(y)} m`;
+}

@@ -1,0 +1,367 @@
+/* What the mouse, fingers and keys do on a view: hovering, picking, drags of handles, strokes, new obstacles.
+
+3D view and plan differ in how they see, not in what tools do: each is a Board, which says what is below a pixel and
+draws marks. A drag is one gesture; Escape, or a second finger, ends it and takes back what it did, as far as it can.
+*/
+
+import { filled, line, rectangle, type Field, type Place, type Point } from "./field";
+import type { Cell } from "./protocol";
+import type { Tool, ViewEvents } from "./views";
+
+export interface Spot { cell: Place; point: Point }
+export type End = "first" | "last" | "both" | "raise";
+export interface Grip { row: number; end: End; point: Point }
+
+/* level: that the cells get; null: they are only outlined. */
+export interface Preview { cells: Place[]; level: number | null }
+
+export interface Board {
+  readonly host: HTMLElement;
+  readonly canvas: HTMLCanvasElement;
+  field: Field | null;
+  spotAt(x: number, y: number, field: Field): Spot | null; // what is seen at a pixel
+  planeAt(x: number, y: number, z: number): [number, number] | null; // where a pixel is on a level plane
+  heightAt(x: number, y: number, point: Point): number; // of the place above or below a point that is nearest to a pixel
+  gripAt(x: number, y: number, reach: number): Grip | null;
+  mark(spot: Spot | null): void;
+  preview(preview: Preview | null): void;
+  held(grip: Grip | null): void;
+  lets(camera: boolean, isEditing: boolean): void; // whether a drag with the first button or finger moves the camera
+  turn(right: number, up: number): void; // by keys
+  zoom(nearer: number): void;
+  towards(right: number, up: number): Place; // the direction on the map of an arrow key
+}
+
+type Drag =
+  | { kind: "click"; spot: Spot | null; x: number; y: number }
+  | { kind: "end"; row: number; end: "first" | "last" | "both"; z: number; apart: [number, number]; start: Cell; now: Cell }
+  | { kind: "raise"; row: number; point: Point; from: number; start: number; now: number }
+  | { kind: "stroke"; field: Field; now: Place; cells: Place[] }
+  | { kind: "area"; field: Field; z: number; from: Place; to: Place };
+
+const STILL = 5; // CSS pixels that the mouse may move in a click
+let gestures = 0;
+
+export class Tools {
+  tool: Tool = { name: "select" };
+  private drag: Drag | null = null;
+  private gesture = "";
+  private pointers = new Set<number>();
+  private cursor: Place | null = null;
+  private readonly ends = new AbortController();
+
+  constructor(private readonly board: Board, private readonly on: ViewEvents) {
+    const hear = <K extends keyof HTMLElementEventMap>(name: K, heard: (event: HTMLElementEventMap[K]) => void) =>
+      board.host.addEventListener(name, heard, { capture: true, passive: false, signal: this.ends.signal });
+    hear("pointerdown", (event) => this.down(event));
+    hear("pointermove", (event) => this.move(event));
+    hear("pointerup", (event) => this.up(event));
+    hear("pointercancel", (event) => (this.up(event), this.cancel()));
+    hear("pointerleave", (event) => event.target === board.canvas && this.hover(null));
+    hear("keydown", (event) => this.key(event));
+    hear("wheel", (event) => this.wheel(event));
+  }
+
+  dispose(): void {
+    this.ends.abort();
+  }
+
+  set(tool: Tool): void {
+    if (tool.name !== this.tool.name) this.cancel();
+    this.tool = tool;
+    if (tool.name !== "paint") this.cursor = null;
+  }
+
+  /* A new map is shown: what was only a preview is now there. */
+  shown(): void {
+    if (!this.drag) this.board.preview(null);
+  }
+
+  private pixel(event: MouseEvent): [number, number] {
+    const { left, top } = this.board.canvas.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top];
+  }
+
+  private spot(event: MouseEvent): Spot | null {
+    return this.board.field && this.board.spotAt(...this.pixel(event), this.board.field);
+  }
+
+  private get isEditing(): boolean {
+    return this.tool.name === "paint" || this.tool.name === "draw";
+  }
+
+  private down(event: PointerEvent): void {
+    const { board, tool } = this;
+    if (event.target !== board.canvas || !board.field) return;
+    this.pointers.add(event.pointerId);
+    if (this.pointers.size > 1 || event.button !== 0) {
+      this.cancel();
+      board.lets(true, this.isEditing);
+      return;
+    }
+    const [x, y] = this.pixel(event);
+    const grip = tool.name === "select" ? board.gripAt(x, y, event.pointerType === "touch" ? 24 : 14) : null;
+    const spot = this.spot(event);
+    this.gesture = `drag ${Date.now().toString(36)} ${++gestures}`;
+    this.drag = grip ? this.grabbed(grip, x, y, board.field) : this.begun(spot, x, y, board.field);
+    board.lets(this.drag?.kind === "click", this.isEditing);
+    if (this.drag && this.drag.kind !== "click") board.canvas.setPointerCapture(event.pointerId);
+    if (this.drag?.kind === "stroke") this.paint(this.drag, [this.drag.now]);
+    if (this.drag?.kind === "area") this.outlined(this.drag);
+  }
+
+  private grabbed(grip: Grip, x: number, y: number, field: Field): Drag | null {
+    const { board } = this;
+    const { row, end, point } = grip;
+    board.held(grip);
+    if (end === "raise") {
+      const levels = field.cellsOf(row).map((cell) => field.material(...cell).level ?? 0);
+      const start = 1 + levels.reduce((most, level) => Math.max(most, level), 0);
+      return { kind: "raise", row, point, from: board.heightAt(x, y, point), start, now: start };
+    }
+    const at = board.planeAt(x, y, point[2]) ?? [point[0], point[1]];
+    const start = field.nearest(field.place(point[0], point[1]));
+    return { kind: "end", row, end, z: point[2], apart: [point[0] - at[0], point[1] - at[1]], start, now: start };
+  }
+
+  private begun(spot: Spot | null, x: number, y: number, field: Field): Drag | null {
+    const { tool, board, on } = this;
+    if (!spot || !this.isEditing) return { kind: "click", spot, x, y };
+    const block = field.block(spot.cell);
+    if (tool.name === "draw" || (tool.name === "paint" && tool.shape === "rectangle")) {
+      return { kind: "area", field, z: spot.point[2], from: spot.cell, to: spot.cell };
+    }
+    if (tool.name !== "paint") return null;
+    if (tool.shape === "cells") return { kind: "stroke", field, now: spot.cell, cells: [] };
+    if (tool.shape === "pick" && block) on.picked?.(field.material(...spot.cell).level!);
+    if (tool.shape === "fill" && block) {
+      const cells = filled(field, spot.cell);
+      board.preview({ cells, level: tool.level });
+      on.paint?.(blocksOf(field, cells), tool.level, this.gesture);
+    }
+    return null;
+  }
+
+  private move(event: PointerEvent): void {
+    const { board, drag } = this;
+    if (event.target !== board.canvas || !board.field) return;
+    if (!drag || drag.kind === "click") {
+      if (event.buttons === 0) this.hover(event);
+      return;
+    }
+    const [x, y] = this.pixel(event);
+    if (drag.kind === "raise") this.raise(drag, drag.start + (board.heightAt(x, y, drag.point) - drag.from) / board.field.step);
+    else if (drag.kind === "end") {
+      const at = board.planeAt(x, y, drag.z);
+      if (at) this.moveEnd(drag, board.field.nearest(board.field.place(at[0] + drag.apart[0], at[1] + drag.apart[1])));
+    } else if (drag.kind === "stroke") {
+      // The browser joins moves of the mouse; each is heard, and between them lie straight lines.
+      const parts = event.getCoalescedEvents?.() ?? [];
+      for (const part of parts.length ? parts : [event]) {
+        const spot = board.spotAt(...this.pixel(part), drag.field);
+        if (!spot) continue;
+        this.paint(drag, line(drag.now, spot.cell));
+        drag.now = spot.cell;
+      }
+    } else {
+      const at = board.planeAt(x, y, drag.z);
+      if (!at) return;
+      const [i, j] = drag.field.place(...at);
+      drag.to = [Math.min(drag.field.nX - 1, Math.max(0, i)), Math.min(drag.field.nY - 1, Math.max(0, j))];
+      this.outlined(drag);
+    }
+  }
+
+  private up(event: PointerEvent): void {
+    this.pointers.delete(event.pointerId);
+    const { drag, tool, on, board } = this;
+    if (!drag || event.type !== "pointerup") return;
+    this.drag = null;
+    board.held(null);
+    if (drag.kind === "click") {
+      const [x, y] = this.pixel(event);
+      if (Math.hypot(x - drag.x, y - drag.y) <= STILL) this.click(drag.spot);
+    } else if (drag.kind === "area") {
+      const cells = rectangle(drag.from, drag.to);
+      if (tool.name === "draw") {
+        board.preview(null);
+        on.draw?.(drag.field.nearest(drag.from), drag.field.nearest(drag.to));
+      } else if (tool.name === "paint") on.paint?.(blocksOf(drag.field, cells), tool.level, this.gesture);
+    }
+  }
+
+  private click(spot: Spot | null): void {
+    const { tool, on, board } = this;
+    if (tool.name === "select") on.pick?.(spot ? board.field!.owner(...spot.cell) : -1, spot && board.field!.block(spot.cell));
+    if (spot && tool.name === "robot") on.robotPut?.(spot.point[0], spot.point[1]);
+    if (spot && tool.name === "way") on.wayPoint?.(spot.point[0], spot.point[1]);
+  }
+
+  private hover(event: PointerEvent | null): void {
+    const { board, tool, on } = this;
+    const spot = event && this.spot(event);
+    board.mark(spot);
+    on.hover?.(spot && board.field!.hover(spot.cell, spot.point));
+    if (spot && tool.name === "robot") on.robotAt?.(spot.point[0], spot.point[1]);
+    const grip = event && tool.name === "select" ? board.gripAt(...this.pixel(event), 14) : null;
+    const over = grip ? (grip.end === "raise" ? "ns-resize" : "grab") : spot && this.isEditing ? "crosshair" : "";
+    board.canvas.style.cursor = spot && tool.name !== "select" ? "crosshair" : over;
+  }
+
+  private raise(drag: Drag & { kind: "raise" }, wanted: number): void {
+    const levels = Math.max(1, Math.round(wanted));
+    if (levels === drag.now) return;
+    drag.now = levels;
+    this.on.raise?.(drag.row, levels, this.gesture);
+  }
+
+  private moveEnd(drag: Drag & { kind: "end" }, cell: Cell): void {
+    if (cell[0] === drag.now[0] && cell[1] === drag.now[1]) return;
+    drag.now = cell;
+    this.on.moveEnd?.(drag.row, drag.end, cell, this.gesture);
+  }
+
+  private paint(drag: Drag & { kind: "stroke" }, cells: Place[]): void {
+    if (this.tool.name !== "paint") return;
+    const known = new Set(drag.cells.map(([i, j]) => drag.field.at(i, j)));
+    const more = cells.filter(([i, j]) => !known.has(drag.field.at(i, j)) && drag.field.block([i, j]));
+    if (!more.length) return;
+    drag.cells.push(...more);
+    this.board.preview({ cells: drag.cells, level: this.tool.level });
+    this.on.paint?.(blocksOf(drag.field, more), this.tool.level, this.gesture);
+  }
+
+  private outlined(drag: Drag & { kind: "area" }): void {
+    const level = this.tool.name === "paint" ? this.tool.level : null;
+    this.board.preview({ cells: rectangle(drag.from, drag.to), level });
+  }
+
+  /* End a drag, and take back what can be taken back: an end is where it was, an area is not made. */
+  cancel(): void {
+    const { drag, board } = this;
+    this.drag = null;
+    if (!drag || drag.kind === "click") return;
+    board.held(null);
+    if (drag.kind === "end") this.moveEnd(drag, drag.start);
+    else if (drag.kind === "raise") this.raise(drag, drag.start);
+    else board.preview(null);
+  }
+
+  private key(event: KeyboardEvent): void {
+    const { board, tool } = this;
+    if (event.target !== board.canvas || event.ctrlKey || event.metaKey || event.altKey || !board.field) return;
+    const arrow = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] } as Record<string, Place>)[event.key];
+    const nearer = ({ "+": 0.85, "=": 0.85, "-": 1 / 0.85 } as Record<string, number>)[event.key];
+    if (arrow && tool.name === "paint") this.moveCursor(board.field, board.towards(...arrow));
+    else if (arrow) board.turn(...arrow);
+    else if (nearer) board.zoom(nearer);
+    else if (event.key === "Escape" && this.drag && this.drag.kind !== "click") this.cancel();
+    else if ((event.key === "Enter" || event.key === " ") && this.cursor) this.paintCursor(board.field, this.cursor);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  private moveCursor(field: Field, [di, dj]: Place): void {
+    const [i, j] = this.cursor ?? [Math.floor(field.nX / 2) - di, Math.floor(field.nY / 2) - dj];
+    this.cursor = [Math.min(field.nX - 1, Math.max(0, i + di)), Math.min(field.nY - 1, Math.max(0, j + dj))];
+    const spot = { cell: this.cursor, point: field.top(...this.cursor) };
+    this.board.mark(spot);
+    this.on.hover?.(field.hover(spot.cell, spot.point));
+  }
+
+  private paintCursor(field: Field, cell: Place): void {
+    const { tool, on } = this;
+    if (tool.name !== "paint" || !field.block(cell)) return;
+    if (tool.shape === "pick") return on.picked?.(field.material(...cell).level!);
+    const cells = tool.shape === "fill" ? filled(field, cell) : [cell];
+    on.paint?.(blocksOf(field, cells), tool.level, `key ${Date.now().toString(36)} ${++gestures}`);
+  }
+
+  private wheel(event: WheelEvent): void {
+    if (!event.shiftKey || this.tool.name !== "robot") return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.on.turn?.((Math.sign(event.deltaY || event.deltaX) * Math.PI) / 36);
+  }
+}
+
+function blocksOf(field: Field, cells: Place[]): Cell[] {
+  return cells.map((cell) => field.block(cell)).filter((block): block is Cell => block !== null);
+}
+
+/* Where the handles of an obstacle are: at its ends, in the middle, and above it one that raises it. */
+export function gripsOf(field: Field, row: number, room: number): Grip[] {
+  const ends = field.scene.handles?.find((handle) => handle.row === row);
+  const grips: Grip[] = [];
+  if (ends?.first && ends.last) {
+    const [first, last] = [ends.first, ends.last];
+    const middle: Cell = [(first[0] + last[0]) >> 1, (first[1] + last[1]) >> 1];
+    const point = field.top(...field.ofBlock(middle));
+    if (Math.max(Math.abs(first[0] - last[0]), Math.abs(first[1] - last[1])) > 1) grips.push({ row, end: "both", point });
+  }
+  for (const end of ["first", "last"] as const) {
+    const cell = ends?.[end];
+    if (cell) grips.push({ row, end, point: field.top(...field.ofBlock(cell)) });
+  }
+  const cells = field.cellsOf(row);
+  if (cells.length) {
+    const z = cells.reduce((most, cell) => Math.max(most, field.height(...cell)), 0);
+    const [x, y] = [0, 1].map((axis) => cells.reduce((sum, cell) => sum + field.top(...cell)[axis], 0) / cells.length);
+    grips.push({ row, end: "raise", point: [x, y, z + room] });
+  }
+  return grips;
+}
+
+/* The cells between the ends of an obstacle. */
+export function cellsBetween(field: Field, row: number): Place[] {
+  const ends = field.scene.handles?.find((handle) => handle.row === row);
+  return ends?.first && ends.last ? rectangle(field.ofBlock(ends.first), field.ofBlock(ends.last)) : [];
+}
+
+/* Elements over a view that follow points of the map: its handles, and the words beside a cell. */
+export class Grips {
+  grips: Grip[] = [];
+  private readonly elements = new Map<End, HTMLElement>();
+
+  constructor(private readonly host: HTMLElement) {}
+
+  set(grips: Grip[]): void {
+    this.grips = grips;
+    for (const [end, element] of this.elements) element.hidden = !grips.some((grip) => grip.end === end);
+    for (const { end } of grips) {
+      if (this.elements.has(end)) continue;
+      const element = add(this.host, "grip");
+      element.dataset.end = end;
+      this.elements.set(end, element);
+    }
+  }
+
+  held(grip: Grip | null): void {
+    for (const [end, element] of this.elements) element.toggleAttribute("data-held", end === grip?.end);
+  }
+
+  /* Move the elements to where their points are seen, in CSS pixels. */
+  place(pixel: (point: Point) => [number, number]): void {
+    for (const { end, point } of this.grips) moveTo(this.elements.get(end)!, ...pixel(point));
+  }
+
+  at(x: number, y: number, reach: number, pixel: (point: Point) => [number, number]): Grip | null {
+    const near = this.grips.map((grip) => ({ grip, far: Math.hypot(pixel(grip.point)[0] - x, pixel(grip.point)[1] - y) }));
+    const [best] = near.filter(({ far }) => far <= reach).sort((a, b) => a.far - b.far);
+    return best?.grip ?? null;
+  }
+}
+
+export function add(host: HTMLElement, kind: string, text = ""): HTMLElement {
+  const element = document.createElement("div");
+  element.className = kind;
+  element.textContent = text;
+  element.setAttribute("aria-hidden", "true");
+  host.append(element);
+  return element;
+}
+
+export function moveTo(element: HTMLElement, x: number, y: number): void {
+  element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+}
