@@ -11,7 +11,7 @@ import "./page.css";
 import { Results, Variants } from "./results";
 import { RobotPanel } from "./robot";
 import { Jobs, Run } from "./run";
-import { Stage } from "./stage";
+import { Stage } from "./viewer";
 import * as state from "./state";
 import type { View } from "./views";
 

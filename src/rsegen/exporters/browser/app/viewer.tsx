@@ -89,7 +89,7 @@ export function Stage() {
       <div class="solid">
         <Host create={createSolid} label="3D view" name="solid" />
         {two && <Host create={createSolid} label="3D view of the second drive" player={1} />}
-        <div class="over top">
+        <div class="over look">
           <div class="bar" role="group" aria-label="Look from">
             {LOOKS.map(([from, label]) => <Button key={from} class="quiet" title={`Look ${from === "above" ? "from above, north up" : from === "oblique" ? "from the south-east" : `from the ${from}`}`} onClick={() => window.rsegen.solid?.look(from)}>{label}</Button>)}
           </div>
