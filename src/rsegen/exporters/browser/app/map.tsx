@@ -40,9 +40,9 @@ export function MapChooser() {
   const first = now.first_map ?? 0;
   return (
     <div class="chooser" role="group" aria-label="Map of the recipe">
-      <Button icon="left" class="quiet" title="Previous map" disabled={index.value <= first} onClick={() => showMap(index.value - 1)} />
+      <Button icon="left" class="quiet" title="Previous map" disabled={index.value <= first} onClick={() => void showMap(index.value - 1)} />
       <output aria-live="polite">map {index.value} <small>of {first} to {first + now.maps - 1}</small></output>
-      <Button icon="right" class="quiet" title="Next map" disabled={index.value >= first + now.maps - 1} onClick={() => showMap(index.value + 1)} />
+      <Button icon="right" class="quiet" title="Next map" disabled={index.value >= first + now.maps - 1} onClick={() => void showMap(index.value + 1)} />
     </div>
   );
 }

@@ -52,8 +52,16 @@ function heights(levels: Json | undefined): string {
 
 const pair = (place: Json | undefined): Json[] => (Array.isArray(place) ? place : ["random", "random"]);
 
-function where({ entry, ends }: Row): string {
-  if (entry.first === undefined && entry.last === undefined) return ends ? "by default" : "whole map";
+const isFree = ({ entry }: Row) => entry.first === undefined && entry.last === undefined;
+
+/* Whether an obstacle without ends lies on the whole map, as random kinds do; others are then placed at random. */
+function coversAll({ ends }: Row): boolean {
+  return Boolean(ends) && ends!.first.every((at) => at === 0) && ends!.last.every((at, axis) => at === cells.value[axis]! - 1);
+}
+
+function where(row: Row): string {
+  const { entry } = row;
+  if (isFree(row)) return coversAll(row) ? "whole map" : "random";
   const text = (place: Json | undefined) => pair(place).map((at) => (at === "random" ? "?" : shown(at))).join(",");
   const [first, last] = [text(entry.first), text(entry.last)];
   return first === "?,?" && last === "?,?" ? "random" : `${first} → ${last}`;
@@ -115,7 +123,7 @@ function List({ rows }: { rows: Row[] }) {
               onClick={() => (selected.value = at === selected.value ? -1 : at)} onKeyDown={(event) => keys(event, at)}>
               <span class="id">{at + 1}</span>
               <Shape kind={shown(row.entry.kind)} />
-              <span class="what">{kind?.title ?? shown(row.entry.kind)}<small>{where(row)}</small></span>
+              <span class="what">{kind?.title ?? shown(row.entry.kind).replaceAll("_", " ")}<small>{where(row)}</small></span>
               {wrong && <Icon name="warn" />}
               <span class="figures">{row.entry.levels !== undefined && <b title="number of levels">{shown(row.entry.levels)}</b>}
                 {row.entry.softness ? <small title="softness">{shown(row.entry.softness)} %</small> : null}</span>
@@ -191,7 +199,7 @@ const COORDINATES = [["X first", "first", 0], ["Y first", "first", 1], ["X last"
 /* Where the obstacle lies: four coordinates, each of which may be random. */
 function Place({ row }: { row: number }) {
   const { entry, ends } = rowAt(row)!;
-  const free = entry.first === undefined && entry.last === undefined;
+  const free = isFree(rowAt(row)!);
   const handle = scene.value?.handles?.find((each) => each.row === row);
   const fix = (fixed: boolean) => {
     if (!fixed) void edit({ do: "change", row, entry: Object.fromEntries(Object.entries(entry).filter(([key]) => key !== "first" && key !== "last")) as Entry });
@@ -205,7 +213,7 @@ function Place({ row }: { row: number }) {
   return (
     <>
       <div class="field" data-field="Position">
-        <label for={`random-${row}`} title="Drawn anew for every map; random kinds cover the whole map">Random position</label>
+        <label for={`random-${row}`} title="Drawn anew for every map; random kinds cover the whole map">{free && coversAll(rowAt(row)!) ? "On the whole map" : "Random position"}</label>
         <div class="control"><Switch id={`random-${row}`} value={free} onChange={(value) => fix(!value)} /></div>
       </div>
       {!free && (

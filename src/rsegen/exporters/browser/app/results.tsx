@@ -158,7 +158,7 @@ export function Variants() {
   useEffect(() => void look(), [of, from]);
   const keep = (variant: Variant) => {
     if (of === "seeds") void edit({ do: "set", name: "seed", value: variant.seed });
-    else showMap(variant.index);
+    else void showMap(variant.index);
     close();
   };
   const [first, count] = [state.value?.first_map ?? 0, state.value?.maps ?? 1];

@@ -100,7 +100,7 @@ let ends = new AbortController();
 export const doc = () => state.value?.doc ?? "";
 
 /* Call a function of the server about the document. */
-export const ask = <T>(name: string, args: object = {}): Promise<T> => call<T>(name, { doc: doc(), ...args });
+export const ask = <T>(name: string, args: object = {}): Promise<T> => call<T>(name, { doc: doc(), page, ...args });
 
 const shownIndex = () => (index.value === state.value?.first_map ? {} : { index: index.value });
 
@@ -123,9 +123,11 @@ export function take(next: State): void {
 }
 
 /* Show another of the maps of the recipe. */
-export function showMap(number: number): void {
+export async function showMap(number: number): Promise<void> {
   index.value = number;
   draw();
+  const next = await attempt(() => ask<State>("state", { index: number }));
+  if (next) take(next); // the ends of obstacles that are drawn at random
 }
 
 /* Edit another document: a new one, a file, an example, a map of a data set. */
@@ -135,7 +137,7 @@ export async function open(what: string): Promise<boolean> {
 }
 
 async function load(id: string): Promise<boolean> {
-  const next = await attempt(() => call<State>("state", { doc: id }));
+  const next = await attempt(() => call<State>("state", { doc: id, page }));
   if (!next) return false;
   ends.abort();
   ends = new AbortController();
