@@ -70,6 +70,7 @@ export function Bar() {
   const now = state.value;
   return (
     <header class="top">
+      <h1 class="hidden">{now?.title ?? "rsegen"}</h1>
       <Menu label={<span class="title">{now?.title ?? "rsegen"}{now?.unsaved && <span class="unsaved" title="not saved"> •<span class="hidden"> not saved</span></span>}</span>} title="File" class="file quiet">
         <button type="button" onClick={() => void leaveFor("")}>New</button>
         <button type="button" onClick={() => (dialog.value = { name: "open" })}>Open … <kbd>Ctrl O</kbd></button>
@@ -83,6 +84,7 @@ export function Bar() {
         <Button icon="redo" class="quiet" title="Redo (Ctrl+Y)" disabled={!now?.can_redo} onClick={() => void edit({ do: "redo" })} />
       </div>
       <Tools />
+      {layout.value === "wide" && <PaintOptions />}
       <span class="gap" />
       {layout.value !== "phone" && <Button class="quiet" title="Save the recipe (Ctrl+S)" disabled={!now?.unsaved && Boolean(now?.path)} onClick={() => void save()}>Save</Button>}
       {layout.value !== "phone" && <Button icon="help" class="quiet" title="Help (?)" onClick={() => (dialog.value = { name: "help" })} />}

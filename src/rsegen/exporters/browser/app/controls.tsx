@@ -101,7 +101,10 @@ export function Modal({ title, close, children, wide = false }: {
 }) {
   const box = useRef<HTMLDialogElement>(null);
   const id = useId();
-  useEffect(() => box.current!.showModal(), []);
+  useEffect(() => {
+    box.current!.showModal();
+    box.current!.querySelector<HTMLElement>(".body :is(input, select, textarea, button):not(:disabled)")?.focus();
+  }, []);
   return (
     <dialog ref={box} class={wide ? "wide" : ""} aria-labelledby={id} onClose={close}
       onClick={(event) => event.target === box.current && close()}>
@@ -137,6 +140,7 @@ export function useTyped(value: Json | undefined, read: (text: string) => Json |
   const [text, setText] = useState<string | null>(null);
   const gesture = useRef("");
   const focused = useRef(false);
+  const before = useRef<Json | undefined>(undefined);
   const now = text === null ? undefined : read(text);
   useEffect(() => {
     // The value of the document replaces what was typed, also if it was undone meanwhile.
@@ -147,11 +151,13 @@ export function useTyped(value: Json | undefined, read: (text: string) => Json |
     why: now instanceof Unreadable ? now.why : "",
     props: {
       value: text ?? shown(value),
-      onFocus: () => { focused.current = true; gesture.current = newGesture(); },
+      onFocus: () => { focused.current = true; gesture.current = newGesture(); before.current = value; },
       onInput: (event: TargetedInputEvent<HTMLInputElement>) => {
         setText(event.currentTarget.value);
         const next = read(event.currentTarget.value);
-        if (!(next instanceof Unreadable) && !equal(next ?? null, value ?? null)) change(next, gesture.current);
+        // What cannot be read leaves no trace of its readable beginning, such as 0 of 0x10.
+        const wanted = next instanceof Unreadable ? before.current : next;
+        if (!equal(wanted ?? null, value ?? null)) change(wanted, gesture.current);
       },
       onBlur: () => { focused.current = false; if (!(now instanceof Unreadable)) setText(null); },
     },

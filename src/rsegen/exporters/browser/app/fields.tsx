@@ -54,6 +54,7 @@ function Control(props: ControlProps) {
     if (!hasSlider(schema)) return <NumberInput {...number} name={undefined} placeholder={empty ? "none" : ""} />;
     return <Slider {...number} low={minimum!} high={maximum!} step={!whole && maximum! - minimum! <= 10 ? 0.01 : 1} />;
   }
+  if (schema.anyOf && schema.anyOf.every((each) => each.enum || each.type === "string")) return <Suggested {...props} />;
   if (schema.anyOf) return <AnyOf {...props} />;
   if (schema.type === "array") return <ArrayControl {...props} />;
   return <TextControl {...props} />;
@@ -73,6 +74,15 @@ function TextControl({ id, schema, value, empty, onChange, onWhy }: ControlProps
       <input id={id} type="text" {...props} aria-invalid={Boolean(why)} placeholder={empty ? "default" : ""} />
     </>;
   return <input id={id} type="text" autocomplete="off" {...props} aria-invalid={Boolean(why)} onBlur={() => (onWhy(why), props.onBlur())} />;
+}
+
+/* A text for which some words are known. */
+function Suggested({ id, schema, value, empty, onChange }: ControlProps) {
+  const { props } = useTyped(value, (text) => (text || !empty ? text : undefined), onChange);
+  return <>
+    <input id={id} type="text" list={`${id}-known`} autocomplete="off" {...props} />
+    <datalist id={`${id}-known`}>{schema.anyOf!.flatMap((each) => each.enum ?? []).map((word) => <option key={word} value={word} />)}</datalist>
+  </>;
 }
 
 /* Pairs and triples as so many numbers, other lists in one text. */

@@ -115,7 +115,7 @@ function Editor() {
     <div class={`page ${layout.value}`}>
       <Bar />
       <Banners />
-      <PaintOptions />
+      {layout.value !== "wide" && <PaintOptions />}
       <Stage />
       <Panels />
       <Status />

@@ -29,7 +29,7 @@ export function RobotPanel() {
   return (
     <section class="panel" aria-label="Robot">
       <div class="form">
-        <Labelled id={`${id}-robot`} label="Robot">
+        <Labelled id={`${id}-robot`} label="Robot" wide>
           <Select id={`${id}-robot`} value={robot.value} onChange={(name) => void chooseRobot(name)}
             choices={[["", "none"], ...robots.map((each) => [each.name, each.title] as const)]} />
         </Labelled>
