@@ -7,7 +7,7 @@ import { leaveFor, Progress } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
 import {
-  busy, dialog, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, state, tool,
+  busy, chooseRobot, dialog, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, state, tab, tool,
 } from "./state";
 import type { Tool } from "./views";
 
@@ -19,8 +19,13 @@ export const TOOLS: { key: string; name: Tool["name"]; label: string; title: str
   { key: "w", name: "way", label: "Way", title: "Two clicks are start and goal of the robot's best way", make: () => ({ name: "way" }) },
 ];
 
-/* Take a tool; those of a robot need one. */
+/* Take a tool; those of a robot choose the first one if none is chosen. */
 export function takeTool(name: Tool["name"]): void {
+  if (name === "robot" || name === "way") {
+    const first = hello.value?.robots[0];
+    if (!robot.value && first) void chooseRobot(first.name);
+    tab.value = "robot";
+  }
   tool.value = TOOLS.find((each) => each.name === name)!.make();
 }
 

@@ -4,7 +4,7 @@ import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Icon, Modal } from "./controls";
 import { leaveFor } from "./run";
 import { call, upload } from "./server";
-import { attempt, busy, dialog, edit, hello, problem, reload, save, state } from "./state";
+import { attempt, busy, dialog, hello, problem, reload, save, state } from "./state";
 
 interface Listing { folder: string; entries: { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }[] }
 
@@ -81,7 +81,7 @@ export function Banners() {
       {now.recovered && seen !== now.doc && (
         <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back ({now.recovered}).</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>
-          <button type="button" onClick={() => { see(now.doc); void (now.path ? reload() : edit({ do: "undo" })); }}>Discard them</button></div>)}
+          <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
       {problem.value?.kind === "changed" && !now.changed_on_disk && dialog.value?.name !== "save" && (
         <div class="banner"><Icon name="warn" /><p>{problem.value.text}</p>
           <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>

@@ -39,6 +39,7 @@ export interface Field {
   default: Json; // null: none, or decided by the program
   basic: boolean; // shown at once; others under "More"
   flag?: string; // of a command
+  required?: boolean; // of a command: it does not run without
 }
 export interface Schema {
   type?: "integer" | "number" | "string" | "boolean" | "array";
@@ -131,7 +132,7 @@ export interface Material {
   count: number;
 }
 
-/* variants {doc, count} --> Variant[];  maps {doc, from, count} --> Variant[] (of the recipe's own maps) */
+/* variants {doc, count} --> Variant[];  maps {doc, first, count} --> Variant[] (of the recipe's own maps) */
 export interface Variant { seed: number; index: number; scene: SceneData; difficulty: [string, string][] }
 
 /* measure {doc, index, robot?} --> {rows: [name, value, meaning, key][]}: all metrics, also those of a robot */

@@ -153,7 +153,7 @@ export function Variants() {
   const close = () => (dialog.value = null);
   const look = async () => {
     setFound(null);
-    setFound(await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { from, count: 12 }))));
+    setFound(await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12 }))));
   };
   useEffect(() => void look(), [of, from]);
   const keep = (variant: Variant) => {

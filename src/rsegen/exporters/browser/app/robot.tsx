@@ -47,8 +47,8 @@ export function RobotPanel() {
           {reach.value && <p class="note">{reach.value.text}</p>}
           {stands && <div aria-live="polite">
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
-            <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin to tipping over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
-              ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["contacts", String(stands.contacts.length)]]} />
+            {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin to tipping over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
+              ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["contacts", String(stands.contacts.length)]]} />}
           </div>}
           <h3>Best way</h3>
           <Segmented name="Best by" value={best.value} choices={[["length", "shortest"], ["tilt", "least tilt"], ["margin", "safest"]]} onChange={(next) => (best.value = next)} />

@@ -52,6 +52,8 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
   const job = jobs.value.find((each) => each.id === number);
   const run = async (replace = false) => {
     fail(null);
+    const missing = command.fields.find((field) => field.required && (values[field.name] ?? "") === "");
+    if (missing) return fail({ where: missing.name, text: "is missing" });
     remembered.set(name, { values, output });
     const given = Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined));
     try {
@@ -71,9 +73,9 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
         <form onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}</p>
           <Form fields={command.fields} values={values} problems={problems}
-            onChange={(field, value) => set({ values: { ...values, [field]: value }, output })} />
+            onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
           {command.output !== "none" && <Labelled id={`${id}-output`} label={command.output === "folder" ? "Output folder" : "Output file"} help={`in ${hello.value!.folder}`} problem={problems("output")} wide>
-            <input id={`${id}-output`} type="text" value={output} onInput={(event) => set({ values, output: event.currentTarget.value })} />
+            <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
           </Labelled>}
           <div class="shell"><code>{line(command, values, output)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output))} /></div>
           {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}

@@ -82,6 +82,12 @@ function Host({ create, label, player = 0, name }: { create: Create; label: stri
 
 const LOOKS = [["oblique", "Oblique"], ["above", "Above"], ["south", "South"], ["east", "East"]] as const;
 
+/* Width over height of the plan as an inset: that of the map, within bounds. */
+function aspect(): number {
+  const [x, y] = scene.value?.cells ?? [1, 1];
+  return Math.min(2.2, Math.max(0.6, (x + 4) / (y + 4))); // four cells of room for numbers
+}
+
 export function Stage() {
   const two = playbacks.value.length > 1;
   return (
@@ -100,7 +106,7 @@ export function Stage() {
         {state.value?.problem && <p class="over stale" role="status">The last valid map: {state.value.problem.where}: {state.value.problem.text}</p>}
       </div>
       {plan.value !== "hidden" && (
-        <section class="plan" aria-label="Plan">
+        <section class="plan" aria-label="Plan" style={{ "--aspect": aspect() }}>
           <Host create={createPlan} label="Plan, north up" name="plan" />
           <div class="over corner">
             <Button class="quiet" icon={plan.value === "inset" ? "grow" : "shrink"} title={plan.value === "inset" ? "Show the plan in half of the window" : "Show the plan small"} onClick={() => (plan.value = plan.value === "inset" ? "half" : "inset")} />
