@@ -1,6 +1,148 @@
 /* The page: edits a document of a server, or shows the maps that are frozen into it. */
 
 import { render } from "preact";
+import { useEffect } from "preact/hooks";
+import { Bar, PaintOptions, Status, TOOLS, takeTool } from "./bar";
+import { Modal, Segmented, Select } from "./controls";
+import { Banners, Open, SaveAs, dropped } from "./files";
+import { MapPanel } from "./map";
+import { Obstacles, removeSelected } from "./obstacles";
 import "./page.css";
+import { Results, Variants } from "./results";
+import { RobotPanel } from "./robot";
+import { Jobs, Run } from "./run";
+import { Stage } from "./viewer";
+import * as state from "./state";
+import type { View } from "./views";
 
-render(<p>rsegen</p>, document.getElementById("page")!);
+const { dialog, edit, frozen, layout, save, scene, selected, start, tab, tool } = state;
+
+declare global {
+  interface Window { rsegen: { solid?: View; plan?: View; state: typeof state } }
+}
+window.rsegen = { state };
+
+const PANELS = { obstacles: Obstacles, map: MapPanel, robot: RobotPanel, results: Results };
+const TABS = [["obstacles", "Obstacles"], ["map", "Map"], ["robot", "Robot"], ["results", "Results"]] as const;
+
+/* The panels beside the map; on a narrow window one at a time, on a phone below the map. */
+function Panels() {
+  const wide = layout.value === "wide";
+  const shown = wide && tab.value === "obstacles" ? "map" : tab.value;
+  const Panel = PANELS[shown];
+  return (
+    <>
+      {wide && <aside class="left" aria-label="Obstacles"><Obstacles /></aside>}
+      <aside class="right" aria-label="Parameters and results">
+        <nav aria-label="Panels"><Segmented name="Panel" value={shown} choices={wide ? TABS.slice(1) : TABS} onChange={(next) => (tab.value = next)} /></nav>
+        <Panel />
+      </aside>
+    </>
+  );
+}
+
+function Help() {
+  return (
+    <Modal title="Help" close={() => (dialog.value = null)}>
+      <p class="lead">A map is a field of wooden blocks. <b>Add</b> puts an obstacle on it; later obstacles lie on earlier ones. <b>Generate</b> writes its world for Gazebo.</p>
+      <dl class="keys">
+        {TOOLS.map((each) => <div key={each.key}><dt><kbd>{each.key.toUpperCase()}</kbd></dt><dd>{each.label}: {each.title.toLowerCase()}</dd></div>)}
+        <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level of the paint</dd></div>
+        <div><dt><kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd></dt><dd>undo and redo anything</dd></div>
+        <div><dt><kbd>Ctrl S</kbd> <kbd>Ctrl O</kbd></dt><dd>save, open</dd></div>
+        <div><dt><kbd>Delete</kbd> <kbd>Ctrl D</kbd></dt><dd>remove, duplicate the selected obstacle</dd></div>
+        <div><dt><kbd>Alt ↑</kbd> <kbd>Alt ↓</kbd></dt><dd>move the obstacle in the list</dd></div>
+        <div><dt>drag, wheel</dt><dd>beside the map or with the right button: turn, zoom</dd></div>
+        <div><dt>drop a file</dt><dd>a recipe is opened; a point cloud, table or image becomes a map</dd></div>
+      </dl>
+      <p class="note">Levels: 5 levels of 10 cm are the heights 0, 10, 20, 30 and 40 cm. Numbers may have a point or a comma. rsegen {state.hello.value?.version}</p>
+    </Modal>
+  );
+}
+
+function Dialog() {
+  const now = dialog.value;
+  switch (now?.name) {
+    case "open": return <Open />;
+    case "save": return <SaveAs />;
+    case "help": return <Help />;
+    case "variants": return <Variants />;
+    case "jobs": return <Jobs />;
+    case "run": return <Run key={now.command} name={now.command} upload={now.upload} />;
+    default: return null;
+  }
+}
+
+function isTyping(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.matches("input:not([type=range],[type=radio],[type=checkbox]), textarea, select");
+}
+
+function keys(event: KeyboardEvent): void {
+  if (document.querySelector("dialog[open]")) return;
+  const key = event.key.toLowerCase();
+  const does = (work: () => unknown) => { event.preventDefault(); work(); };
+  if (event.ctrlKey || event.metaKey) {
+    if (key === "z") does(() => edit({ do: event.shiftKey ? "redo" : "undo" }));
+    else if (key === "y") does(() => edit({ do: "redo" }));
+    else if (key === "s") does(() => (event.shiftKey ? (dialog.value = { name: "save" }) : save()));
+    else if (key === "o") does(() => (dialog.value = { name: "open" }));
+    else if (key === "d" && selected.value >= 0) does(() => edit({ do: "duplicate", row: selected.value }));
+    else if (key === "r" && event.altKey) does(() => edit({ do: "reroll" }));
+    return;
+  }
+  if (key === "f5") return does(() => (dialog.value = { name: "run", command: "generate" }));
+  if (isTyping(event.target) || event.altKey || event.defaultPrevented) return;
+  const named = TOOLS.find((each) => each.key === key);
+  if (named) does(() => takeTool(named.name));
+  else if (key === "delete" && selected.value >= 0) does(removeSelected);
+  else if (key === "?") does(() => (dialog.value = { name: "help" }));
+  else if (key === "escape") does(() => (tool.value.name === "select" ? (selected.value = -1) : takeTool("select")));
+  else if (/^\d$/.test(key) && tool.value.name === "paint") does(() => tool.value.name === "paint" && (tool.value = { ...tool.value, level: Number(key) }));
+}
+
+function Editor() {
+  useEffect(() => {
+    addEventListener("keydown", keys);
+    addEventListener("dragover", (event) => event.dataTransfer?.types.includes("Files") && event.preventDefault());
+    addEventListener("drop", (event) => {
+      const file = event.dataTransfer?.files[0];
+      if (file) { event.preventDefault(); void dropped(file); }
+    });
+  }, []);
+  const now = state.state.value;
+  useEffect(() => void (document.title = now ? `${now.unsaved ? "• " : ""}${now.title} – rsegen` : "rsegen"), [now?.title, now?.unsaved]);
+  return (
+    <div class={`page ${layout.value}`}>
+      <Bar />
+      <Banners />
+      {layout.value !== "wide" && <PaintOptions />}
+      <Stage />
+      <Panels />
+      <Status />
+      <Dialog />
+    </div>
+  );
+}
+
+/* The frozen page: its maps, without anything that edits. */
+function Viewer() {
+  const { maps, version } = frozen!;
+  const map = scene.value;
+  const at = map ? maps.indexOf(map) : 0;
+  return (
+    <div class={`page frozen ${layout.value}`}>
+      <header class="top">
+        <h1>{map?.name}</h1>
+        <p>{map?.description}</p>
+        <span class="gap" />
+        {maps.length > 1 && <Select name="Map" value={String(at)} choices={maps.map((each, number) => [String(number), each.name] as const)} onChange={(number) => (scene.value = maps[Number(number)]!)} />}
+      </header>
+      <Stage />
+      <aside class="right" aria-label="Results"><Results /></aside>
+      <Status note={`made by rsegen ${version}`} />
+    </div>
+  );
+}
+
+render(frozen ? <Viewer /> : <Editor />, document.getElementById("page")!);
+void start();

@@ -7,7 +7,8 @@
    POST /api/file {path}         --> the bytes of a file under the server's folder: pictures, tables, PDF
 */
 
-export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
+export type Json = null | boolean | number | bigint | string | Json[] | { [key: string]: Json };
+/* Integers that a number of JavaScript would round, such as seeds, are bigint here, and plain integers on the wire. */
 export type Cell = [number, number]; // of blocks, frames not counted: x, y
 export type Entry = { kind: string; [parameter: string]: Json }; // an obstacle as a recipe file has it
 

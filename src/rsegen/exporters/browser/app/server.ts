@@ -1,6 +1,7 @@
 /* The door to the server: calls, events, files. A frozen page has no server, and its data in the page. */
 
-import type { Event, Failure, Json } from "./protocol";
+import { read, written } from "./exact";
+import type { Event, Failure } from "./protocol";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const headers = { Authorization: `Bearer ${token}`, "Content-Type": "application/json" };
@@ -20,10 +21,10 @@ async function answer(response: Response): Promise<Response> {
 
 /* Call a function of the server by its name. */
 export async function call<T>(name: string, args: object = {}): Promise<T> {
-  const response = await fetch(`api/${name}`, { method: "POST", headers, body: JSON.stringify(args) }).catch(() => {
+  const response = await fetch(`api/${name}`, { method: "POST", headers, body: written(args) }).catch(() => {
     throw new Failed({ where: "", text: "rsegen gui has ended: start it again, and reload this page" });
   });
-  return (await answer(response)).json() as Promise<T>;
+  return read<T>(await (await answer(response)).text());
 }
 
 /* Send the bytes of a file; gives the path by which commands may read it. */
@@ -46,14 +47,13 @@ export async function fileOf(path: string): Promise<Blob> {
 export async function listen(doc: string, page: string, heard: (event: Event) => void, ends: AbortSignal): Promise<void> {
   while (!ends.aborted) {
     try {
-      const body: Json = { doc, page };
-      const response = await fetch("api/events", { method: "POST", headers, body: JSON.stringify(body), signal: ends });
+      const response = await fetch("api/events", { method: "POST", headers, body: written({ doc, page }), signal: ends });
       const lines = (await answer(response)).body!.pipeThrough(new TextDecoderStream()).getReader();
       let rest = "";
       for (let part = await lines.read(); !part.done; part = await lines.read()) {
         const whole = (rest + part.value).split("\n");
         rest = whole.pop()!;
-        whole.filter(Boolean).forEach((line) => heard(JSON.parse(line) as Event));
+        whole.filter(Boolean).forEach((line) => heard(read<Event>(line)));
       }
     } catch {
       if (ends.aborted) return;

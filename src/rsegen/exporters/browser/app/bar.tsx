@@ -1,0 +1,120 @@
+/* The bar on top: the file, undo, tools, and what may be run; and the line of status below. */
+
+import { Button, Icon, Menu, Segmented } from "./controls";
+import { times } from "./exact";
+import type { Command } from "./protocol";
+import { leaveFor, Progress } from "./run";
+import { copy } from "./results";
+import { MapChooser } from "./map";
+import {
+  busy, chooseRobot, dialog, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, state, tab, tool,
+} from "./state";
+import type { Tool } from "./views";
+
+export const TOOLS: { key: string; name: Tool["name"]; label: string; title: string; make: () => Tool }[] = [
+  { key: "v", name: "select", label: "Select", title: "Pick obstacles, drag their ends, raise them", make: () => ({ name: "select" }) },
+  { key: "p", name: "paint", label: "Paint", title: "Give cells a level", make: () => ({ name: "paint", shape: "cells", level: 1 }) },
+  { key: "d", name: "draw", label: "Draw", title: "Drag a new obstacle from its first to its last cell", make: () => ({ name: "draw" }) },
+  { key: "r", name: "robot", label: "Robot", title: "A robot settles where the mouse is", make: () => ({ name: "robot", heading: heading.value }) },
+  { key: "w", name: "way", label: "Way", title: "Two clicks are start and goal of the robot's best way", make: () => ({ name: "way" }) },
+];
+
+/* Take a tool; those of a robot choose the first one if none is chosen. */
+export function takeTool(name: Tool["name"]): void {
+  if (name === "robot" || name === "way") {
+    const first = hello.value?.robots[0];
+    if (!robot.value && first) void chooseRobot(first.name);
+    tab.value = "robot";
+  }
+  tool.value = TOOLS.find((each) => each.name === name)!.make();
+}
+
+function Tools() {
+  return (
+    <div class="tools" role="toolbar" aria-label="Tools">
+      {TOOLS.map(({ key, name, label, title }) => (
+        <Button key={name} icon={name} class="quiet" title={`${label}: ${title} (${key.toUpperCase()})`} pressed={tool.value.name === name}
+          disabled={(name === "robot" || name === "way") && !robot.value && !hello.value?.robots.length} onClick={() => takeTool(name)} />
+      ))}
+    </div>
+  );
+}
+
+/* What the paint tool paints with. */
+export function PaintOptions() {
+  const now = tool.value;
+  if (now.name !== "paint") return null;
+  const highest = Math.max(5, now.level, ...(scene.value?.palette.map((each) => each.level ?? 0) ?? []));
+  const unit = Number(state.value?.values.unit_cm ?? 10);
+  return (
+    <div class="paint" role="group" aria-label="Paint">
+      <Segmented name="Brush" value={now.shape} onChange={(shape) => (tool.value = { ...now, shape })}
+        choices={[["cells", "Cells", "cell by cell"], ["rectangle", "Rectangle", "a rectangle"], ["fill", "Fill", "connected cells of one level"], ["pick", "Pick", "take the level of a cell"]]} />
+      <Segmented name="Level" value={String(now.level)} onChange={(level) => (tool.value = { ...now, level: Number(level) })}
+        choices={[["-1", "erase", "erase paint"], ...Array.from({ length: Math.min(10, highest + 1) }, (_, level) => [String(level), String(level), `${times(unit, level)} cm`] as const)]} />
+    </div>
+  );
+}
+
+function RunMenu() {
+  const groups = new Map<string, Command[]>();
+  for (const command of hello.value?.commands ?? []) groups.set(command.group, [...(groups.get(command.group) ?? []), command]);
+  return (
+    <Menu label="Run" icon="play" title="Commands for this map" class="run">
+      {[...groups].map(([group, commands]) => (
+        <div role="group" aria-label={group} key={group}>
+          <h3>{group}</h3>
+          {commands.map((command) => <button type="button" key={command.name} onClick={() => (dialog.value = { name: "run", command: command.name })}><span>{command.name}<small>{command.help}</small></span></button>)}
+        </div>
+      ))}
+    </Menu>
+  );
+}
+
+export function Bar() {
+  const now = state.value;
+  return (
+    <header class="top">
+      <h1 class="hidden">{now?.title ?? "rsegen"}</h1>
+      <Menu label={<span class="title">{now?.title ?? "rsegen"}{now?.unsaved && <span class="unsaved" title="not saved"> •<span class="hidden"> not saved</span></span>}</span>} title="File" class="file quiet">
+        <button type="button" onClick={() => void leaveFor("")}>New</button>
+        <button type="button" onClick={() => (dialog.value = { name: "open" })}>Open … <kbd>Ctrl O</kbd></button>
+        <button type="button" onClick={() => void save()}>Save <kbd>Ctrl S</kbd></button>
+        <button type="button" onClick={() => (dialog.value = { name: "save" })}>Save as …</button>
+        <button type="button" onClick={() => void copy(location.href)}>Copy the address of this page</button>
+        <button type="button" onClick={() => (dialog.value = { name: "help" })}>Help <kbd>?</kbd></button>
+      </Menu>
+      <div class="row quick">
+        <Button icon="undo" class="quiet" title="Undo (Ctrl+Z)" disabled={!now?.can_undo} onClick={() => void edit({ do: "undo" })} />
+        <Button icon="redo" class="quiet" title="Redo (Ctrl+Y)" disabled={!now?.can_redo} onClick={() => void edit({ do: "redo" })} />
+      </div>
+      <Tools />
+      {layout.value === "wide" && <PaintOptions />}
+      <span class="gap" />
+      {layout.value !== "phone" && <Button class="quiet" title="Save the recipe (Ctrl+S)" disabled={!now?.unsaved && Boolean(now?.path)} onClick={() => void save()}>Save</Button>}
+      {layout.value !== "phone" && <Button icon="help" class="quiet" title="Help (?)" onClick={() => (dialog.value = { name: "help" })} />}
+      <RunMenu />
+    </header>
+  );
+}
+
+export function Status({ note }: { note?: string }) {
+  const [at, map, now] = [hover.value, scene.value, state.value];
+  const running = jobs.value.filter((job) => job.state === "running");
+  const owner = at && at.row >= 0 ? rowAt(at.row)?.entry.kind : null;
+  const size = map?.facts.find(([name]) => name === "size")?.[1];
+  return (
+    <footer class="status">
+      <span class="hover">{at ? <>{at.cell ? `cell ${at.cell.join(", ")}` : "frame"} <b>{at.label}</b>{owner ? ` ${at.row + 1} ${String(owner).replaceAll("_", " ")}` : ""}</> : map && <>{size} <small>{map.cost}</small></>}</span>
+      <MapChooser />
+      {!frozen && now && <span class="seed">seed <code>{String(now.values.seed ?? "–")}</code><Button icon="dice" class="quiet" title="Draw another seed (Ctrl+Alt+R)" onClick={() => void edit({ do: "reroll" })} /></span>}
+      {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}
+      <span class="gap" />
+      {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{running[0].command} {running[0].step} <Progress job={running[0]} /></button>}
+      {!running[0] && jobs.value[0] && <button type="button" class="quiet" onClick={() => (dialog.value = { name: "jobs" })}>{jobs.value[0].command} {jobs.value[0].state}</button>}
+      {problem.value && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
+        <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
+      <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>
+    </footer>
+  );
+}

@@ -1,0 +1,182 @@
+/* Forms, made of the parameters that the program declares: one control for each type of value. */
+
+import { useId, useState } from "preact/hooks";
+import { Labelled, ListInput, NumberInput, Segmented, Select, Slider, Switch, Unreadable, useTyped } from "./controls";
+import { shown } from "./exact";
+import type { Field, Json, Schema } from "./protocol";
+
+type Change = (value: Json | undefined, gesture: string) => void;
+
+/* The largest number for which a slider still has a step for each value. */
+const SLIDER = 1000;
+
+export function FieldControl({ field, value, problem, onChange }: {
+  field: Field; value: Json | undefined; problem?: string; onChange: Change;
+}) {
+  const id = useId();
+  const [why, setWhy] = useState("");
+  const { schema, title, help, unit } = field;
+  const given = value ?? field.default ?? undefined;
+  const wide = Boolean(schema.anyOf) || isWordy(schema) || (isNumber(schema) && hasSlider(schema));
+  return (
+    <Labelled id={id} label={title} help={help} unit={unit} problem={why || problem} wide={wide}>
+      <Control id={id} schema={schema} name={title} value={given} empty={field.default === null} problem={problem}
+        onChange={onChange} onWhy={setWhy} />
+    </Labelled>
+  );
+}
+
+interface ControlProps {
+  id: string; schema: Schema; name: string; value: Json | undefined; empty: boolean; problem?: string;
+  onChange: Change; onWhy: (why: string) => void;
+}
+
+const isNumber = (schema: Schema) => schema.type === "integer" || schema.type === "number";
+const hasSlider = ({ minimum, maximum }: Schema) => minimum !== undefined && maximum !== undefined && Number(maximum) - Number(minimum) <= SLIDER;
+const isWordy = (schema: Schema) => (schema.enum?.join("").length ?? 0) > 12 || schema.type === "string" || schema.type === "array";
+const words = (name: string) => name.replaceAll("_", " ");
+
+function Control(props: ControlProps) {
+  const { id, schema, name, value, empty, problem, onChange, onWhy } = props;
+  if (schema.enum) {
+    const choices = schema.enum.map((each) => [each, words(each)] as const);
+    const choose = (choice: string) => onChange(choice || undefined, "");
+    if (!empty && choices.length < 5 && schema.enum.join("").length < 30)
+      return <Segmented id={id} name={name} value={String(value ?? "")} choices={choices} onChange={choose} />;
+    const all = empty || value === undefined ? [["", "–"] as const, ...choices] : choices;
+    return <Select id={id} value={String(value ?? "")} choices={all} onChange={choose} />;
+  }
+  if (schema.type === "boolean") return <Switch id={id} value={value === true} onChange={(next) => onChange(next, "")} />;
+  if (isNumber(schema)) {
+    const whole = schema.type === "integer";
+    const { minimum, maximum } = schema;
+    const number = { id, value, whole, empty, minimum, maximum, onChange, onWhy, problem, name };
+    if (!hasSlider(schema)) return <NumberInput {...number} name={undefined} placeholder={empty ? "none" : ""} />;
+    return <Slider {...number} low={minimum!} high={maximum!} step={!whole && maximum! - minimum! <= 10 ? 0.01 : 1} />;
+  }
+  if (schema.anyOf && schema.anyOf.every((each) => each.enum || each.type === "string")) return <Suggested {...props} />;
+  if (schema.anyOf) return <AnyOf {...props} />;
+  if (schema.type === "array") return <ArrayControl {...props} />;
+  return <TextControl {...props} />;
+}
+
+function TextControl({ id, schema, value, empty, onChange, onWhy }: ControlProps) {
+  const pattern = schema.pattern ? new RegExp(schema.pattern) : null;
+  const read = (text: string) => {
+    if (!text && empty) return undefined;
+    return pattern && !pattern.test(text) ? new Unreadable(`'${text}' has letters that are not allowed here`) : text;
+  };
+  const { why, props } = useTyped(value, read, onChange);
+  if (schema.pattern?.startsWith("^#"))
+    return <>
+      <input type="color" aria-label="choose a colour" value={typeof value === "string" ? value : "#808080"}
+        onInput={(event) => onChange(event.currentTarget.value, id)} />
+      <input id={id} type="text" {...props} aria-invalid={Boolean(why)} placeholder={empty ? "default" : ""} />
+    </>;
+  return <input id={id} type="text" autocomplete="off" {...props} aria-invalid={Boolean(why)} onBlur={() => (onWhy(why), props.onBlur())} />;
+}
+
+/* A text for which some words are known. */
+function Suggested({ id, schema, value, empty, onChange }: ControlProps) {
+  const { props } = useTyped(value, (text) => (text || !empty ? text : undefined), onChange);
+  return <>
+    <input id={id} type="text" list={`${id}-known`} autocomplete="off" {...props} />
+    <datalist id={`${id}-known`}>{schema.anyOf!.flatMap((each) => each.enum ?? []).map((word) => <option key={word} value={word} />)}</datalist>
+  </>;
+}
+
+/* Pairs and triples as so many numbers, other lists in one text. */
+function ArrayControl(props: ControlProps) {
+  const { id, schema, name, value, onChange, onWhy } = props;
+  const items = schema.prefixItems ?? (schema.minItems === schema.maxItems && schema.items ? Array<Schema>(schema.minItems ?? 0).fill(schema.items) : []);
+  const whole = (schema.items ?? items[0])?.type === "integer";
+  if (items.length && items.every(isNumber)) {
+    const numbers = Array.isArray(value) ? value : items.map(() => value ?? null);
+    return (
+      <div class="row" role="group" aria-label={name}>
+        {items.map((item, at) => (
+          <NumberInput key={at} id={`${id}-${at}`} name={`${name}, ${at + 1}`} whole={item.type === "integer"} value={numbers[at]}
+            onWhy={onWhy} step={item.maximum === 1 ? 0.05 : 1}
+            onChange={(next, gesture) => onChange(numbers.map((each, k) => (k === at ? (next ?? null) : each)), gesture)} />
+        ))}
+      </div>
+    );
+  }
+  if (schema.items && isNumber(schema.items))
+    return <ListInput id={id} name={name} whole={whole} value={value} onChange={onChange} onWhy={onWhy} placeholder="numbers, separated by spaces" />;
+  if (schema.items?.enum || schema.items?.type === "string") return <LinesControl {...props} />;
+  return <Nested {...props} />;
+}
+
+/* Texts, one on a line: the rows of a matrix, names. */
+function LinesControl({ id, value, onChange }: ControlProps) {
+  const text = Array.isArray(value) ? value.map(shown).join("\n") : shown(value);
+  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text}
+    onChange={(event) => onChange(event.currentTarget.value.split("\n").map((line) => line.trimEnd()).filter(Boolean), "")} />;
+}
+
+/* Rows of numbers, one row on a line. */
+function Nested({ id, value, onChange, onWhy }: ControlProps) {
+  const text = Array.isArray(value) ? value.map(shown).join("\n") : shown(value);
+  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text}
+    onChange={(event) => { onWhy(""); onChange(event.currentTarget.value.trim().split("\n").map((line) => line.trim()), ""); }} />;
+}
+
+const KINDS: { [type: string]: string } = { integer: "one", number: "one", string: "name", boolean: "yes or no" };
+
+function caption(schema: Schema): string {
+  if (schema.type !== "array") return schema.enum ? "one" : (KINDS[schema.type ?? ""] ?? "other");
+  const count = schema.prefixItems?.length ?? (schema.minItems === schema.maxItems ? schema.minItems : undefined);
+  return count === undefined ? "list" : ["none", "one", "two", "three", "four"][count] ?? String(count);
+}
+
+function fits(schema: Schema, value: Json | undefined): boolean {
+  if (!Array.isArray(value)) return schema.type !== "array" && (typeof value === "string") === (schema.type === "string" || Boolean(schema.enum));
+  const count = schema.prefixItems?.length ?? schema.minItems;
+  return schema.type === "array" && (schema.prefixItems || schema.minItems === schema.maxItems ? count === value.length : true);
+}
+
+/* One of several forms of a value, such as one number or two. */
+function AnyOf(props: ControlProps) {
+  const choices = props.schema.anyOf!;
+  const [chosen, choose] = useState<number | null>(null);
+  const found = choices.findIndex((schema) => fits(schema, props.value));
+  const at = props.value !== undefined && found >= 0 && chosen === null ? found : (chosen ?? Math.max(found, 0));
+  const names = choices.map((schema, number) => [String(number), caption(schema)] as const);
+  const use = (number: string) => {
+    const [next, first] = [choices[Number(number)]!, Array.isArray(props.value) ? props.value[0] : props.value];
+    const count = next.prefixItems?.length ?? (next.minItems === next.maxItems ? next.minItems : 1) ?? 1;
+    choose(Number(number));
+    if (first === undefined || typeof first === "string" || next.type === "string") return;
+    // A third number of a range is a number of steps.
+    const filled = Array.from({ length: count }, (_, k) => (k < 2 ? first : (next.prefixItems?.[k]?.minimum ?? first)));
+    props.onChange(next.type === "array" ? filled : first, "");
+  };
+  return (
+    <div class="any">
+      <Segmented name={`${props.name}: form`} value={String(at)} choices={names} onChange={use} />
+      <Control {...props} schema={choices[at]!} value={fits(choices[at]!, props.value) ? props.value : undefined} />
+    </div>
+  );
+}
+
+/* A form: basic parameters, and the others under More. */
+export function Form({ fields, values, problems, onChange, more = "More" }: {
+  fields: Field[]; values: { [name: string]: Json | undefined }; problems: (name: string) => string; more?: string;
+  onChange: (name: string, value: Json | undefined, gesture: string) => void;
+}) {
+  const control = (field: Field) => (
+    <FieldControl key={field.name} field={field} value={values[field.name]} problem={problems(field.name)}
+      onChange={(value, gesture) => onChange(field.name, value, gesture)} />
+  );
+  const [basic, others] = [fields.filter((field) => field.basic), fields.filter((field) => !field.basic)];
+  const wrong = others.some((field) => problems(field.name));
+  return (
+    <div class="form">
+      {basic.map(control)}
+      {others.length > 0 && (basic.length === 0 ? others.map(control) : (
+        <details open={wrong || undefined}><summary>{more}</summary><div class="form">{others.map(control)}</div></details>
+      ))}
+    </div>
+  );
+}

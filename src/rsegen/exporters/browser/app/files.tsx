@@ -1,0 +1,108 @@
+/* Opening, saving, what to do about a file that somebody else changed, and files that are dropped on the page. */
+
+import { useEffect, useId, useState } from "preact/hooks";
+import { Button, Icon, Modal } from "./controls";
+import { leaveFor } from "./run";
+import { call, upload } from "./server";
+import { attempt, busy, dialog, hello, problem, reload, save, state } from "./state";
+
+interface Listing { folder: string; entries: { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }[] }
+
+const close = () => (dialog.value = null);
+
+export function Open() {
+  const [folder, go] = useState<string | undefined>(undefined);
+  const [listing, list] = useState<Listing | null>(null);
+  const id = useId();
+  const [path, setPath] = useState("");
+  useEffect(() => void attempt(() => call<Listing>("files", folder === undefined ? {} : { folder }), false).then(list), [folder]);
+  return (
+    <Modal title="Open" close={close} wide>
+      <div class="columns">
+        <section aria-labelledby={`${id}-examples`}>
+          <h3 id={`${id}-examples`}>Examples</h3>
+          <ul class="choices">{hello.value?.examples.map((each) => (
+            <li key={each.name}><button type="button" onClick={() => void leaveFor(each.name)}><b>{each.name}</b><small>{each.description}</small></button></li>))}</ul>
+        </section>
+        <section aria-labelledby={`${id}-files`}>
+          <h3 id={`${id}-files`}>Files in {listing?.folder || hello.value?.folder}</h3>
+          {folder && <Button icon="left" class="quiet" title="The folder above" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>the folder above</Button>}
+          <ul class="choices">{listing?.entries.map((each) => (
+            <li key={each.path}><button type="button" disabled={each.kind === "other" || each.kind === "drive"} onClick={() => (each.kind === "folder" ? go(each.path) : void leaveFor(each.kind === "dataset" ? `${each.path}#0` : each.path))}>
+              <span><Icon name={each.kind === "recipe" ? "file" : "folder"} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}</button></li>))}</ul>
+          {listing && !listing.entries.length && <p class="empty">No recipe here yet.</p>}
+          <form class="actions" onSubmit={(event) => { event.preventDefault(); void leaveFor(path); }}>
+            <input type="text" aria-label="Path of a recipe, or DIR#17 of a data set" placeholder="path, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />
+            <button type="submit" disabled={!path}>Open</button>
+          </form>
+        </section>
+      </div>
+      {problem.value && <p class="problem" role="alert">{problem.value.text}</p>}
+    </Modal>
+  );
+}
+
+export function SaveAs() {
+  const id = useId();
+  const [path, setPath] = useState(state.value?.path ?? `${state.value?.name || "my-map"}.yaml`);
+  const question = problem.value?.kind;
+  useEffect(() => void (problem.value = null), []);
+  const write = async (event: Event) => {
+    event.preventDefault();
+    if (await save(path, question === "exists" || question === "changed")) close();
+  };
+  return (
+    <Modal title="Save as" close={close}>
+      <form onSubmit={write}>
+        <div class="field tall"><label for={id}>File in {hello.value?.folder}</label>
+          <div class="control"><input id={id} type="text" value={path} onInput={(event) => { problem.value = null; setPath(event.currentTarget.value); }} /></div>
+          <p class="note">.yaml or .json; the file's name becomes the name of the maps.</p>
+          {problem.value && <p class="problem" role="alert">{problem.value.text}</p>}</div>
+        <footer class="actions"><button type="button" onClick={close}>Cancel</button>
+          <button type="submit" class="primary" disabled={!path || busy.value > 0}>{question === "exists" ? "Replace the file" : question === "changed" ? "Overwrite their changes" : "Save"}</button></footer>
+      </form>
+    </Modal>
+  );
+}
+
+/* What somebody has to decide before going on. */
+export function Banners() {
+  const now = state.value;
+  const [kept, keep] = useState<number | null>(null);
+  const [seen, see] = useState<string | null>(null);
+  if (!now) return null;
+  return (
+    <div class="banners" aria-live="polite">
+      {now.changed_on_disk && kept !== now.revision && (
+        <div class="banner"><Icon name="warn" /><p>Another program changed <b>{now.title}</b>.</p>
+          <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>
+          <button type="button" onClick={() => void reload()}>Take theirs</button>
+          <Button icon="close" class="quiet" title="Decide later" onClick={() => keep(now.revision)} /></div>)}
+      {now.recovered && seen !== now.doc && (
+        <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back ({now.recovered}).</p>
+          <button type="button" onClick={() => see(now.doc)}>Keep them</button>
+          <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
+      {problem.value?.kind === "changed" && !now.changed_on_disk && dialog.value?.name !== "save" && (
+        <div class="banner"><Icon name="warn" /><p>{problem.value.text}</p>
+          <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>
+          <button type="button" onClick={() => { problem.value = null; void reload(); }}>Take theirs</button></div>)}
+    </div>
+  );
+}
+
+/* The command for a dropped file, by its suffix. */
+function commandFor(name: string): string | null {
+  if (/\.(ply|pcd|xyz|pts|las|laz)$/i.test(name)) return "scan";
+  if (/\.(csv|npy|png|pgm|tif|tiff|asc|txt)$/i.test(name)) return "import";
+  return null;
+}
+
+/* Take files that are dropped on the page: recipes are opened, measured fields become the form of their command. */
+export async function dropped(file: File): Promise<void> {
+  const path = await attempt(() => upload(file));
+  if (path === null) return;
+  const command = commandFor(file.name);
+  if (/\.(ya?ml|json)$/i.test(file.name)) await leaveFor(path);
+  else if (command) dialog.value = { name: "run", command, upload: path };
+  else problem.value = { where: "", text: `${file.name} is no recipe, point cloud, table or image of heights` };
+}

@@ -1,0 +1,48 @@
+/* The parameters of the whole map, and which of the recipe's maps is shown. */
+
+import { Button } from "./controls";
+import { Form } from "./fields";
+import type { Json } from "./protocol";
+import { dialog, edit, hello, index, problemAt, showMap, state } from "./state";
+import { Difficulty } from "./results";
+
+export function MapPanel() {
+  const [now, groups] = [state.value, hello.value?.globals ?? []];
+  if (!now || !groups.length) return <section class="panel" aria-label="Map"><p class="empty">Loading …</p></section>;
+  const basic = groups.flatMap((group) => group.fields.filter((field) => field.basic));
+  const others = groups
+    .map((group) => ({ ...group, fields: group.fields.filter((field) => !field.basic && field.name !== "difficulty" && field.name !== "seed") }))
+    .filter((group) => group.fields.length);
+  const change = (name: string, value: Json | undefined, gesture: string) =>
+    void edit({ do: "set", name, value: value ?? null, gesture: gesture || undefined });
+  return (
+    <section class="panel" aria-label="Map">
+      <Form fields={basic} values={now.values} problems={problemAt} onChange={change} />
+      <Difficulty />
+      <div class="actions">
+        <Button title="Twelve other seeds as pictures; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show twelve …</Button>
+        <Button class="primary" title="Write worlds and models (F5)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
+      </div>
+      {others.map((group) => (
+        <details key={group.title} open={group.fields.some((field) => problemAt(field.name)) || undefined}>
+          <summary>{group.title}</summary>
+          <Form fields={group.fields} values={now.values} problems={problemAt} onChange={change} />
+        </details>
+      ))}
+    </section>
+  );
+}
+
+/* Steps through the maps of the recipe. */
+export function MapChooser() {
+  const now = state.value;
+  if (!now || now.maps < 2) return null;
+  const first = now.first_map ?? 0;
+  return (
+    <div class="chooser" role="group" aria-label="Map of the recipe">
+      <Button icon="left" class="quiet" title="Previous map" disabled={index.value <= first} onClick={() => void showMap(index.value - 1)} />
+      <output aria-live="polite">map {index.value} <small>of {first} to {first + now.maps - 1}</small></output>
+      <Button icon="right" class="quiet" title="Next map" disabled={index.value >= first + now.maps - 1} onClick={() => void showMap(index.value + 1)} />
+    </div>
+  );
+}

@@ -1,0 +1,67 @@
+/* Drives that were recorded, played over the blocks: a time line with play, pause and the events on it. */
+
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { Button, Select } from "./controls";
+import type { Playback, RobotDrawing } from "./protocol";
+import { call } from "./server";
+import { attempt, playbacks, second } from "./state";
+
+export const drawings = signal<Map<string, RobotDrawing>>(new Map());
+const plays = signal(false);
+const speed = signal<"0.25" | "1" | "4">("1");
+
+/* Play a drive; beside it the one that plays already, if asked for. */
+export async function play(path: string, beside = false): Promise<void> {
+  const drive = await attempt(() => call<Playback>("playback", { path }));
+  if (!drive) return;
+  const missing = [...new Set(drive.robots.map((each) => each.robot))].filter((name) => !drawings.value.has(name));
+  const made = await Promise.all(missing.map((robot) => attempt(() => call<RobotDrawing>("robot", { robot }))));
+  drawings.value = new Map([...drawings.value, ...missing.flatMap((name, at) => (made[at] ? [[name, made[at]] as const] : []))]);
+  playbacks.value = beside && playbacks.value.length ? [playbacks.value[0]!, drive] : [drive];
+  second.value = 0;
+  plays.value = true;
+}
+
+const clock = (seconds: number) => `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
+
+export function Timeline() {
+  const shown = playbacks.value;
+  const duration = Math.max(0, ...shown.map((drive) => drive.duration));
+  useEffect(() => {
+    if (!plays.value || !duration) return;
+    let [last, frame] = [performance.now(), 0];
+    const tick = (now: number) => {
+      second.value = Math.min(duration, second.value + ((now - last) / 1000) * Number(speed.value));
+      last = now;
+      if (second.value >= duration) plays.value = false;
+      else frame = requestAnimationFrame(tick);
+    };
+    frame = requestAnimationFrame(tick);
+    return () => cancelAnimationFrame(frame);
+  }, [plays.value, duration, shown]);
+  if (!shown.length) return null;
+  const events = shown.flatMap((drive) => drive.robots.flatMap((robot) => robot.events.map((each) => ({ ...each, who: robot.name }))));
+  const toggle = () => {
+    if (second.value >= duration) second.value = 0;
+    plays.value = !plays.value;
+  };
+  return (
+    <section class="timeline" aria-label="Drive">
+      <Button icon={plays.value ? "pause" : "play"} class="primary" title={plays.value ? "Pause" : "Play"} onClick={toggle} />
+      <output>{clock(second.value)}</output>
+      <div class="track">
+        <input type="range" aria-label="Time" min={0} max={duration} step={0.01} value={second.value} style={{ "--part": second.value / (duration || 1) }}
+          onInput={(event) => { plays.value = false; second.value = Number(event.currentTarget.value); }} />
+        {events.map((event, at) => (
+          <button type="button" key={at} class="event" style={{ left: `${(100 * event.second) / (duration || 1)}%` }} title={`${clock(event.second)} ${event.who}: ${event.text}`}
+            aria-label={`${clock(event.second)} ${event.who}: ${event.text}`} onClick={() => { plays.value = false; second.value = event.second; }} />
+        ))}
+      </div>
+      <output>{clock(duration)}</output>
+      <Select name="Speed" value={speed.value} choices={[["0.25", "¼ ×"], ["1", "1 ×"], ["4", "4 ×"]]} onChange={(next) => (speed.value = next)} />
+      <span class="name">{shown.map((drive) => drive.title).join(" | ")}</span>
+      <Button icon="close" class="quiet" title="End the playback" onClick={() => { plays.value = false; playbacks.value = []; }} />
+    </section>
+  );
+}

@@ -1,0 +1,188 @@
+/* What the map is: its heights, metrics and costs, its recipe as text; and other maps like it. */
+
+import { useEffect, useId, useState } from "preact/hooks";
+import { Button, Modal, Segmented, Slider } from "./controls";
+import { FieldControl } from "./fields";
+import type { SceneData, Variant } from "./protocol";
+import { thumbnail } from "./solid";
+import { ask, attempt, dialog, edit, frozen, hello, index, newGesture, problemAt, robot, said, scene, showMap, state } from "./state";
+
+export function Heights({ map }: { map: SceneData }) {
+  const most = Math.max(1, ...map.palette.map((each) => each.count));
+  return (
+    <table class="heights">
+      <caption class="hidden">Heights of the map</caption>
+      <thead class="hidden"><tr><th scope="col">level</th><th scope="col">height</th><th scope="col">blocks</th><th scope="col">share</th></tr></thead>
+      <tbody>
+        {[...map.palette].reverse().map((each) => (
+          <tr key={each.level ?? "frame"}>
+            <th scope="row"><i style={{ background: each.colour }} />{each.level === null ? "frame" : `level ${each.level}`}</th>
+            <td>{each.label} {map.unit}</td>
+            <td>{each.count.toLocaleString("en").replaceAll(",", "\u2009")}</td>
+            <td class="bar"><span style={{ width: `${(100 * each.count) / most}%` }} /></td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Table({ rows, title }: { rows: [string, string, string, ...unknown[]][]; title: string }) {
+  return (
+    <table class="metrics"><caption class="hidden">{title}</caption><tbody>
+      {rows.map(([name, value, meaning]) => <tr key={name}><th scope="row">{name}<small>{meaning}</small></th><td>{value}</td></tr>)}
+    </tbody></table>
+  );
+}
+
+const CACHE: { key: string; rows: [string, string, string, string][] } = { key: "", rows: [] };
+
+export function Results() {
+  const map = scene.value;
+  if (!map) return <section class="panel" aria-label="Results"><p class="empty">No map yet.</p></section>;
+  return (
+    <section class="panel" aria-label="Results">
+      {map.warnings?.map((warning) => <p class="problem" key={warning}>{warning}</p>)}
+      {map.constraints?.length ? <><h3>Constraints</h3><ul class="lines">{map.constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
+      <h3>Heights</h3>
+      <Heights map={map} />
+      <h3>Metrics</h3>
+      <Table rows={map.metrics} title="Metrics of the map" />
+      {!frozen && <AllMetrics map={map} />}
+      <h3>Recipe</h3>
+      <Recipe map={map} />
+      {map.facts.length > 0 && <><h3>Facts</h3><dl class="facts">{map.facts.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl></>}
+    </section>
+  );
+}
+
+/* All metrics, which take a moment: measured when they are asked for. */
+function AllMetrics({ map }: { map: SceneData }) {
+  const key = `${map.revision} ${map.index} ${robot.value}`;
+  const [open, setOpen] = useState(false);
+  const [rows, setRows] = useState(CACHE.key === key ? CACHE.rows : null);
+  useEffect(() => {
+    if (!open) return;
+    let wanted = true;
+    const args = { index: index.value, ...(robot.value && { robot: robot.value }) };
+    void attempt(() => ask<{ rows: [string, string, string, string][] }>("measure", args), false).then((found) => {
+      if (wanted && found) setRows(found.rows);
+      if (found) Object.assign(CACHE, { key, rows: found.rows });
+    });
+    return () => void (wanted = false);
+  }, [open, key]);
+  return (
+    <details onToggle={(event) => setOpen(event.currentTarget.open)}>
+      <summary>All metrics{robot.value && `, with ${robot.value}`}</summary>
+      {rows ? <Table rows={rows} title="All metrics" /> : <p class="empty">Measuring …</p>}
+    </details>
+  );
+}
+
+/* ---- the recipe as text */
+
+type Texts = { recipe: string; python: string; shell: string };
+
+function Recipe({ map }: { map: SceneData }) {
+  const [shown, show] = useState<keyof Texts>("recipe");
+  const [texts, setTexts] = useState<Texts | null>(null);
+  const revision = state.value?.revision;
+  useEffect(() => {
+    if (!frozen) void attempt(() => ask<Texts>("texts"), false).then((found) => found && setTexts(found));
+  }, [revision]);
+  const text = frozen ? map.recipe : (texts?.[shown] ?? map.recipe);
+  if (!text) return <p class="empty">This map has no recipe.</p>;
+  const suffix = { recipe: "", python: ".py", shell: ".sh" }[shown];
+  const file = suffix ? map.file.replace(/\.\w+$/, suffix) : map.file;
+  return (
+    <>
+      <div class="actions">
+        {!frozen && <Segmented name="Recipe as" value={shown} choices={[["recipe", "YAML"], ["python", "Python"], ["shell", "shell"]]} onChange={show} />}
+        <Button icon="copy" title="Copy the text" class="quiet" onClick={() => void copy(text)} />
+        <a class="button quiet" download={file} href={`data:text/plain;charset=utf-8,${encodeURIComponent(text)}`}>Download</a>
+      </div>
+      <pre tabindex={0} aria-label="Recipe">{text}</pre>
+      {frozen && <p class="note">The same map again: <code>rsegen generate {map.file} -o worlds</code></p>}
+    </>
+  );
+}
+
+export async function copy(text: string): Promise<void> {
+  await navigator.clipboard?.writeText(text).catch(() => null);
+  said.value = "copied";
+}
+
+/* ---- difficulty, and other seeds */
+
+export function Difficulty() {
+  const id = useId();
+  const field = hello.value?.globals.flatMap((group) => group.fields).find((each) => each.name === "difficulty");
+  const value = state.value?.values.difficulty;
+  if (!field) return null;
+  const set = (next: unknown, gesture: string) => void edit({ do: "set", name: "difficulty", value: (next ?? null) as number | null, gesture });
+  if (Array.isArray(value))
+    return <FieldControl field={field} value={value} problem={problemAt("difficulty")} onChange={set} />;
+  return (
+    <div class="field tall" data-field="Difficulty">
+      <label for={id} title={field.help}>Difficulty <small>1 as designed, 0 flat</small></label>
+      <div class="control">
+        <Slider id={id} name="Difficulty" value={value ?? undefined} placeholder="off" empty low={0} high={1} step={0.01} whole={false} problem={problemAt("difficulty")} onChange={set} />
+      </div>
+      {problemAt("difficulty") && <p class="problem" role="alert">{problemAt("difficulty")}</p>}
+      {value === undefined || value === null ? null : <Button class="quiet link" title="Set a range, drawn for each map" onClick={() => set([0, value], newGesture())}>a range …</Button>}
+    </div>
+  );
+}
+
+/* A small picture of a map in 3D. */
+export function Picture({ map, label }: { map: SceneData; label: string }) {
+  const [source, setSource] = useState("");
+  useEffect(() => {
+    let address = "";
+    void thumbnail(map, 256, 176).then((picture) => setSource((address = URL.createObjectURL(picture))), () => null);
+    return () => URL.revokeObjectURL(address);
+  }, [map]);
+  return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
+}
+
+/* Twelve other seeds of the recipe, or its own maps, as pictures. */
+export function Variants() {
+  const [of, choose] = useState<"seeds" | "maps">("seeds");
+  const [from, setFrom] = useState(state.value?.first_map ?? 0);
+  const [found, setFound] = useState<Variant[] | null>(null);
+  const close = () => (dialog.value = null);
+  const look = async () => {
+    setFound(null);
+    setFound(await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12 }))));
+  };
+  useEffect(() => void look(), [of, from]);
+  const keep = (variant: Variant) => {
+    if (of === "seeds") void edit({ do: "set", name: "seed", value: variant.seed });
+    else void showMap(variant.index);
+    close();
+  };
+  const [first, count] = [state.value?.first_map ?? 0, state.value?.maps ?? 1];
+  return (
+    <Modal title="Variants" close={close} wide>
+      <div class="actions">
+        <Segmented name="Of" value={of} choices={[["seeds", "other seeds"], ["maps", "maps of this recipe"]]} onChange={choose} />
+        {of === "seeds" ? <Button icon="dice" title="Draw twelve other seeds" onClick={() => void look()}>Twelve others</Button> : <>
+          <Button icon="left" title="Previous twelve" disabled={from <= first} onClick={() => setFrom(Math.max(first, from - 12))} />
+          <Button icon="right" title="Next twelve" disabled={from + 12 >= first + count} onClick={() => setFrom(from + 12)} /></>}
+      </div>
+      <ul class="gallery">
+        {(found ?? []).map((variant) => (
+          <li key={`${variant.seed}-${variant.index}`}>
+            <button type="button" class="card" onClick={() => keep(variant)} title={of === "seeds" ? `Keep seed ${variant.seed}` : `Show map ${variant.index}`}>
+              <Picture map={variant.scene} label={of === "seeds" ? `seed ${variant.seed}` : `map ${variant.index}`} />
+              <span class="name">{of === "seeds" ? String(variant.seed) : `map ${variant.index}`}</span>
+              <dl>{variant.difficulty.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>
+            </button>
+          </li>
+        ))}
+      </ul>
+      {found === null && <p class="empty" role="status">Drawing twelve maps …</p>}
+    </Modal>
+  );
+}
+

@@ -1,0 +1,154 @@
+/* Commands as dialogs: a form, the same line for a shell, run; then progress, report and files. */
+
+import { useEffect, useId, useState } from "preact/hooks";
+import { Button, Icon, Labelled, Modal } from "./controls";
+import { shown } from "./exact";
+import { Form } from "./fields";
+import { play } from "./playback";
+import type { Command, Job, Json } from "./protocol";
+import { call, fileOf, Failed } from "./server";
+import { ask, attempt, dialog, hello, jobs, open, playbacks, robot, state } from "./state";
+import { copy } from "./results";
+
+type Values = { [name: string]: Json | undefined };
+
+/* The command as somebody would type it. */
+function line(command: Command, values: Values, output: string): string {
+  const quoted = (text: string) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+  const flags = command.fields.flatMap(({ name, flag, default: usual }) => {
+    const value = values[name];
+    if (value === undefined || value === usual) return [];
+    if (value === true) return flag ? [flag] : [];
+    return value === false || !flag ? [] : [flag, quoted(shown(value))];
+  });
+  const target = command.target === "recipe" ? [quoted(state.value?.path ?? `${state.value?.name}.yaml`)] : [];
+  return ["rsegen", command.name, ...target, ...flags, ...(output ? ["-o", quoted(output)] : [])].join(" ");
+}
+
+const OUTPUTS: { [command: string]: string } = {
+  generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain",
+};
+
+/* What was chosen last for each command, until the page is left. */
+const remembered = new Map<string, { values: Values; output: string }>();
+
+function usual(command: Command, upload?: string): { values: Values; output: string } {
+  const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? `${state.value?.name}.${command.name === "view" ? "html" : command.name === "preview" ? "png" : "pdf"}` : command.name) };
+  const values: Values = { ...known.values };
+  const file = command.fields.find((field) => /cloud|file|heights|scan|source|target|path/.test(field.name));
+  if (upload && file) values[file.name] = upload;
+  if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
+  return { values, output: command.output === "none" ? "" : known.output };
+}
+
+export function Run({ name, upload }: { name: string; upload?: string }) {
+  const command = hello.value?.commands.find((each) => each.name === name);
+  const id = useId();
+  const [{ values, output }, set] = useState(() => (command ? usual(command, upload) : { values: {}, output: "" }));
+  const [failure, fail] = useState<Failed["failure"] | null>(null);
+  const [number, follow] = useState<number | null>(null);
+  const close = () => (dialog.value = null);
+  if (!command) return <Modal title={name} close={close}><p>This program has no command {name}.</p></Modal>;
+  const job = jobs.value.find((each) => each.id === number);
+  const run = async (replace = false) => {
+    fail(null);
+    const missing = command.fields.find((field) => field.required && (values[field.name] ?? "") === "");
+    if (missing) return fail({ where: missing.name, text: "is missing" });
+    remembered.set(name, { values, output });
+    const given = Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined));
+    try {
+      const started = await ask<Job>("run", { command: name, values: given, ...(output && { output }), ...(replace && { replace }) });
+      if (!jobs.value.some((each) => each.id === started.id)) jobs.value = [started, ...jobs.value];
+      follow(started.id);
+    } catch (error) {
+      if (!(error instanceof Failed)) throw error;
+      fail(error.failure);
+    }
+  };
+  const problems = (field: string) => (failure?.where === field ? failure.text : "");
+  const elsewhere = failure && !command.fields.some((field) => field.name === failure.where) && failure.where !== "output";
+  return (
+    <Modal title={`${name[0]!.toUpperCase()}${name.slice(1)}`} close={close} wide={Boolean(job)}>
+      {job ? <JobReport job={job} again={() => follow(null)} /> : (
+        <form onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
+          <p class="lead">{command.help}</p>
+          <Form fields={command.fields} values={values} problems={problems}
+            onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
+          {command.output !== "none" && <Labelled id={`${id}-output`} label={command.output === "folder" ? "Output folder" : "Output file"} help={`in ${hello.value!.folder}`} problem={problems("output")} wide>
+            <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
+          </Labelled>}
+          <div class="shell"><code>{line(command, values, output)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output))} /></div>
+          {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
+          {state.value?.problem && command.target === "recipe" && <p class="problem" role="alert">First correct the recipe: {state.value.problem.where}: {state.value.problem.text}</p>}
+          <footer class="actions"><button type="button" onClick={close}>Cancel</button>
+            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace what is there" : "Run"}</button></footer>
+        </form>
+      )}
+    </Modal>
+  );
+}
+
+export function Progress({ job }: { job: Job }) {
+  return <progress max={job.total ?? 1} value={job.total ? (job.done ?? 0) : undefined} aria-label={`Progress of ${job.command}`} />;
+}
+
+const STATES = { running: "running", done: "done", failed: "failed", cancelled: "cancelled" };
+
+export function JobReport({ job, again }: { job: Job; again?: () => void }) {
+  const drives = job.files.filter((file) => file.kind === "drive");
+  return (
+    <div class="job">
+      <p class={`state ${job.state}`} role="status"><b>{STATES[job.state]}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
+      {job.state === "running" && <Progress job={job} />}
+      <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
+      {job.lines.length > 0 && <pre tabindex={0} aria-label="Report" class={job.state === "failed" ? "bad" : ""}>{job.lines.join("\n")}</pre>}
+      <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} />)}</div>
+      <ul class="files">{job.files.filter((file) => file.kind !== "picture").map((file) => (
+        <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
+          {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
+            {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
+          {file.kind === "recipe" && <button type="button" onClick={() => void leaveFor(file.path)}>Open</button>}
+          {file.kind !== "drive" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
+        </li>))}</ul>
+      <footer class="actions">
+        {job.state === "running" ? <button type="button" onClick={() => void attempt(() => call("cancel", { job: job.id }))}>Cancel the run</button> : again && <button type="button" onClick={again}>Change and run again</button>}
+        {job.opens && <button type="button" class="primary" onClick={() => void leaveFor(job.opens!)}>Open the recipe</button>}
+        {drives.length > 0 && <button type="button" class="primary" onClick={() => { dialog.value = null; void play(drives[0]!.path); }}>Play</button>}
+        <button type="button" onClick={() => (dialog.value = null)}>Close</button>
+      </footer>
+    </div>
+  );
+}
+
+/* Open another recipe, after a question if the one that is open would be left unsaved. */
+export async function leaveFor(what: string): Promise<void> {
+  if (state.value?.unsaved && !confirm(`${state.value.title} has changes that are not saved. Leave them?`)) return;
+  if (await open(what)) dialog.value = null;
+}
+
+async function download(file: { path: string; name: string }): Promise<void> {
+  const bytes = await attempt(() => fileOf(file.path));
+  if (!bytes) return;
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(bytes), download: file.name });
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+function FilePicture({ path, name }: { path: string; name: string }) {
+  const [source, show] = useState("");
+  useEffect(() => {
+    let address = "";
+    void attempt(() => fileOf(path), false).then((bytes) => bytes && show((address = URL.createObjectURL(bytes))));
+    return () => URL.revokeObjectURL(address);
+  }, [path]);
+  return source ? <figure><img src={source} alt={name} /><figcaption>{name}</figcaption></figure> : null;
+}
+
+/* All runs since the page was opened. */
+export function Jobs() {
+  return (
+    <Modal title="Runs" close={() => (dialog.value = null)} wide>
+      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{STATES[job.state]}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
+    </Modal>
+  );
+}

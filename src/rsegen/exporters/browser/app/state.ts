@@ -1,0 +1,321 @@
+/* All that the page knows, as signals, and the door through which it changes the document.
+
+   A change is shown at once, and sent: changes wait while an earlier one is under way, and those of one gesture become one.
+   What the server answers holds, unless it is older than what is known already. */
+
+import { computed, effect, signal } from "@preact/signals";
+import { Failed, call, listen } from "./server";
+import type {
+  Action, Entry, Event, Failure, Hello, Job, Json, Playback, Pose, PoseMap, Reach, Row, RobotDrawing, SceneData, State, Way,
+} from "./protocol";
+import type { Hover, Options, Tool } from "./views";
+
+export interface Frozen { maps: SceneData[]; version: string }
+
+const data = document.getElementById("data");
+export const frozen: Frozen | null = data && (JSON.parse(data.textContent!) as Frozen);
+
+export const hello = signal<Hello | null>(null);
+export const state = signal<State | null>(null);
+export const scene = signal<SceneData | null>(null);
+export const index = signal(0); // of the map that is shown
+export const selected = signal(-1);
+export const tool = signal<Tool>({ name: "select" });
+export const hover = signal<Hover | null>(null);
+export const busy = signal(0); // calls under way that somebody waits for
+export const problem = signal<Failure | null>(null); // of the last call that failed
+export const said = signal(""); // what has been done, for the live region
+export const jobs = signal<Job[]>([]);
+export const options = signal<Partial<Options>>({ look: "recipe", grid: true, axes: true });
+export const plan = signal<"inset" | "half" | "hidden">("inset");
+export const tab = signal<"obstacles" | "map" | "robot" | "results">("map");
+export const dialog = signal<
+  { name: "open" | "save" | "help" | "variants" } | { name: "run"; command: string; upload?: string } | { name: "jobs" } | null
+>(null);
+
+export const robot = signal(""); // its name; empty: none
+export const drawing = signal<RobotDrawing | null>(null);
+export const heading = signal(0);
+export const pose = signal<Pose | null>(null);
+export const poseMap = signal<PoseMap | null>(null);
+export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
+export const reach = signal<Reach | null>(null);
+export const wayStart = signal<[number, number] | null>(null);
+export const way = signal<Way | null>(null);
+export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
+export const second = signal(0);
+
+const width = signal(innerWidth);
+addEventListener("resize", () => (width.value = innerWidth));
+export const layout = computed(() => (width.value < 760 ? "phone" : width.value < 1180 ? "narrow" : "wide"));
+const darkness = matchMedia("(prefers-color-scheme: dark)");
+export const dark = signal(darkness.matches);
+darkness.addEventListener("change", () => (dark.value = darkness.matches));
+
+/* Cells of the map along x and y, frames left out, in which obstacles are placed. */
+export const cells = computed<[number, number]>(() => {
+  const { chunk_size: side, chunks } = state.value?.values ?? {};
+  const [x, y] = Array.isArray(chunks) ? chunks : [chunks, chunks];
+  return [Number(side ?? 10) * Number(x ?? 1), Number(side ?? 10) * Number(y ?? 1)];
+});
+
+/* Do something that may fail; what it fails with is shown, until something else that the user asked for succeeds. */
+export async function attempt<T>(work: () => Promise<T>, asked = true): Promise<T | null> {
+  busy.value++;
+  try {
+    const result = await work();
+    if (asked) problem.value = null;
+    return result;
+  } catch (error) {
+    if (!(error instanceof Failed)) throw error;
+    problem.value = error.failure;
+    return null;
+  } finally {
+    busy.value--;
+  }
+}
+
+/* Return a function that does the work, once more if it was called meanwhile, never twice at a time. */
+export function newest<A extends unknown[]>(work: (...args: A) => Promise<unknown>): (...args: A) => void {
+  let next: A | null = null;
+  let runs = false;
+  return async (...args) => {
+    next = args;
+    if (runs) return;
+    runs = true;
+    while (next) {
+      const now: A = next;
+      next = null;
+      await attempt(() => work(...now), false);
+    }
+    runs = false;
+  };
+}
+
+/* ---- the document */
+
+const page = Math.random().toString(36).slice(2);
+let ends = new AbortController();
+
+export const doc = () => state.value?.doc ?? "";
+
+/* Call a function of the server about the document. */
+export const ask = <T>(name: string, args: object = {}): Promise<T> => call<T>(name, { doc: doc(), page, ...args });
+
+const shownIndex = () => (index.value === state.value?.first_map ? {} : { index: index.value });
+
+const draw = newest(async () => {
+  const wanted = doc();
+  const drawn = await ask<SceneData>("scene", shownIndex());
+  if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
+});
+
+/* Take over a state of the document, unless it is older than the one that is known. */
+export function take(next: State): void {
+  const known = state.value;
+  if (known && (next.doc !== known.doc || next.revision < known.revision)) return;
+  state.value = waiting.reduce(ahead, next);
+  selected.value = Math.min(selected.value, next.rows.length - 1);
+  const first = next.first_map ?? 0;
+  const stays = index.value >= first && index.value < first + next.maps;
+  if (!stays) index.value = first;
+  if (!known || next.revision > known.revision || !stays) draw();
+}
+
+/* Show another of the maps of the recipe. */
+export async function showMap(number: number): Promise<void> {
+  index.value = number;
+  draw();
+  const next = await attempt(() => ask<State>("state", { index: number }));
+  if (next) take(next); // the ends of obstacles that are drawn at random
+}
+
+/* Edit another document: a new one, a file, an example, a map of a data set. */
+export async function open(what: string): Promise<boolean> {
+  const opened = await attempt(async () => (await call<{ doc: string }>("open", { what })).doc);
+  return opened !== null && load(opened);
+}
+
+async function load(id: string): Promise<boolean> {
+  const next = await attempt(() => call<State>("state", { doc: id, page }));
+  if (!next) return false;
+  ends.abort();
+  ends = new AbortController();
+  waiting = [];
+  state.value = scene.value = null;
+  selected.value = -1;
+  index.value = next.first_map ?? 0;
+  forgetRobot();
+  take(next);
+  history.replaceState(null, "", `#${id}`);
+  void listen(id, page, hear, ends.signal);
+  return true;
+}
+
+function hear(event: Event): void {
+  if (event.event === "state") take(event.state);
+  if (event.event === "job") jobs.value = [event.job, ...jobs.value.filter((job) => job.id !== event.job.id)];
+  if (event.event === "file" && state.value) state.value = { ...state.value, changed_on_disk: event.changed_on_disk };
+}
+
+/* ---- changes */
+
+let waiting: Action[] = [];
+let sends: Promise<void> | null = null;
+
+/* Change the document. */
+export function edit(...actions: Action[]): Promise<void> {
+  for (const action of actions) {
+    const last = waiting.at(-1);
+    if (last && isSameGesture(last, action)) waiting[waiting.length - 1] = joined(last, action);
+    else waiting.push(action);
+    if (state.value) state.value = ahead(state.value, action);
+  }
+  return (sends ??= send().finally(() => (sends = null)));
+}
+
+async function send(): Promise<void> {
+  while (waiting.length) {
+    const actions = waiting;
+    waiting = [];
+    const next = await attempt(() => ask<State>("edit", { actions, ...shownIndex() }));
+    if (next) {
+      take(next);
+      actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
+    } else {
+      const failure = problem.value;
+      const held = await attempt(() => ask<State>("state"), false);
+      if (held) state.value = { ...held, problem: held.problem ?? failure };
+    }
+  }
+}
+
+function isSameGesture(one: Action, other: Action): boolean {
+  if (one.do !== other.do || !("gesture" in one && one.gesture) || !("gesture" in other)) return false;
+  return one.gesture === other.gesture && (one.do !== "set" || (other.do === "set" && one.name === other.name));
+}
+
+/* The later of two changes of one gesture; strokes of paint add up. */
+function joined(one: Action, other: Action): Action {
+  return one.do === "paint" && other.do === "paint" ? { ...other, cells: [...one.cells, ...other.cells] } : other;
+}
+
+/* The state as it will be: what a form shows, and what the next change of the same obstacle is based on. */
+function ahead(now: State, action: Action): State {
+  const change = (row: number, to: Partial<Row>) => ({
+    ...now, rows: now.rows.map((each, at) => (at === row ? { ...each, ...to } : each)),
+  });
+  if (action.do === "set") return { ...now, values: { ...now.values, [action.name]: action.value } };
+  if (action.do === "change") return change(action.row, { entry: action.entry });
+  if (action.do === "enable") return change(action.row, { enabled: action.enabled });
+  return now;
+}
+
+function selectedAfter(action: Action, rows: number): number {
+  switch (action.do) {
+    case "add": return action.at ?? rows - 1;
+    case "duplicate": return action.row + 1;
+    case "move": return action.to;
+    case "remove": return Math.min(action.row, rows - 1);
+    case "clear": return -1;
+    case "paint": return action.row < 0 ? rows - 1 : action.row;
+    default: return Math.min(selected.value, rows - 1);
+  }
+}
+
+let gestures = 0;
+export const newGesture = () => `${page}-${++gestures}`;
+
+/* The problem of a parameter, such as unit_cm or obstacles[2].softness. */
+export function problemAt(where: string): string {
+  const found = [state.value?.problem, problem.value].find((each) => each && each.where === where);
+  return found?.text ?? "";
+}
+
+export const rowAt = (row: number): Row | undefined => state.value?.rows[row];
+
+export function changeEntry(row: number, name: string, value: Json | undefined, gesture?: string): void {
+  const entry: Entry = { ...rowAt(row)!.entry };
+  if (value === undefined || value === null) delete entry[name];
+  else entry[name] = value;
+  void edit({ do: "change", row, entry, gesture });
+}
+
+/* ---- files */
+
+export async function save(path?: string, replace = false): Promise<boolean> {
+  await sends;
+  if (!path && !state.value?.path) return (dialog.value = { name: "save" }), false;
+  const next = await attempt(() => ask<State>("save", { ...(path && { path }), ...(replace && { replace }) }));
+  if (!next) return false;
+  take(next);
+  said.value = `saved as ${next.title}`;
+  return true;
+}
+
+export async function reload(): Promise<void> {
+  const next = await attempt(() => ask<State>("reload"));
+  if (next) take(next);
+}
+
+/* ---- the robot */
+
+export function forgetRobot(): void {
+  pose.value = poseMap.value = reach.value = way.value = wayStart.value = null;
+}
+
+export async function chooseRobot(name: string): Promise<void> {
+  robot.value = name;
+  drawing.value = null;
+  forgetRobot();
+  if (name) drawing.value = await attempt(() => call<RobotDrawing>("robot", { robot: name }));
+}
+
+const ofRobot = () => ({ index: index.value, robot: robot.value });
+
+export const settle = newest(async (x: number, y: number) => {
+  if (robot.value) pose.value = await ask<Pose>("pose", { ...ofRobot(), x, y, heading: heading.value });
+});
+
+export async function showTilt(): Promise<void> {
+  poseMap.value = await attempt(() => ask<PoseMap>("tilt", { ...ofRobot(), heading: heading.value }));
+}
+
+export async function showReach(): Promise<void> {
+  reach.value = await attempt(() => ask<Reach>("reach", ofRobot()));
+}
+
+export async function wayPoint(x: number, y: number, best: string): Promise<void> {
+  if (!wayStart.value || way.value) {
+    way.value = null;
+    wayStart.value = [x, y];
+  } else {
+    const start = wayStart.value;
+    way.value = await attempt(() => ask<Way>("way", { ...ofRobot(), start, goal: [x, y], best }));
+  }
+}
+
+/* What is known of a robot on a map does not hold for another map. */
+let drawnFor: number | undefined = -1;
+effect(() => {
+  const revision = scene.value?.revision;
+  if (revision !== drawnFor) forgetRobot();
+  drawnFor = revision;
+});
+
+/* ---- the start */
+
+/* Open what the address names, or a new recipe. */
+export async function start(): Promise<void> {
+  if (frozen) return void (scene.value = frozen.maps[0] ?? null);
+  const asked = new URLSearchParams(location.search);
+  const [known, list] = [location.hash.slice(1) || asked.get("doc"), attempt(() => call<Hello>("hello"))];
+  const loads = (known && (await load(known))) || (await open(asked.get("open") ?? ""));
+  hello.value = await list;
+  jobs.value = (loads && (await call<Job[]>("jobs").catch(() => null))) || [];
+  problem.value = hello.value ? null : problem.value;
+}
+
+addEventListener("beforeunload", (event) => {
+  if (state.value?.unsaved) event.preventDefault();
+});

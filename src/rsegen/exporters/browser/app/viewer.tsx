@@ -1,0 +1,121 @@
+/* The map: its 3D view, and the plan as an inset or as half of the stage. Both follow the signals, and report the mouse. */
+
+import { effect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { Button, Segmented } from "./controls";
+import { add, kindOf } from "./obstacles";
+import { createPlan } from "./plan";
+import { createSolid } from "./solid";
+import {
+  changeEntry, dark, drawing, edit, frozen, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
+  second, selected, settle, state, tool, way, wayPoint, wayStart,
+} from "./state";
+import { best } from "./robot";
+import { Timeline, drawings } from "./playback";
+import type { Tool, View, ViewEvents } from "./views";
+
+const never: Tool = { name: "select" };
+
+const editing: ViewEvents = {
+  hover: (at) => (hover.value = at),
+  pick: (row) => (selected.value = row),
+  moveEnd: (row, end, cell, gesture) => void edit({ do: "move_end", row, end, cell, gesture }),
+  raise: (row, levels, gesture) => changeEntry(row, "levels", levels, gesture),
+  paint: (painted, level, gesture) => void edit({ do: "paint", row: paintedRow(), cells: painted, level, gesture }),
+  picked: (level) => (tool.value = { name: "paint", shape: "cells", level }),
+  draw: (first, last) => {
+    const kind = kindOf(rowAt(selected.value)?.entry.kind) ?? kindOf("diagonal_barrier") ?? hello.value?.kinds[0];
+    if (kind) add(kind, { first, last });
+    tool.value = { name: "select" };
+  },
+  robotAt: (x, y) => settle(x, y),
+  robotPut: (x, y) => settle(x, y),
+  turn: (by) => {
+    heading.value += by;
+    if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
+    if (pose.value) settle(pose.value.x, pose.value.y);
+  },
+  wayPoint: (x, y) => void wayPoint(x, y, best.value),
+};
+const looking: ViewEvents = { hover: editing.hover };
+
+/* Paint goes into the selected matrix, or into a new one. */
+const paintedRow = () => (rowAt(selected.value)?.entry.kind === "matrix" ? selected.value : -1);
+
+/* Make a view in its element, and let it follow the signals; what it draws is the value of each. */
+function follow(view: View, player: number): () => void {
+  const ends = [
+    effect(() => view.show(scene.value)),
+    effect(() => view.set({ ...options.value, dark: dark.value })),
+    effect(() => view.tool(frozen || playbacks.value.length ? never : tool.value)),
+    effect(() => view.select(selected.value)),
+    effect(() => view.robot(drawing.value, playbacks.value.length ? null : pose.value)),
+    effect(() => view.poseMap(poseMap.value, mapShown.value)),
+    effect(() => view.reach(reach.value)),
+    effect(() => view.way(way.value, wayStart.value)),
+    effect(() => view.play(playbacks.value[player] ?? null, drawings.value)),
+    effect(() => { if (playbacks.value[player]) view.at(second.value); }),
+  ];
+  return () => {
+    ends.forEach((end) => end());
+    view.dispose();
+  };
+}
+
+type Create = (host: HTMLElement, on: ViewEvents) => View;
+
+function Host({ create, label, player = 0, name }: { create: Create; label: string; player?: number; name?: "solid" | "plan" }) {
+  const host = useRef<HTMLDivElement>(null);
+  const trouble = useRef<HTMLParagraphElement>(null);
+  useEffect(() => {
+    try {
+      const view = create(host.current!, frozen ? looking : editing);
+      if (name) window.rsegen[name] = view;
+      return follow(view, player);
+    } catch (error) {
+      console.warn(error); // a browser without WebGL still has the plan and all forms
+      trouble.current!.hidden = false;
+    }
+  }, []);
+  return <div class="view" ref={host} role="region" aria-label={label}><p ref={trouble} hidden class="empty">This browser shows no 3D graphics (WebGL 2).</p></div>;
+}
+
+const LOOKS = [["oblique", "Oblique"], ["above", "Above"], ["south", "South"], ["east", "East"]] as const;
+
+/* Width over height of the plan as an inset: that of the map, within bounds. */
+function aspect(): number {
+  const [x, y] = scene.value?.cells ?? [1, 1];
+  return Math.min(2.2, Math.max(0.6, (x + 4) / (y + 4))); // four cells of room for numbers
+}
+
+export function Stage() {
+  const two = playbacks.value.length > 1;
+  return (
+    <main class={`stage plan-${plan.value} ${two ? "two" : ""}`} aria-label="Map">
+      <div class="solid">
+        <Host create={createSolid} label="3D view" name="solid" />
+        {two && <Host create={createSolid} label="3D view of the second drive" player={1} />}
+        <div class="over look">
+          <div class="bar" role="group" aria-label="Look from">
+            {LOOKS.map(([from, label]) => <Button key={from} class="quiet" title={`Look ${from === "above" ? "from above, north up" : from === "oblique" ? "from the south-east" : `from the ${from}`}`} onClick={() => window.rsegen.solid?.look(from)}>{label}</Button>)}
+          </div>
+          <Segmented name="Colours" value={options.value.look ?? "recipe"} choices={[["recipe", "Material", "as in Gazebo"], ["heights", "Heights", "one colour for each height"]]}
+            onChange={(look) => (options.value = { ...options.value, look })} />
+        </div>
+        {!scene.value && <p class="over empty">Drawing the map …</p>}
+        {state.value?.problem && <p class="over stale" role="status">The last valid map: {state.value.problem.where}: {state.value.problem.text}</p>}
+      </div>
+      {plan.value !== "hidden" && (
+        <section class="plan" aria-label="Plan" style={{ "--aspect": aspect() }}>
+          <Host create={createPlan} label="Plan, north up" name="plan" />
+          <div class="over corner">
+            <Button class="quiet" icon={plan.value === "inset" ? "grow" : "shrink"} title={plan.value === "inset" ? "Show the plan in half of the window" : "Show the plan small"} onClick={() => (plan.value = plan.value === "inset" ? "half" : "inset")} />
+            <Button class="quiet" icon="close" title="Hide the plan" onClick={() => (plan.value = "hidden")} />
+          </div>
+        </section>
+      )}
+      {plan.value === "hidden" && <Button class="over show-plan" icon="grow" title="Show the plan" onClick={() => (plan.value = "inset")}>Plan</Button>}
+      <Timeline />
+    </main>
+  );
+}

@@ -1,0 +1,256 @@
+"""The page in a real browser, with the server of `rsegen gui`: what people see, type and press."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from rsegen.exporters import browser as page_files
+from rsegen.page.host import Host
+from rsegen.page.service import Service
+from tests.support.browser import chromium, complaints, resize
+from tests.support.patience import until
+
+if TYPE_CHECKING:
+    from selenium.webdriver import Chrome
+    from selenium.webdriver.remote.webelement import WebElement
+
+pytestmark = pytest.mark.slow
+
+_AXE = Path(page_files.__file__).parent / "app" / "node_modules" / "axe-core" / "axe.min.js"
+_HERE = "const state = window.rsegen?.state;"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """The folder of the server; journals of what is not saved are kept beside it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield tmp_path_factory.mktemp("page")
+
+
+@pytest.fixture(scope="module")
+def address(folder: Path) -> Iterator[str]:
+    """The address of a server in this process, with its token."""
+    service = Service(host=Host(folder=folder), port=0, keep=True)
+    service.start()
+    yield service.url()
+    service.close()
+
+
+@pytest.fixture(scope="module")
+def chrome() -> Iterator[Chrome]:
+    """One browser for all tests here, as its start takes a second."""
+    with chromium() as opened:
+        yield opened
+
+
+class Page:
+    """The page in a browser, by the words that are on it."""
+
+    def __init__(self, chrome: Chrome, address: str, what: str = "", size: tuple[int, int] = (1366, 768)) -> None:
+        self.chrome = chrome
+        resize(chrome, *size)
+        chrome.get("about:blank")
+        chrome.get(f"{address}&open={what}")
+        until(lambda: self.js("return Boolean(state?.hello.value && state.scene.value)"))
+
+    def js(self, script: str, *arguments: object) -> Any:
+        return self.chrome.execute_script(_HERE + script, *arguments)
+
+    def state(self) -> Any:
+        return json.loads(self.js("return JSON.stringify(state.state.value, (k, v) => typeof v === 'bigint' ? `${v}` : v)"))
+
+    def settled(self) -> Any:
+        """The state, when nothing is under way any more."""
+        until(lambda: self.js("return state.busy.value === 0"))
+        return self.state()
+
+    def button(self, name: str) -> WebElement:
+        path = f"//button[(normalize-space()='{name}' or starts-with(@title,'{name}')) and not(ancestor::*[@popover])]"
+        return self.chrome.find_element(By.XPATH, path)
+
+    def choose(self, menu: str, item: str) -> None:
+        self.button(menu).click()
+        items = self.chrome.find_elements(By.CSS_SELECTOR, ":popover-open button")
+        next(each for each in items if each.text.lower().startswith(item.lower())).click()
+        self.settled()
+
+    def field(self, label: str) -> WebElement:
+        inputs = self.chrome.find_elements(By.CSS_SELECTOR, f'[data-field="{label}"] input[type=text]')
+        assert inputs, f"no field {label}"
+        return inputs[0]
+
+    def type(self, label: str, text: str) -> WebElement:
+        field = self.field(label)
+        field.send_keys(Keys.CONTROL, "a", Keys.NULL, text)
+        return field
+
+    def problem(self, label: str) -> str:
+        found = self.chrome.find_elements(By.CSS_SELECTOR, f'[data-field="{label}"] .problem')
+        return found[0].text if found else ""
+
+
+@pytest.fixture
+def page(chrome: Chrome, address: str) -> Page:
+    """A page with a new recipe."""
+    return Page(chrome, address)
+
+
+def test_the_course_of_the_paper_is_made_undone_and_made_again(page: Page) -> None:
+    page.choose("Add", "Horizontal barrier")
+    page.type("Height", "4")
+    page.type("Softness", "20")
+    page.choose("Add", "Peak")
+    made = page.settled()
+    assert [row["entry"]["kind"] for row in made["rows"]] == ["horizontal_barrier", "peak"]
+    assert (made["rows"][0]["entry"]["levels"], made["rows"][0]["entry"]["softness"]) == (4, 20)
+    assert made["problem"] is None
+    for _ in range(4):
+        page.button("Undo").click()
+        page.settled()
+    assert page.state()["rows"] == []
+    for _ in range(4):
+        page.button("Redo").click()
+        page.settled()
+    assert page.state()["rows"] == made["rows"]
+
+
+@pytest.mark.parametrize("text", ["7.5", "7,5"])
+def test_both_decimal_separators_are_read_as_the_same_number(page: Page, text: str) -> None:
+    page.type("Height step (unit)", text)
+    assert page.settled()["values"]["unit_cm"] == 7.5
+    page.field("Number of maps").click()
+    assert page.field("Height step (unit)").get_attribute("value") == "7.5"
+
+
+@pytest.mark.parametrize("text", ["1.000,5", "1 000", "7.5.5", "abc", "1,000", "0x10", ""])
+def test_a_number_that_cannot_be_read_is_said_at_its_field_and_changes_nothing(page: Page, text: str) -> None:
+    before = page.settled()["values"]["unit_cm"]
+    field = page.type("Height step (unit)", text or Keys.DELETE)
+    assert page.problem("Height step (unit)")
+    assert field.get_attribute("aria-invalid") == "true"
+    assert field.get_attribute("value") == text
+    page.field("Number of maps").click()
+    assert page.settled()["values"]["unit_cm"] == before
+    assert field.get_attribute("value") == text
+
+
+def test_a_value_out_of_its_range_is_said_at_its_field_and_kept(page: Page) -> None:
+    page.choose("Add", "Peak")
+    page.type("Softness", "130")
+    assert page.settled()["problem"]["where"] == "obstacles[0].softness"
+    assert "100" in page.problem("Softness")
+    assert page.field("Softness").get_attribute("value") == "130"
+    page.type("Softness", "30")
+    assert page.settled()["problem"] is None
+    assert not page.problem("Softness")
+
+
+def test_a_seed_of_63_bits_is_shown_and_sent_with_all_its_digits(page: Page) -> None:
+    seed = 2**63 - 1
+    page.type("Seed", str(seed))
+    page.settled()
+    assert page.state()["values"]["seed"] == str(seed)
+    page.field("Number of maps").click()
+    assert page.field("Seed").get_attribute("value") == str(seed)
+    assert f"seed: {seed}" in page.js("return state.ask('texts').then(found => found.recipe)")
+
+
+def test_a_drag_of_a_slider_is_one_step_of_undo(page: Page) -> None:
+    page.choose("Add", "Peak")
+    slider = page.chrome.find_element(By.CSS_SELECTOR, 'input[aria-label="Softness slider"]')
+    page.js("arguments[0].focus(); for (const at of [10, 30, 60, 90]) {"
+            "arguments[0].value = at; arguments[0].dispatchEvent(new InputEvent('input', {bubbles: true})); }", slider)
+    assert page.settled()["rows"][0]["entry"]["softness"] == 90
+    page.button("Undo").click()
+    assert "softness" not in page.settled()["rows"][0]["entry"]
+
+
+def test_a_map_is_made_with_the_keyboard_alone(page: Page) -> None:
+    body = page.chrome.find_element(By.TAG_NAME, "body")
+
+    def tab_to(name: str) -> None:
+        for _ in range(60):
+            here = page.js("const e = document.activeElement; return (e.title || '') + ' ' + e.textContent")
+            if name in here:
+                return
+            page.chrome.switch_to.active_element.send_keys(Keys.TAB)
+        raise AssertionError(f"Tab does not reach {name}")
+
+    body.click()
+    tab_to("Add an obstacle")
+    page.chrome.switch_to.active_element.send_keys(Keys.ENTER)
+    page.chrome.switch_to.active_element.send_keys(Keys.ARROW_DOWN, Keys.ENTER)
+    assert len(page.settled()["rows"]) == 1
+    page.js("document.activeElement.blur()")
+    body.send_keys("p")
+    assert page.js("return state.tool.value.name") == "paint"
+    body.send_keys("3")
+    assert page.js("return state.tool.value.level") == 3
+    body.send_keys(Keys.ESCAPE)
+    body.send_keys(Keys.DELETE)
+    assert page.settled()["rows"] == []
+    body.send_keys(Keys.CONTROL, "z", Keys.NULL)
+    assert len(page.settled()["rows"]) == 1
+
+
+def test_the_map_is_saved_under_a_name_and_its_mark_goes(page: Page, folder: Path) -> None:
+    page.choose("Add", "Peak")
+    assert page.chrome.find_elements(By.CSS_SELECTOR, ".unsaved")
+    page.button("Save the recipe").click()
+    name = page.chrome.find_element(By.CSS_SELECTOR, "dialog input")
+    name.send_keys(Keys.CONTROL, "a", Keys.NULL, "hill.yaml", Keys.ENTER)
+    until(lambda: not page.state()["unsaved"])
+    assert "kind: peak" in (folder / "hill.yaml").read_text()
+    assert not page.chrome.find_elements(By.CSS_SELECTOR, ".unsaved")
+    assert not page.chrome.find_elements(By.CSS_SELECTOR, "dialog[open]")
+
+
+_OUTSIDE = """return [...document.querySelectorAll('button, input, select, summary, a')].filter(each => {
+  const box = each.getBoundingClientRect();
+  return each.checkVisibility() && box.width && !each.closest('[popover]') && (box.left < -1 || box.right > innerWidth + 1);
+}).map(each => each.title || each.getAttribute('aria-label') || each.textContent);"""
+
+
+@pytest.mark.parametrize("width", [360, 683, 1024, 1366, 1920, 3840])
+def test_every_control_is_inside_the_window(chrome: Chrome, address: str, width: int) -> None:
+    page = Page(chrome, address, "mixed-course", size=(width, max(640, width * 9 // 16)))
+    page.js("state.selected.value = 1")
+    for tab in ("obstacles", "map", "robot", "results"):
+        page.js("state.tab.value = arguments[0]", tab)
+        page.settled()
+        assert page.js(_OUTSIDE) == []
+    box = chrome.find_element(By.CSS_SELECTOR, ".solid").rect
+    assert box["width"] * box["height"] > 0.33 * width * max(640, width * 9 // 16)  # the map has the most room
+    assert not [each for each in complaints(chrome) if "frame-ancestors" not in each]
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_axe_finds_no_error(chrome: Chrome, address: str, dark: bool) -> None:
+    if not _AXE.is_file():
+        pytest.skip(f"no {_AXE.name}: run npm ci in src/rsegen/exporters/browser/app")
+    page = Page(chrome, address, "mixed-course")
+    resize(chrome, 1366, 768, dark=dark)
+    page.js("state.selected.value = 1")
+    chrome.execute_script(_AXE.read_text("utf-8"))
+    for tab in ("map", "robot", "results"):
+        page.js("state.tab.value = arguments[0]", tab)
+        page.settled()
+        assert _violations(chrome) == []
+    for dialog in ({"name": "open"}, {"name": "save"}, {"name": "help"}, {"name": "run", "command": "generate"}):
+        page.js("state.dialog.value = arguments[0]", dialog)
+        page.settled()
+        assert _violations(chrome) == []
+        page.js("state.dialog.value = null")
+
+
+def _violations(chrome: Chrome) -> list[str]:
+    found = chrome.execute_async_script("axe.run().then(arguments[arguments.length - 1])")
+    return [f"{each['id']}: {each['nodes'][0]['html'][:120]}" for each in found["violations"]]
