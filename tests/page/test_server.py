@@ -154,7 +154,7 @@ def test_unknown_calls_documents_and_arguments_are_named(client: Client) -> None
         ("edit", {"doc": doc, "actions": {}}, "is not a list"),
         ("edit", {"doc": doc, "actions": [1]}, "is not an object"),
         ("edit", {"doc": doc, "actions": [], "index": "0"}, "is not a whole number"),
-        ("edit", {"doc": doc, "actions": [], "index": 10**30}, "is outside 0..0"),
+        ("state", {"doc": doc, "index": 10**30}, "is outside 0..0"),
         ("edit", {"doc": doc, "actions": [], "indx": 1}, "did you mean 'index'?"),
     ):
         answer = client.post(f"/api/{path}", arguments)

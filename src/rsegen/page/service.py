@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import atexit
 import ipaddress
 import os
 import secrets
@@ -87,6 +88,11 @@ class Service:
         return f"http://{name}:{port}/?token={self.token}" + (f"&doc={quote(doc)}" if doc else "")
 
     @property
+    def is_open_to_others(self) -> bool:
+        """Return whether other machines may reach it."""
+        return not ipaddress.ip_address(self._socket.getsockname()[0]).is_loopback
+
+    @property
     def listening_port(self) -> int:
         """The port of the address."""
         port: int = self._socket.getsockname()[1]
@@ -104,9 +110,11 @@ class Service:
         """Serve in a thread until `close`, or the end of this process."""
         self._thread = Thread(target=self.run, name="rsegen.gui", daemon=True)
         self._thread.start()
+        atexit.register(self.close)
 
     def close(self) -> None:
         """End the server that runs in a thread, and what it runs."""
+        atexit.unregister(self.close)
         self._server.should_exit = True
         if self._thread:
             self._thread.join(30)

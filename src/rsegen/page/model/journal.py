@@ -36,13 +36,16 @@ class Recovered:
 
 @dataclass(kw_only=True, slots=True)
 class Journal:
-    """The draft of one document on disk; name: the document's path, or another text that only it has."""
+    """The draft of one document on disk.
+
+    name: the document's path, or another text that only it has; failed: why the draft is not on disk, if it should be
+    """
 
     name: str
     failed: str = ""
 
     def write(self, draft: Draft) -> None:
-        """Write the draft; `failed` says why it could not be, as on a full disk, which ends nobody's work."""
+        """Write the draft; if that fails, as on a full disk, the work goes on."""
         path = self._path(os.getpid())
         new = path.with_suffix(f".{os.urandom(4).hex()}")
         when = datetime.now().astimezone().isoformat(timespec="seconds")
