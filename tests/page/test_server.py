@@ -21,7 +21,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Recipe
 from rsegen.page import calls
 from rsegen.page.bodies import file_name
 from rsegen.page.host import Host
@@ -369,12 +368,3 @@ def test_a_port_that_is_taken_is_a_line(tmp_path: Path) -> None:
             Service(host=Host(folder=tmp_path), port=port)
     with pytest.raises(rsegen.UserError, match="is no address of this machine"):
         Service(host=Host(folder=tmp_path), address="no.such.host.invalid")
-
-
-def test_a_notebook_shows_the_page_and_gets_the_recipe_back(tmp_path: Path) -> None:
-    with rsegen.gui(Recipe(seed=8), folder=tmp_path, port=0) as gui:
-        html = gui._repr_html_()
-        assert gui.url.replace("&", "&amp;") in html
-        ((port, token, doc),) = re.findall(r":(\d+)/\?token=([\w-]+)&doc=(d\d+)", gui.url)
-        Client(int(port), token).call("edit", doc=doc, actions=[{"do": "set", "name": "unit_cm", "value": 5}])
-        assert (gui.recipe.seed, gui.recipe.unit_cm) == (8, 5)
