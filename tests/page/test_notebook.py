@@ -32,7 +32,7 @@ def test_a_path_or_nothing_is_opened_too(tmp_path: Path) -> None:
             assert gui.recipe.seed == seed
     with rsegen.gui(folder=tmp_path, port=0) as gui:
         assert gui.recipe.obstacles == ()
-    with pytest.raises(rsegen.UserError, match="o such file"):
+    with pytest.raises(rsegen.UserError, match="neither a file"):
         rsegen.gui("nothing.yaml", folder=tmp_path)
 
 

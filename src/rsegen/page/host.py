@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from threading import RLock
 from typing import Any
 
-from rsegen.errors import FileError, ParameterError, TooLarge, UserError
+from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
 from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
@@ -103,14 +103,14 @@ class Opened:
         A ParameterError if there is no such map; `or_first`: then too the first one, as another page took it away.
         """
         recipe = self.session.recipe
-        if given is not None:
-            if given not in recipe.indices:
-                if or_first:
-                    return recipe.first_map
-                raise ParameterError("index", f"{given} is outside {recipe.indices[0]}..{recipe.indices[-1]}")
-            self.shown[page] = given
-        index = self.shown.get(page, recipe.first_map)
-        return index if index in recipe.indices else recipe.first_map
+        index = self.shown.get(page, recipe.first_map) if given is None else given
+        if index in recipe.indices:
+            if page:
+                self.shown[page] = index
+            return index
+        if given is not None and not or_first:
+            raise ParameterError("index", f"{given} is outside {recipe.indices[0]}..{recipe.indices[-1]}")
+        return recipe.first_map
 
 
 @dataclass(kw_only=True)
@@ -200,7 +200,7 @@ class Host:
         return opened
 
     def _make_room(self) -> None:
-        unused = [name for name, opened in self.documents.items() if not opened.pages and not opened.session.unsaved]
+        unused = [opened.id for opened in self.all() if not opened.pages and not opened.session.unsaved]
         if not unused:
             raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
         del self.documents[unused[0]]
@@ -222,6 +222,8 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
     if sharp and number.isdecimal():
         return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
     is_example = what in EXAMPLES and not path.exists()
+    if not is_example and not path.exists():
+        raise FileError(f"{what}: neither a file in {host.folder} nor the name of an example{nearest(what, EXAMPLES)}")
     file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
     if file.is_relative_to(host.folder.resolve()):
         return {"doc": host.open_file(file).id}
@@ -239,7 +241,7 @@ def state(opened: Opened, *, page: str = "", index: int | None = None) -> dict[s
 def edit(opened: Opened, *, actions: list[dict[str, Any]], page: str = "", index: int | None = None) -> dict[str, Any]:
     """Change a document by some actions, all or none of them, and return its state and the row to select."""
     selected = act(opened.session, actions, opened.index_of(page, index, or_first=True))
-    return state_of(opened, opened.index_of(page)) | {"selected": selected}
+    return state_of(opened, opened.index_of(page, index, or_first=True)) | {"selected": selected}
 
 
 @call
