@@ -30,8 +30,8 @@ from tests.page.client import TOKEN, Client
 
 
 @contextmanager
-def serving(folder: Path, *, keep: bool = True) -> Iterator[Service]:
-    service = Service(host=Host(folder=folder), port=0, token=TOKEN, keep=keep)
+def serving(folder: Path, address: str = "127.0.0.1") -> Iterator[Service]:
+    service = Service(host=Host(folder=folder), address=address, port=0, token=TOKEN, keep=True)
     service.start()
     try:
         yield service
@@ -359,6 +359,15 @@ def test_the_command_ends_some_seconds_after_its_last_page(tmp_path: Path) -> No
             time.sleep(2)
         assert run.poll() is None
         assert run.wait(12) == 0
+
+
+def test_a_server_for_others_is_asked_by_addresses_and_its_own_name_only(tmp_path: Path) -> None:
+    with serving(tmp_path, "0.0.0.0") as service:  # noqa: S104  # for this test
+        client = Client(service.listening_port)
+        assert service.url("d1").startswith(f"http://{socket.gethostname()}:")
+        for name in ("192.168.1.5", "[fe80::1]:80", "localhost", socket.gethostname().lower()):
+            assert client.get(f"/?token={TOKEN}", Host=name).status == 200
+        assert client.get(f"/?token={TOKEN}", Host="evil.example").status == 403
 
 
 def test_a_port_that_is_taken_is_a_line(tmp_path: Path) -> None:

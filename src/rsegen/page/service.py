@@ -81,10 +81,12 @@ class Service:
     def url(self, doc: str = "") -> str:
         """Return the address of the page, with its token, and of a document on it."""
         ip, port = self._socket.getsockname()[:2]
-        given = ipaddress.ip_address(ip)
-        name = "localhost" if given.is_loopback and given.version == 4 else socket.gethostname()
-        if (not given.is_loopback and not given.is_unspecified) or (given.version == 6 and given.is_loopback):
-            name = f"[{ip}]" if given.version == 6 else ip
+        if ipaddress.ip_address(ip).is_unspecified:
+            name = socket.gethostname()
+        elif ip == "127.0.0.1":
+            name = "localhost"
+        else:
+            name = f"[{ip}]" if ":" in ip else ip
         return f"http://{name}:{port}/?token={self.token}" + (f"&doc={quote(doc)}" if doc else "")
 
     @property
