@@ -234,6 +234,21 @@ def test_changes_survive_a_kill(host: Host, what: str, state_folder: Path) -> No
     assert drafts(state_folder) == []
 
 
+@pytest.mark.slow
+def test_changes_of_a_process_that_still_runs_are_left_to_it(host: Host, state_folder: Path) -> None:
+    waits = _EDITOR.replace("os.kill(os.getpid(), signal.SIGKILL)", "print('waits', flush=True); sys.stdin.read()")
+    words = [sys.executable, "-c", waits, str(host.folder), "course.yaml"]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout
+        assert [other.stdout.readline(), other.stdout.readline()] == ["None\n", "waits\n"]
+        opened = host.opened(calls.open(host, what="course.yaml")["doc"])
+        assert calls.state(opened)["recovered"] is None
+        assert len(drafts(state_folder)) == 1
+        other.kill()
+        os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)  # it has ended, and nobody has asked how
+        assert opened.document.journal.recovered() is not None
+
+
 def test_what_another_program_left_in_the_journal_is_not_taken(host: Host, opened: Opened, state_folder: Path) -> None:
     act(opened, {"do": "add", "entry": PEAK})
     (written,) = state_folder.iterdir()

@@ -81,8 +81,7 @@ class Journal:
     def _left(self) -> list[Path]:
         """Return the files of processes that have ended: this one has none before it writes its own."""
         found = self._path(0).parent.glob(f"{self._stem}-*.json")
-        pids = {path: path.stem.rpartition("-")[2] for path in found}
-        return [path for path, pid in pids.items() if pid.isdecimal() and not _runs(int(pid))]
+        return [path for path in found if path.stem.rpartition("-")[2].isdecimal() and not _is_being_edited(path)]
 
     def _path(self, pid: int) -> Path:
         return state_folder() / f"{self._stem}-{pid}.json"
@@ -98,8 +97,16 @@ def _changed(path: Path) -> float:
     return 0.0
 
 
-def _runs(pid: int) -> bool:
-    """Return whether another process of this number runs."""
+def _is_being_edited(path: Path) -> bool:
+    """Return whether the other process that wrote a draft runs: its number may have become that of a later one."""
     import psutil
 
-    return pid != os.getpid() and psutil.pid_exists(pid)
+    pid = int(path.stem.rpartition("-")[2])
+    try:
+        process = psutil.Process(pid)
+        ended = process.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)  # a parent has not asked for it yet
+        return pid != os.getpid() and not ended and process.create_time() < _changed(path) + 1
+    except (psutil.NoSuchProcess, OverflowError):
+        return False
+    except psutil.Error:  # of another user, perhaps
+        return True
