@@ -48,7 +48,7 @@ class Journal:
         """Write the draft; if that fails, as on a full disk, the work goes on."""
         path = self._path(os.getpid())
         new = path.with_suffix(f".{os.urandom(4).hex()}")
-        when = datetime.now().astimezone().isoformat(timespec="seconds")
+        when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
         content = {"name": self.name, "when": when, "values": dict(draft.values), "rows": [*map(dict, draft.rows)]}
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
