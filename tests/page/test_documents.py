@@ -151,6 +151,24 @@ def test_an_example_is_opened_as_a_copy(host: Host) -> None:
     assert (host.folder / "mine.yaml").read_text().startswith("# The field that the paper built")
 
 
+def test_a_misspelt_example_is_named(host: Host) -> None:
+    with pytest.raises(FileError, match="did you mean 'figure-7'"):
+        calls.open(host, what="figur-7")
+
+
+def test_what_was_sent_is_opened_as_a_copy(host: Host) -> None:
+    (host.uploads / "sent.yaml").write_text(TEXT)
+    opened = host.opened(calls.open(host, what=str(host.uploads / "sent.yaml"))["doc"])
+    host.close()
+    assert (calls.state(opened)["path"], calls.state(opened)["title"]) == (None, "copy of sent.yaml")
+
+
+def test_a_map_of_a_data_set_is_opened(host: Host) -> None:
+    rsegen.make_dataset(Recipe(seed=1, maps=3, obstacles=[Random(levels=3)]), host.folder / "maps")
+    state = calls.state(host.opened(calls.open(host, what="maps#2")["doc"]))
+    assert (state["title"], state["path"], state["first_map"]) == ("maps#2", None, 2)
+
+
 def test_an_invalid_draft_is_not_saved(host: Host, opened: Opened) -> None:
     state = act(opened, {"do": "set", "name": "unit_cm", "value": -1})
     assert state["problem"]["where"] == "unit_cm"
@@ -214,6 +232,21 @@ def test_changes_survive_a_kill(host: Host, what: str, state_folder: Path) -> No
     state = act(opened, {"do": "undo"})
     assert (state["values"]["unit_cm"], state["unsaved"], state["recovered"]) == (10, False, None)
     assert drafts(state_folder) == []
+
+
+@pytest.mark.slow
+def test_changes_of_a_process_that_still_runs_are_left_to_it(host: Host, state_folder: Path) -> None:
+    waits = _EDITOR.replace("os.kill(os.getpid(), signal.SIGKILL)", "print('waits', flush=True); sys.stdin.read()")
+    words = [sys.executable, "-c", waits, str(host.folder), "course.yaml"]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout
+        assert [other.stdout.readline(), other.stdout.readline()] == ["None\n", "waits\n"]
+        opened = host.opened(calls.open(host, what="course.yaml")["doc"])
+        assert calls.state(opened)["recovered"] is None
+        assert len(drafts(state_folder)) == 1
+        other.kill()
+        os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)  # it has ended, and nobody has asked how
+        assert opened.document.journal.recovered() is not None
 
 
 def test_what_another_program_left_in_the_journal_is_not_taken(host: Host, opened: Opened, state_folder: Path) -> None:

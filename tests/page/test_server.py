@@ -21,7 +21,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Recipe
 from rsegen.page import calls
 from rsegen.page.bodies import file_name
 from rsegen.page.host import Host
@@ -31,8 +30,8 @@ from tests.page.client import TOKEN, Client
 
 
 @contextmanager
-def serving(folder: Path, *, keep: bool = True) -> Iterator[Service]:
-    service = Service(host=Host(folder=folder), port=0, token=TOKEN, keep=keep)
+def serving(folder: Path, address: str = "127.0.0.1") -> Iterator[Service]:
+    service = Service(host=Host(folder=folder), address=address, port=0, token=TOKEN, keep=True)
     service.start()
     try:
         yield service
@@ -154,7 +153,7 @@ def test_unknown_calls_documents_and_arguments_are_named(client: Client) -> None
         ("edit", {"doc": doc, "actions": {}}, "is not a list"),
         ("edit", {"doc": doc, "actions": [1]}, "is not an object"),
         ("edit", {"doc": doc, "actions": [], "index": "0"}, "is not a whole number"),
-        ("edit", {"doc": doc, "actions": [], "index": 10**30}, "is outside 0..0"),
+        ("state", {"doc": doc, "index": 10**30}, "is outside 0..0"),
         ("edit", {"doc": doc, "actions": [], "indx": 1}, "did you mean 'index'?"),
     ):
         answer = client.post(f"/api/{path}", arguments)
@@ -362,6 +361,15 @@ def test_the_command_ends_some_seconds_after_its_last_page(tmp_path: Path) -> No
         assert run.wait(12) == 0
 
 
+def test_a_server_for_others_is_asked_by_addresses_and_its_own_name_only(tmp_path: Path) -> None:
+    with serving(tmp_path, "0.0.0.0") as service:  # noqa: S104  # for this test
+        client = Client(service.listening_port)
+        assert service.url("d1").startswith(f"http://{socket.gethostname()}:")
+        for name in ("192.168.1.5", "[fe80::1]:80", "localhost", socket.gethostname().lower()):
+            assert client.get(f"/?token={TOKEN}", Host=name).status == 200
+        assert client.get(f"/?token={TOKEN}", Host="evil.example").status == 403
+
+
 def test_a_port_that_is_taken_is_a_line(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -369,12 +377,3 @@ def test_a_port_that_is_taken_is_a_line(tmp_path: Path) -> None:
             Service(host=Host(folder=tmp_path), port=port)
     with pytest.raises(rsegen.UserError, match="is no address of this machine"):
         Service(host=Host(folder=tmp_path), address="no.such.host.invalid")
-
-
-def test_a_notebook_shows_the_page_and_gets_the_recipe_back(tmp_path: Path) -> None:
-    with rsegen.gui(Recipe(seed=8), folder=tmp_path, port=0) as gui:
-        html = gui._repr_html_()
-        assert gui.url.replace("&", "&amp;") in html
-        ((port, token, doc),) = re.findall(r":(\d+)/\?token=([\w-]+)&doc=(d\d+)", gui.url)
-        Client(int(port), token).call("edit", doc=doc, actions=[{"do": "set", "name": "unit_cm", "value": 5}])
-        assert (gui.recipe.seed, gui.recipe.unit_cm) == (8, 5)

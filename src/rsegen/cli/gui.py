@@ -99,6 +99,10 @@ def _say(service: Service, doc: str, arguments: argparse.Namespace) -> None:
         print(
             f"{url}\nThe page edits files in {service.host.folder}; Ctrl-C ends it, and so does closing it.", flush=True
         )
+    if service.is_open_to_others:
+        print(
+            "warning: others can read what is sent, with the token in it; better: ssh -L", file=sys.stderr, flush=True
+        )
     if os.environ.get("SSH_CONNECTION"):
         port = service.listening_port
         print(

@@ -71,7 +71,7 @@ def checked(function: Callable[..., Any], arguments: Mapping[str, Any]) -> dict[
     """Return arguments for the keyword parameters of a function; a ParameterError for wrong names, types, or missing
     ones.
     """
-    known, needed = _keywords(function)
+    known, needed = keywords(function)
     for name in arguments:
         if name not in known:
             raise UnknownName.among("", "argument", name, known)
@@ -82,7 +82,7 @@ def checked(function: Callable[..., Any], arguments: Mapping[str, Any]) -> dict[
 
 
 @cache
-def _keywords(function: Callable[..., Any]) -> tuple[Mapping[str, Any], Sequence[str]]:
+def keywords(function: Callable[..., Any]) -> tuple[Mapping[str, Any], Sequence[str]]:
     """Return the types of a function's keyword parameters, and the names of those that must be given."""
     hints = get_type_hints(function)
     only = inspect.Parameter.KEYWORD_ONLY

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from threading import RLock
 from typing import Any
 
-from rsegen.errors import FileError, ParameterError, TooLarge, UserError
+from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
 from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
@@ -79,7 +79,8 @@ class Opened:
 
     def remove(self, listener: Listener) -> None:
         """Send no more events to a page, and say to the others how many pages are left."""
-        self._listeners.remove(listener)
+        if listener in self._listeners:
+            self._listeners.remove(listener)
         if listener.page not in {other.page for other in self._listeners}:
             self.shown.pop(listener.page, None)
         self.tell_state("")
@@ -98,15 +99,20 @@ class Opened:
                 states[index] = states.get(index) or state_of(self, index)
                 listener.send({"event": "state", "state": states[index], "page": page})
 
-    def index_of(self, page: str, given: int | None = None) -> int:
-        """Return the map that a page shows, remembered if it is given; the first one if nothing is known."""
+    def index_of(self, page: str, given: int | None = None, *, or_first: bool = False) -> int:
+        """Return the map that a page shows, remembered if it is given; the first one if nothing is known.
+
+        A ParameterError if there is no such map; `or_first`: then too the first one, as another page took it away.
+        """
         recipe = self.session.recipe
-        if given is not None:
-            if given not in recipe.indices:
-                raise ParameterError("index", f"{given} is outside {recipe.indices[0]}..{recipe.indices[-1]}")
-            self.shown[page] = given
-        index = self.shown.get(page, recipe.first_map)
-        return index if index in recipe.indices else recipe.first_map
+        index = self.shown.get(page, recipe.first_map) if given is None else given
+        if index in recipe.indices:
+            if page:
+                self.shown[page] = index
+            return index
+        if given is not None and not or_first:
+            raise ParameterError("index", f"{given} is outside {recipe.indices[0]}..{recipe.indices[-1]}")
+        return recipe.first_map
 
 
 @dataclass(kw_only=True)
@@ -141,10 +147,19 @@ class Host:
     def open_file(self, path: Path) -> Opened:
         """Open a recipe file as a document, or return the document that it is open as."""
         with self._lock:
-            for opened in self.documents.values():
+            for opened in self.all():
                 if opened.document.path == path:
                     return opened
             return self._add(Document.of_file(path))
+
+    def all(self) -> list[Opened]:
+        """Return all documents."""
+        return list(self.documents.values())
+
+    def tell_job(self, job: Mapping[str, Any]) -> None:
+        """Say to the pages of a job's document what has become of it."""
+        if opened := self.documents.get(job["doc"]):
+            opened.tell({"event": "job", "job": job})
 
     def close(self) -> None:
         """End what runs, and remove what was uploaded; what is not saved stays in the journal."""
@@ -173,14 +188,14 @@ class Host:
         return opened
 
     def _make_room(self) -> None:
-        unused = [name for name, opened in self.documents.items() if not opened.pages and not opened.session.unsaved]
+        unused = [opened.id for opened in self.all() if not opened.pages and not opened.session.unsaved]
         if not unused:
             raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
         del self.documents[unused[0]]
 
     def _free_name(self) -> str:
         """Return a name for the journal of a document without a file: the first that no other one has."""
-        taken = {opened.document.journal.name for opened in self.documents.values()}
+        taken = {opened.document.journal.name for opened in self.all()}
         names = (f"{self.folder.resolve()}: untitled {number}" for number in count(1))
         return next(name for name in names if name not in taken)
 
@@ -195,6 +210,8 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
     if sharp and number.isdecimal():
         return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
     is_example = what in EXAMPLES and not path.exists()
+    if not is_example and not path.exists():
+        raise FileError(f"{what}: neither a file in {host.folder} nor the name of an example{nearest(what, EXAMPLES)}")
     file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
     if file.is_relative_to(host.folder.resolve()):
         return {"doc": host.open_file(file).id}
@@ -211,8 +228,8 @@ def state(opened: Opened, *, page: str = "", index: int | None = None) -> dict[s
 @call
 def edit(opened: Opened, *, actions: list[dict[str, Any]], page: str = "", index: int | None = None) -> dict[str, Any]:
     """Change a document by some actions, all or none of them, and return its state and the row to select."""
-    selected = act(opened.session, actions, opened.index_of(page, index))
-    return state_of(opened, opened.index_of(page)) | {"selected": selected}
+    selected = act(opened.session, actions, opened.index_of(page, index, or_first=True))
+    return state_of(opened, opened.index_of(page, index, or_first=True)) | {"selected": selected}
 
 
 @call
@@ -242,7 +259,7 @@ def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: s
     if target is not None and not target.parent.is_dir():
         raise FileError(f"{path}: there is no folder {target.parent.name}")
     with opened.lock:
-        if target and any(each.document.path == target for each in host.documents.values() if each is not opened):
+        if target and any(each.document.path == target for each in host.all() if each is not opened):
             raise UserError(f"{path}: is open as another document; give another name")
         opened.document.save(target, replace=replace)
         return state(opened, page=page)
@@ -278,6 +295,7 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "name": recipe.name,
         "changed_on_disk": document.changed_on_disk,
         "recovered": document.recovered,
+        "journal": document.journal.failed,
         "pages": opened.pages,
     }
 

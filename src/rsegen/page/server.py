@@ -163,8 +163,8 @@ class Desk:
 
         listener = Listener(page=page, send=send)
         self.streams, self.last_page = self.streams + 1, None
-        await run_in_threadpool(opened.add, listener)
         try:
+            await run_in_threadpool(opened.add, listener)
             while not full.is_set() and not self.ended.is_set():
                 event = await self._next(events)
                 yield json.dumps(event or {"event": "alive"}).encode("ascii") + b"\n"
@@ -190,7 +190,7 @@ class Desk:
         """Look every second whether somebody else wrote a file that a page has open."""
         while True:
             await asyncio.sleep(1.0)
-            for opened in [each for each in self.host.documents.values() if each.pages]:
+            for opened in [each for each in self.host.all() if each.pages]:
                 await run_in_threadpool(_look, opened)
 
     async def _arguments(self, request: Request) -> dict[str, Any]:
@@ -236,7 +236,7 @@ def _called(host: Host, name: str, arguments: dict[str, Any]) -> Any:
 
 def _without_page(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the arguments without the page that asks, for a function to which it is all the same."""
-    if "page" in function.__code__.co_varnames:
+    if "page" in calls.keywords(function)[0]:
         return arguments
     return {key: value for key, value in arguments.items() if key != "page"}
 

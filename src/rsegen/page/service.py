@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import atexit
 import ipaddress
 import os
 import secrets
@@ -80,11 +81,18 @@ class Service:
     def url(self, doc: str = "") -> str:
         """Return the address of the page, with its token, and of a document on it."""
         ip, port = self._socket.getsockname()[:2]
-        given = ipaddress.ip_address(ip)
-        name = "localhost" if given.is_loopback and given.version == 4 else socket.gethostname()
-        if (not given.is_loopback and not given.is_unspecified) or (given.version == 6 and given.is_loopback):
-            name = f"[{ip}]" if given.version == 6 else ip
+        if ipaddress.ip_address(ip).is_unspecified:
+            name = socket.gethostname()
+        elif ip == "127.0.0.1":
+            name = "localhost"
+        else:
+            name = f"[{ip}]" if ":" in ip else ip
         return f"http://{name}:{port}/?token={self.token}" + (f"&doc={quote(doc)}" if doc else "")
+
+    @property
+    def is_open_to_others(self) -> bool:
+        """Return whether other machines may reach it."""
+        return not ipaddress.ip_address(self._socket.getsockname()[0]).is_loopback
 
     @property
     def listening_port(self) -> int:
@@ -104,9 +112,11 @@ class Service:
         """Serve in a thread until `close`, or the end of this process."""
         self._thread = Thread(target=self.run, name="rsegen.gui", daemon=True)
         self._thread.start()
+        atexit.register(self.close)
 
     def close(self) -> None:
         """End the server that runs in a thread, and what it runs."""
+        atexit.unregister(self.close)
         self._server.should_exit = True
         if self._thread:
             self._thread.join(30)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -38,7 +37,6 @@ class Document:
     text: str = ""
     changed_on_disk: bool = False
     recovered: str | None = None
-    changed: Callable[[], None] = lambda: None
     _start: Draft = field(init=False)
     _stamp: tuple[int, int] | None = None
 
@@ -123,7 +121,6 @@ class Document:
         else:
             self.journal.remove()
             self.recovered = None
-        self.changed()
 
     def _ask_before(self, target: Path) -> None:
         if target == self.path:

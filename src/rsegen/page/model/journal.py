@@ -36,16 +36,19 @@ class Recovered:
 
 @dataclass(kw_only=True, slots=True)
 class Journal:
-    """The draft of one document on disk; name: the document's path, or another text that only it has."""
+    """The draft of one document on disk.
+
+    name: the document's path, or another text that only it has; failed: why the draft is not on disk, if it should be
+    """
 
     name: str
     failed: str = ""
 
     def write(self, draft: Draft) -> None:
-        """Write the draft; `failed` says why it could not be, as on a full disk, which ends nobody's work."""
+        """Write the draft; if that fails, as on a full disk, the work goes on."""
         path = self._path(os.getpid())
         new = path.with_suffix(f".{os.urandom(4).hex()}")
-        when = datetime.now().astimezone().isoformat(timespec="seconds")
+        when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
         content = {"name": self.name, "when": when, "values": dict(draft.values), "rows": [*map(dict, draft.rows)]}
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -78,8 +81,7 @@ class Journal:
     def _left(self) -> list[Path]:
         """Return the files of processes that have ended: this one has none before it writes its own."""
         found = self._path(0).parent.glob(f"{self._stem}-*.json")
-        pids = {path: path.stem.rpartition("-")[2] for path in found}
-        return [path for path, pid in pids.items() if pid.isdecimal() and not _runs(int(pid))]
+        return [path for path in found if path.stem.rpartition("-")[2].isdecimal() and not _is_being_edited(path)]
 
     def _path(self, pid: int) -> Path:
         return state_folder() / f"{self._stem}-{pid}.json"
@@ -95,8 +97,16 @@ def _changed(path: Path) -> float:
     return 0.0
 
 
-def _runs(pid: int) -> bool:
-    """Return whether another process of this number runs."""
+def _is_being_edited(path: Path) -> bool:
+    """Return whether the other process that wrote a draft runs: its number may have become that of a later one."""
     import psutil
 
-    return pid != os.getpid() and psutil.pid_exists(pid)
+    pid = int(path.stem.rpartition("-")[2])
+    try:
+        process = psutil.Process(pid)
+        ended = process.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)  # a parent has not asked for it yet
+        return pid != os.getpid() and not ended and process.create_time() < _changed(path) + 1
+    except (psutil.NoSuchProcess, OverflowError):
+        return False
+    except psutil.Error:  # of another user, perhaps
+        return True

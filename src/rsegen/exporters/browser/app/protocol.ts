@@ -69,6 +69,7 @@ export interface State {
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
   recovered: string | null; // changes of a session that ended without saving were brought back: when
+  journal?: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
   pages: number; // that have it open
 }
 export interface Row {
