@@ -176,18 +176,27 @@ export function edit(...actions: Action[]): Promise<void> {
 
 async function send(): Promise<void> {
   while (waiting.length) {
-    const actions = waiting;
+    const actions = waiting.map(intoItsMatrix);
     waiting = [];
     const next = await attempt(() => ask<State>("edit", { actions, ...shownIndex() }));
     if (next) {
       take(next);
       actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
+      const stroke = actions.find((action) => action.do === "paint" && action.row < 0);
+      if (stroke?.do === "paint" && stroke.gesture) made = { gesture: stroke.gesture, row: next.rows.length - 1 };
     } else {
       const failure = problem.value;
       const held = await attempt(() => ask<State>("state"), false);
       if (held) state.value = { ...held, problem: held.problem ?? failure };
     }
   }
+}
+
+/* The matrix that the beginning of a stroke has made: the rest of the stroke, sent later, belongs into it too. */
+let made = { gesture: "", row: -1 };
+
+function intoItsMatrix(action: Action): Action {
+  return action.do === "paint" && action.row < 0 && action.gesture === made.gesture ? { ...action, row: made.row } : action;
 }
 
 function isSameGesture(one: Action, other: Action): boolean {
