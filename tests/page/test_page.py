@@ -143,7 +143,7 @@ def test_both_decimal_separators_are_read_as_the_same_number(page: Page, text: s
 def test_a_number_that_cannot_be_read_is_said_at_its_field_and_changes_nothing(page: Page, text: str) -> None:
     before = page.settled()["values"]["unit_cm"]
     field = page.type("Height step (unit)", text or Keys.DELETE)
-    assert page.problem("Height step (unit)")
+    until(lambda: page.problem("Height step (unit)"))
     assert field.get_attribute("aria-invalid") == "true"
     assert field.get_attribute("value") == text
     page.field("Number of maps").click()
@@ -155,11 +155,11 @@ def test_a_value_out_of_its_range_is_said_at_its_field_and_kept(page: Page) -> N
     page.choose("Add", "Peak")
     page.type("Softness", "130")
     assert page.settled()["problem"]["where"] == "obstacles[0].softness"
-    assert "100" in page.problem("Softness")
+    until(lambda: "100" in page.problem("Softness"))
     assert page.field("Softness").get_attribute("value") == "130"
     page.type("Softness", "30")
     assert page.settled()["problem"] is None
-    assert not page.problem("Softness")
+    until(lambda: not page.problem("Softness"))
 
 
 def test_a_seed_of_63_bits_is_shown_and_sent_with_all_its_digits(page: Page) -> None:
@@ -199,7 +199,9 @@ def test_a_map_is_made_with_the_keyboard_alone(page: Page) -> None:
     body.click()
     tab_to("Add an obstacle")
     page.chrome.switch_to.active_element.send_keys(Keys.ENTER)
-    page.chrome.switch_to.active_element.send_keys(Keys.ARROW_DOWN, Keys.ENTER)
+    until(lambda: page.js("return Boolean(document.activeElement.closest(':popover-open'))"))
+    page.chrome.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
+    page.chrome.switch_to.active_element.send_keys(Keys.ENTER)
     assert len(page.settled()["rows"]) == 1
     page.js("document.activeElement.blur()")
     body.send_keys("p")
