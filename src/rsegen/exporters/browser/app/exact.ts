@@ -5,12 +5,13 @@
 import type { Json } from "./protocol";
 
 const MARK = "\u0000integer:"; // a recipe has no NUL in its texts
-const STRING_OR_LONG = /"(?:[^"\\]|\\.)*"|-?\d{16,}(?![\d.eE])/g;
+const STRING_OR_NUMBER = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
+const LONG = /^-?\d{16,}$/;
 
 /* Parse JSON, with integers of 16 digits or more as bigint. */
 export function read<T>(text: string): T {
   if (!/[:,[]\s*-?\d{16}/.test(text)) return JSON.parse(text) as T;
-  const marked = text.replace(STRING_OR_LONG, (part) => (part[0] === '"' ? part : JSON.stringify(MARK + part)));
+  const marked = text.replace(STRING_OR_NUMBER, (part) => (LONG.test(part) ? JSON.stringify(MARK + part) : part));
   return JSON.parse(marked, (_key, value: unknown) => {
     if (typeof value !== "string" || !value.startsWith(MARK)) return value;
     const number = BigInt(value.slice(MARK.length));

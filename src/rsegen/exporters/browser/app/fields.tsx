@@ -111,7 +111,7 @@ function ArrayControl(props: ControlProps) {
 /* Texts, one on a line: the rows of a matrix, names. */
 function LinesControl({ id, value, onChange }: ControlProps) {
   const text = Array.isArray(value) ? value.map(shown).join("\n") : shown(value);
-  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text}
+  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text} placeholder="one per line"
     onChange={(event) => onChange(event.currentTarget.value.split("\n").map((line) => line.trimEnd()).filter(Boolean), "")} />;
 }
 

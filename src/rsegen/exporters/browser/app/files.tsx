@@ -65,6 +65,12 @@ export function SaveAs() {
   );
 }
 
+/* A time of the server as people here write it. */
+function when(text: string): string {
+  const time = new Date(text);
+  return Number.isNaN(time.valueOf()) ? text : time.toLocaleString();
+}
+
 /* What somebody has to decide before going on. */
 export function Banners() {
   const now = state.value;
@@ -79,7 +85,7 @@ export function Banners() {
           <button type="button" onClick={() => void reload()}>Take theirs</button>
           <Button icon="close" class="quiet" title="Decide later" onClick={() => keep(now.revision)} /></div>)}
       {now.recovered && seen !== now.doc && (
-        <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back ({now.recovered}).</p>
+        <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back: they are of {when(now.recovered)}.</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>
           <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
       {problem.value?.kind === "changed" && !now.changed_on_disk && dialog.value?.name !== "save" && (

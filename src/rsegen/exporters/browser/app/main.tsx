@@ -50,6 +50,7 @@ function Help() {
         <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level of the paint</dd></div>
         <div><dt><kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd></dt><dd>undo and redo anything</dd></div>
         <div><dt><kbd>Ctrl S</kbd> <kbd>Ctrl O</kbd></dt><dd>save, open</dd></div>
+        <div><dt><kbd>Ctrl Enter</kbd></dt><dd>generate the maps</dd></div>
         <div><dt><kbd>Delete</kbd> <kbd>Ctrl D</kbd></dt><dd>remove, duplicate the selected obstacle</dd></div>
         <div><dt><kbd>Alt ↑</kbd> <kbd>Alt ↓</kbd></dt><dd>move the obstacle in the list</dd></div>
         <div><dt>drag, wheel</dt><dd>beside the map or with the right button: turn, zoom</dd></div>
@@ -87,10 +88,10 @@ function keys(event: KeyboardEvent): void {
     else if (key === "s") does(() => (event.shiftKey ? (dialog.value = { name: "save" }) : save()));
     else if (key === "o") does(() => (dialog.value = { name: "open" }));
     else if (key === "d" && selected.value >= 0) does(() => edit({ do: "duplicate", row: selected.value }));
+    else if (key === "enter") does(() => (dialog.value = { name: "run", command: "generate" }));
     else if (key === "r" && event.altKey) does(() => edit({ do: "reroll" }));
     return;
   }
-  if (key === "f5") return does(() => (dialog.value = { name: "run", command: "generate" }));
   if (isTyping(event.target) || event.altKey || event.defaultPrevented) return;
   const named = TOOLS.find((each) => each.key === key);
   if (named) does(() => takeTool(named.name));

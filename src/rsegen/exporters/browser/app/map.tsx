@@ -21,7 +21,7 @@ export function MapPanel() {
       <Difficulty />
       <div class="actions">
         <Button title="Twelve other seeds as pictures; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show twelve …</Button>
-        <Button class="primary" title="Write worlds and models (F5)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
+        <Button class="primary" title="Write worlds and models (Ctrl+Enter)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
       </div>
       {others.map((group) => (
         <details key={group.title} open={group.fields.some((field) => problemAt(field.name)) || undefined}>

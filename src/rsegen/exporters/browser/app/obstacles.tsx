@@ -81,7 +81,7 @@ export function Obstacles() {
         <Menu icon="add" label="Add" class="tinted" title="Add an obstacle">
           {hello.value?.kinds.map((kind) => (
             <button type="button" class="kind" key={kind.name} onClick={() => (kind.name === "matrix" ? (tool.value = { name: "paint", shape: "cells", level: 1 }) : add(kind))}>
-              <Shape kind={kind.name} /><span>{kind.title}<small>{kind.help}</small></span>
+              <Shape kind={kind.name} /><span>{kind.title}<small>{kind.help.replaceAll("`", "")}</small></span>
             </button>
           ))}
         </Menu>

@@ -5,7 +5,7 @@ import { Button, Modal, Segmented, Slider } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Variant } from "./protocol";
 import { thumbnail } from "./solid";
-import { ask, attempt, dialog, edit, frozen, hello, index, newGesture, problemAt, robot, said, scene, showMap, state } from "./state";
+import { ask, attempt, dialog, edit, frozen, hello, index, newGesture, problemAt, robot, say, scene, showMap, state } from "./state";
 
 export function Heights({ map }: { map: SceneData }) {
   const most = Math.max(1, ...map.palette.map((each) => each.count));
@@ -109,7 +109,7 @@ function Recipe({ map }: { map: SceneData }) {
 
 export async function copy(text: string): Promise<void> {
   await navigator.clipboard?.writeText(text).catch(() => null);
-  said.value = "copied";
+  say("copied");
 }
 
 /* ---- difficulty, and other seeds */

@@ -24,6 +24,7 @@ export function RobotPanel() {
     heading.value = (angle * Math.PI) / 180;
     if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
     if (pose.value) settle(pose.value.x, pose.value.y);
+    if (poseMap.value) void showTilt();
   };
   const stands = pose.value;
   return (

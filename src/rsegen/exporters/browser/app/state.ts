@@ -59,6 +59,12 @@ export const cells = computed<[number, number]>(() => {
   return [Number(side ?? 10) * Number(x ?? 1), Number(side ?? 10) * Number(y ?? 1)];
 });
 
+/* Say what has been done, for some seconds. */
+export function say(text: string): void {
+  said.value = text;
+  setTimeout(() => (said.value = said.value === text ? "" : said.value), 4000);
+}
+
 /* Do something that may fail; what it fails with is shown, until something else that the user asked for succeeds. */
 export async function attempt<T>(work: () => Promise<T>, asked = true): Promise<T | null> {
   busy.value++;
@@ -114,7 +120,7 @@ const draw = newest(async () => {
 export function take(next: State): void {
   const known = state.value;
   if (known && (next.doc !== known.doc || next.revision < known.revision)) return;
-  state.value = waiting.reduce(ahead, next);
+  state.value = [...flying, ...waiting].reduce(ahead, next);
   selected.value = Math.min(selected.value, next.rows.length - 1);
   const first = next.first_map ?? 0;
   const stays = index.value >= first && index.value < first + next.maps;
@@ -132,8 +138,11 @@ export async function showMap(number: number): Promise<void> {
 
 /* Edit another document: a new one, a file, an example, a map of a data set. */
 export async function open(what: string): Promise<boolean> {
+  const left = doc();
   const opened = await attempt(async () => (await call<{ doc: string }>("open", { what })).doc);
-  return opened !== null && load(opened);
+  if (opened === null || !(await load(opened))) return false;
+  if (left && left !== opened) await attempt(() => call("close", { doc: left }), false); // else its changes would come back
+  return true;
 }
 
 async function load(id: string): Promise<boolean> {
@@ -161,6 +170,7 @@ function hear(event: Event): void {
 /* ---- changes */
 
 let waiting: Action[] = [];
+let flying: Action[] = []; // sent, and not answered yet: an event of an earlier change does not take them back
 let sends: Promise<void> | null = null;
 
 /* Change the document. */
@@ -176,18 +186,29 @@ export function edit(...actions: Action[]): Promise<void> {
 
 async function send(): Promise<void> {
   while (waiting.length) {
-    const actions = waiting;
+    const actions = waiting.map(intoItsMatrix);
     waiting = [];
+    flying = actions;
     const next = await attempt(() => ask<State>("edit", { actions, ...shownIndex() }));
+    flying = [];
     if (next) {
       take(next);
       actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
+      const stroke = actions.find((action) => action.do === "paint" && action.row < 0);
+      if (stroke?.do === "paint" && stroke.gesture) made = { gesture: stroke.gesture, row: next.rows.length - 1 };
     } else {
       const failure = problem.value;
       const held = await attempt(() => ask<State>("state"), false);
       if (held) state.value = { ...held, problem: held.problem ?? failure };
     }
   }
+}
+
+/* The matrix that the beginning of a stroke has made: the rest of the stroke, sent later, belongs into it too. */
+let made = { gesture: "", row: -1 };
+
+function intoItsMatrix(action: Action): Action {
+  return action.do === "paint" && action.row < 0 && action.gesture === made.gesture ? { ...action, row: made.row } : action;
 }
 
 function isSameGesture(one: Action, other: Action): boolean {
@@ -249,7 +270,7 @@ export async function save(path?: string, replace = false): Promise<boolean> {
   const next = await attempt(() => ask<State>("save", { ...(path && { path }), ...(replace && { replace }) }));
   if (!next) return false;
   take(next);
-  said.value = `saved as ${next.title}`;
+  say(`saved as ${next.title}`);
   return true;
 }
 

@@ -90,6 +90,13 @@ function aspect(): number {
 
 export function Stage() {
   const two = playbacks.value.length > 1;
+  const halved = useRef(false);
+  const isHalf = two || plan.value === "half";
+  useEffect(() => {
+    // A view that becomes half as wide, or whole again, shows the whole map.
+    if (halved.current !== isHalf) requestAnimationFrame(() => window.rsegen.solid?.look("oblique"));
+    halved.current = isHalf;
+  }, [isHalf]);
   return (
     <main class={`stage plan-${plan.value} ${two ? "two" : ""}`} aria-label="Map">
       <div class="solid">
