@@ -50,7 +50,7 @@ uniform sampler2D light;
 uniform vec2 lightLow, lightSize;
 uniform float lightFall, lightTexel, block;
 vec2 litAt(vec3 point, vec3 facing) {
-  vec2 plan = point.xy + 0.6 * lightTexel * facing.xy;
+  vec2 plan = point.xy + 1.5 * lightTexel * facing.xy; // a side is lit as what lies before it
   vec2 dark = texture2D(light, (plan.yx - lightLow.yx) / lightSize.yx).rg;
   float sun = smoothstep(0.0, 0.85 * lightFall, point.z - dark.x + 0.02 * lightFall);
   float deep = max(0.0, dark.y - point.z) / block;
@@ -90,7 +90,9 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         vEdges = vec4(vFace.x, 1.0 - vFace.x, vFace.y, 1.0 - vFace.y) + 9.0 * none;
         vPlace = position;
         vFacing = objectNormal;
-        vColour = pow(colour.rgb / 255.0, vec3(2.2));
+        // From the colours of screens to light, to a thousandth, without a power.
+        vec3 shown = colour.rgb / 255.0;
+        vColour = shown * (shown * (shown * 0.3053 + 0.6822) + 0.0125);
         float varied = floor(face.z / 2.0);
         vec2 fibre = vec2(side < 0.5 ? position.x : vFace.x, side < 0.5 ? position.y : position.z) / block;
         if (side > 2.5 && mod(face.z, 2.0) > 0.5) fibre.x = position.x / block;

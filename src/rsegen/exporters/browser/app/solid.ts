@@ -16,7 +16,7 @@ import type { Options, Tool, View, ViewEvents } from "./views";
 import "./views.css";
 
 const ACCENT = "#e0218a";
-const SLOW = 60; // milliseconds per picture beyond which the next ones have fewer pixels
+const SLOW = 80; // milliseconds per picture beyond which the next ones have fewer pixels
 const REST = 200; // milliseconds without a change after which it is drawn in full again
 
 export function createSolid(host: HTMLElement, on: ViewEvents): View {
@@ -72,10 +72,8 @@ export class Solid implements View, Board {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
-    const isSlow = isSoftware();
-    this.renderer = rendererOf(this.canvas, !isSlow);
+    this.renderer = rendererOf(this.canvas);
     host.append(this.canvas);
-    if (isSlow) this.scale = 0.6;
     this.tools = new Tools(this, on);
     this.controls = new OrbitControls(this.stage.camera, this.canvas);
     Object.assign(this.controls, { maxPolarAngle: Math.PI / 2 - 0.02, zoomToCursor: true, zoomSpeed: 1.6 });
@@ -494,22 +492,13 @@ function squareOf(field: Field, [i, j]: Place, z: number): Point[] {
   return pairs(corners);
 }
 
-/* Whether the processor draws in place of a graphics card; smoothing of edges would then cost most of the time. */
-function isSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const names = gl?.getExtension("WEBGL_debug_renderer_info");
-  const renderer = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(renderer);
-}
-
 let studio: { stage: Stage; renderer: WebGLRenderer } | null = null;
 let queue: Promise<unknown> = Promise.resolve();
 
 /* A small picture of a map, for galleries; all are drawn by one renderer, one after another. */
 export function thumbnail(scene: SceneData, width: number, height: number, dark = false): Promise<Blob> {
   const made = queue.then(async () => {
-    studio ??= { stage: new Stage(), renderer: rendererOf(document.createElement("canvas"), true) };
+    studio ??= { stage: new Stage(), renderer: rendererOf(document.createElement("canvas")) };
     const { stage, renderer } = studio;
     renderer.setSize(width, height, false);
     stage.camera.aspect = width / height;
