@@ -159,7 +159,9 @@ export class Plan implements View, Board {
     this.sizes.disconnect();
     this.tools.dispose();
     this.ends.abort();
-    this.host.replaceChildren();
+    this.grips.dispose();
+    this.canvas.remove();
+    this.label.remove();
   }
 
   /* ---- a board for tools */

@@ -19,24 +19,9 @@ const ACCENT = "#e0218a";
 const SLOW = 80; // milliseconds per picture beyond which the next ones have fewer pixels
 const REST = 200; // milliseconds without a change after which it is drawn in full again
 
-export function createSolid(host: HTMLElement, on: ViewEvents): View {
-  try {
-    return new Solid(host, on);
-  } catch {
-    return unseen(host);
-  }
-}
-
-/* What stands where the browser cannot draw in three dimensions; all else of a page works. */
-function unseen(host: HTMLElement): View {
-  host.replaceChildren();
-  host.classList.add("view");
-  add(host, "unseen", "This browser shows no 3D graphics (WebGL 2).").removeAttribute("aria-hidden");
-  const nothing = () => undefined;
-  const picture = () => Promise.reject(new Error("this browser shows no 3D graphics"));
-  const [show, set, tool, select, ghost] = Array<() => undefined>(5).fill(nothing);
-  const [robot, poseMap, reach, way, play, at, look] = Array<() => undefined>(7).fill(nothing);
-  return { show, set, tool, select, ghost, robot, poseMap, reach, way, play, at, look, picture, dispose: () => host.replaceChildren() };
+/* Make the view; an error where the browser has no WebGL 2. */
+export function createSolid(host: HTMLElement, on: ViewEvents): Solid {
+  return new Solid(host, on);
 }
 
 export class Solid implements View, Board {
@@ -68,11 +53,11 @@ export class Solid implements View, Board {
   private scale = 1; // of pixels while something changes
 
   constructor(readonly host: HTMLElement, on: ViewEvents) {
-    host.classList.add("view");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
-    this.renderer = rendererOf(this.canvas);
+    this.renderer = rendererOf(this.canvas); // first: nothing is in the page if it fails
+    host.classList.add("view");
     host.append(this.canvas);
     this.tools = new Tools(this, on);
     this.controls = new OrbitControls(this.stage.camera, this.canvas);
@@ -242,7 +227,8 @@ export class Solid implements View, Board {
     this.stage.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss(); // browsers have few of them
-    this.host.replaceChildren();
+    this.grips.dispose();
+    for (const element of [this.canvas, this.label, ...this.axes]) element.remove();
   }
 
   /* Put objects into the scene in place of those of the same name. */

@@ -337,6 +337,10 @@ export class Grips {
     }
   }
 
+  dispose(): void {
+    this.elements.forEach((element) => element.remove());
+  }
+
   held(grip: Grip | null): void {
     for (const [end, element] of this.elements) element.toggleAttribute("data-held", end === grip?.end);
   }
