@@ -401,6 +401,21 @@ def test_robot_is_red_if_it_does_not_stand(browser: Chrome, solid: str, stands: 
     assert (red > blue) == redder
 
 
+@pytest.mark.usefixtures("solid")
+def test_footprint_is_where_the_parts_are(browser: Chrome) -> None:
+    _run(browser, "plan", "view.set({ grid: false })")
+    before = _picture(browser, "plan", 380, 600)
+    robot = _robot()
+    robot["parts"][0]["pose"][3] = 0.1  # its middle is ahead of the robot's origin
+    pose: dict[str, Any] = dict.fromkeys(("x", "y", "z", "roll", "pitch", "tilt", "margin"), 0.0)
+    pose |= {"stands": True, "holds": True, "pushes": True, "reason": "", "yaw": np.pi / 2, "clearance": None}
+    _run(browser, "plan", "view.robot(arguments[0], arguments[1])", robot, pose | {"contacts": [], "polygon": []})
+    x, y = np.nonzero(np.abs(_picture(browser, "plan", 380, 600) - before).max(axis=2).T > 20)
+    corners = _run(browser, "plan", "return [view.pixel([-0.1, 0.25]), view.pixel([0.1, -0.05])]")
+    _run(browser, "plan", "view.robot(null, null)")
+    assert [[x.min(), y.min()], [x.max(), y.max()]] == pytest.approx(np.array(corners), abs=4)
+
+
 def test_played_robot_is_between_the_samples(browser: Chrome, solid: str) -> None:
     poses = [[0, 0, 0.4, 0, 0, 0], [0.2, 0.1, 0.5, 0, 0, np.pi / 2]]
     track = {

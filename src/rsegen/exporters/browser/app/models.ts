@@ -73,6 +73,31 @@ export class Robot {
   }
 }
 
+/* Where the parts of a robot are along x and y in its own frame: lowest and highest x, lowest and highest y. */
+export function boundsOf(drawing: RobotDrawing): [number, number, number, number] {
+  const bounds: [number, number, number, number] = [Infinity, -Infinity, Infinity, -Infinity];
+  const include = (axis: number, low: number, high: number) => {
+    bounds[2 * axis] = Math.min(bounds[2 * axis], low);
+    bounds[2 * axis + 1] = Math.max(bounds[2 * axis + 1], high);
+  };
+  for (const { shape, size: [a, b, c], pose, vertices = [] } of drawing.parts) {
+    const half = shape === "box" ? [a / 2, b / 2, c / 2] : shape === "cylinder" ? [a, a, b / 2] : [a, a, a];
+    for (const axis of [0, 1]) {
+      const [x, y, z, from] = pose.slice(4 * axis, 4 * axis + 4);
+      if (shape === "mesh") {
+        for (let k = 0; k < vertices.length; k += 3) {
+          const at = from + x * vertices[k] + y * vertices[k + 1] + z * vertices[k + 2];
+          include(axis, at, at);
+        }
+      } else {
+        const reach = Math.abs(x) * half[0] + Math.abs(y) * half[1] + Math.abs(z) * half[2];
+        include(axis, from - reach, from + reach);
+      }
+    }
+  }
+  return bounds;
+}
+
 function shapeOf(part: RobotDrawing["parts"][number]): BufferGeometry {
   const [a, b, c] = part.size;
   if (part.shape === "box") return new BoxGeometry(a, b, c);

@@ -1,7 +1,7 @@
 /* The plan: north up; cells are counted below and on the left, metres above and on the right. Tools work as in 3D. */
 
 import { Field, metres, outline, rgb, type Place, type Point } from "./field";
-import { TRAILS, poseAt } from "./models";
+import { TRAILS, boundsOf, poseAt } from "./models";
 import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo, type Board, type Grip, type Preview, type Spot } from "./tools";
@@ -441,9 +441,10 @@ export class Plan implements View, Board {
       pen.lineTo(...at(points[k + 1]));
     }
     pen.lineCap = "round";
+    const thin = Math.min(1, Math.max(0.4, (field.width * this.scale) / 12)); // where cells are small
     for (const [style, wide] of below ? [[below, width + 2], [colour, width]] as const : [[colour, width]] as const) {
       pen.strokeStyle = style;
-      pen.lineWidth = wide;
+      pen.lineWidth = thin * wide;
       pen.stroke();
     }
   }
@@ -487,12 +488,13 @@ export class Plan implements View, Board {
       }
       const now = poseAt(seconds, poses, this.second);
       const yaw = Math.atan2(2 * (now.rotation.w * now.rotation.z + now.rotation.x * now.rotation.y), 1 - 2 * (now.rotation.y ** 2 + now.rotation.z ** 2));
-      const size = this.drawings.get(robot)?.size ?? [0.2, 0.15, 0.1];
-      this.drawFootprint(pen, at, [now.position.x, now.position.y], yaw, size, colour);
+      const drawn = this.drawings.get(robot);
+      if (drawn) this.drawFootprint(pen, at, [now.position.x, now.position.y], yaw, drawn, colour);
+      else disc(pen, at([now.position.x, now.position.y]), 5, colour);
     }
     if (!pose || !drawing) return;
     const colour = pose.stands && pose.holds ? "#14a37f" : "#e3263a";
-    this.drawFootprint(pen, at, [pose.x, pose.y], pose.yaw, drawing.size, colour);
+    this.drawFootprint(pen, at, [pose.x, pose.y], pose.yaw, drawing, colour);
     if (pose.polygon.length > 2) {
       this.strokeLine(pen, at, [...pose.polygon, pose.polygon[0]], colour, 1.5);
       pen.fillStyle = `${colour}44`;
@@ -502,11 +504,13 @@ export class Plan implements View, Board {
   }
 
   /* The robot from above, with a head that shows where it faces. */
-  private drawFootprint(pen: CanvasRenderingContext2D, at: At, [x, y]: [number, number], yaw: number, [long, wide]: number[], colour: string): void {
+  private drawFootprint(pen: CanvasRenderingContext2D, at: At, [x, y]: [number, number], yaw: number, drawing: RobotDrawing, colour: string): void {
     const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
     const turned = (a: number, b: number): [number, number] => [x + a * cos - b * sin, y + a * sin + b * cos];
-    const [a, b] = [long / 2, wide / 2];
-    const corners = [turned(-a, -b), turned(0.6 * a, -b), turned(a, 0), turned(0.6 * a, b), turned(-a, b), turned(-a, -b)];
+    const [back, front, right, left] = boundsOf(drawing);
+    const shoulder = front - 0.2 * (front - back);
+    const corners = [[back, right], [shoulder, right], [front, (left + right) / 2], [shoulder, left], [back, left], [back, right]]
+      .map(([along, across]) => turned(along, across));
     this.strokeLine(pen, at, corners, "#ffffff", 4);
     this.strokeLine(pen, at, corners, colour, 2.5);
     pen.fillStyle = `${colour}33`;

@@ -6,7 +6,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { blocksOf } from "./blocks";
-import { Field, metres, onRay, outline, type Place, type Point } from "./field";
+import { Field, onRay, outline, type Place, type Point } from "./field";
 import { Player, Robot, dot, drop, linesOf, pairs, restOf, rotationOf } from "./models";
 import { ofPoses, ofReach, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
@@ -218,6 +218,7 @@ export class Solid implements View, Board {
   }
 
   dispose(): void {
+    [this.field, this.isWanted] = [null, false]; // a picture that is under way is the last one
     cancelAnimationFrame(this.frame);
     clearTimeout(this.resting);
     this.sizes.disconnect();
@@ -499,9 +500,4 @@ export function thumbnail(scene: SceneData, width: number, height: number, dark 
   });
   queue = made.catch(() => null);
   return made;
-}
-
-/* A place in words: "x 0.35 m, y −1.2 m". */
-export function placeText(x: number, y: number): string {
-  return `x ${metres(x)} m, y ${metres(y)} m`;
 }
