@@ -56,8 +56,8 @@ export function lightOn(field: Field): Light {
   return { texture, low, size, fall, texel: width / fine };
 }
 
-/* The height below which each texel is dark. Rays leave the side of the sun one texel apart, and go from column to column;
-a texel is between two of them. */
+/* The height below which each texel is dark. Rays leave the side of the sun one texel apart, and go from column to
+column; a texel is between two of them. */
 function shadowOf(heights: Float32Array, wide: number, high: number, slope: number, fall: number): Float32Array {
   const shadow = new Float32Array(wide * high).fill(-fall);
   const before = Math.ceil(slope * wide) + 1; // rays that come in from below the first row

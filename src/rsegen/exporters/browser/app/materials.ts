@@ -114,7 +114,7 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         uniform sampler2DArray grain;
         uniform sampler2D overlay;
         uniform vec2 overlayLow, overlaySize;
-        uniform float joints, grid;
+        uniform float grid;
         varying vec3 vPlace, vColour, vFacing, vGrain;
         varying vec2 vFace;
         varying vec4 vEdges;

@@ -7,11 +7,11 @@ import {
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import { BAD, GOOD, TRAILS } from "./colours";
 import type { Point } from "./field";
 import type { Playback, Pose, RobotDrawing } from "./protocol";
 
-const RED = new Color("#e3263a");
-const GOOD = "#14a37f";
+const RED = new Color(BAD);
 
 export interface Pen { colour: string; width: number; opacity?: number; hidden?: boolean; dash?: number }
 
@@ -118,13 +118,14 @@ export function rotationOf(roll: number, pitch: number, yaw: number): Quaternion
 /* Where a robot touches the blocks, and the hull of these points, on which its weight must rest. */
 export function restOf(pose: Pose, size: number): Group {
   const group = new Group();
-  const colour = pose.stands && pose.holds ? GOOD : "#e3263a";
+  const colour = pose.stands && pose.holds ? GOOD : BAD;
   const { polygon, contacts } = pose;
   if (polygon.length > 2) {
     const face = new BufferGeometry();
     face.setAttribute("position", new BufferAttribute(new Float32Array(polygon.flat()), 3));
     face.setIndex(polygon.slice(2).flatMap((_, k) => [0, k + 1, k + 2]));
-    const fill = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.3, side: DoubleSide, depthTest: false });
+    const pale = { color: colour, transparent: true, opacity: 0.3 };
+    const fill = new MeshBasicMaterial({ ...pale, side: DoubleSide, depthTest: false });
     const mesh = new Mesh(face, fill);
     mesh.renderOrder = 3;
     group.add(mesh, linesOf(pairs([...polygon, polygon[0]]), { colour, width: 2.5, hidden: true }));
@@ -142,15 +143,22 @@ export function dot(point: Point, radius: number, colour: string, opacity = 1): 
   return mesh;
 }
 
-export const TRAILS = ["#d6336c", "#1c7ed6", "#e8590c", "#5f3dc4", "#0b7285"];
+interface Track {
+  robot: Robot | null;
+  trail: LineSegments2;
+  seconds: number[];
+  poses: number[][];
+  marks: [number, Mesh][]; // when something happened, and its ball
+}
 
 /* A drive that is played: its robots, what they drove, and marks where something happened. */
 export class Player {
   readonly group = new Group();
-  private readonly tracks: { robot: Robot | null; trail: LineSegments2; seconds: number[]; poses: number[][]; marks: [number, Mesh][] }[];
+  private readonly tracks: Track[];
 
   constructor(playback: Playback, drawings: Map<string, RobotDrawing>, size: number) {
-    this.tracks = playback.robots.filter(({ poses }) => poses.length > 0).map(({ robot: kind, seconds, poses, events }, k) => {
+    const driven = playback.robots.filter(({ poses }) => poses.length > 0);
+    this.tracks = driven.map(({ robot: kind, seconds, poses, events }, k) => {
       const colour = TRAILS[k % TRAILS.length];
       const points = poses.map(([x, y, z]): Point => [x, y, z]);
       const drawing = drawings.get(kind);
@@ -159,7 +167,7 @@ export class Player {
       const trail = linesOf(pairs(points), { colour, width: 3.5, hidden: true });
       const marks = events.map(({ second }): [number, Mesh] => {
         const { position } = poseAt(seconds, poses, second);
-        return [second, dot([position.x, position.y, position.z], 1.6 * size, "#e3263a", 0.35)];
+        return [second, dot([position.x, position.y, position.z], 1.6 * size, BAD, 0.35)];
       });
       this.group.add(whole, trail, ...marks.map(([, mark]) => mark));
       if (robot) this.group.add(robot.group);
@@ -195,7 +203,9 @@ function before(seconds: number[], second: number): number {
 }
 
 /* The pose at a time, between the samples before and after it. */
-export function poseAt(seconds: number[], poses: number[][], second: number): { position: Vector3; rotation: Quaternion } {
+export function poseAt(
+  seconds: number[], poses: number[][], second: number,
+): { position: Vector3; rotation: Quaternion } {
   const from = before(seconds, second);
   const to = Math.min(from + 1, poses.length - 1);
   const [a, b] = [poses[from], poses[to]];

@@ -1,21 +1,22 @@
 /* The 3D view: a map that is turned, edited and driven on. It is drawn only when something changed. */
 
 import {
-  BoxGeometry, Color, InstancedMesh, MOUSE, Matrix4, Mesh, MeshLambertMaterial, Object3D, Plane,
+  BoxGeometry, InstancedMesh, MOUSE, Matrix4, Mesh, MeshLambertMaterial, Object3D, Plane,
   Raycaster, TOUCH, Vector2, Vector3, type WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { blocksOf } from "./blocks";
+import { ACCENT, BAD, START, TROUBLE } from "./colours";
 import { Field, onRay, outline, type Place, type Point } from "./field";
 import { Player, Robot, dot, drop, linesOf, pairs, restOf, rotationOf } from "./models";
 import { ofPoses, ofReach, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
 import { Stage, rendererOf, type From } from "./stage";
-import { Grips, Tools, add, cellsBetween, gripsOf, moveTo, type Board, type Grip, type Preview, type Spot } from "./tools";
+import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
+import type { Board, Grip, Preview, Spot } from "./tools";
 import type { Options, Tool, View, ViewEvents } from "./views";
 import "./views.css";
 
-const ACCENT = "#e0218a";
 const SLOW = 80; // milliseconds per picture beyond which the next ones have fewer pixels
 const REST = 200; // milliseconds without a change after which it is drawn in full again
 
@@ -83,13 +84,12 @@ export class Solid implements View, Board {
     const before = this.field;
     this.field = new Field(scene);
     this.stage.show(this.field, this.options);
-    const isOther = !before || before.nX !== this.field.nX || before.nY !== this.field.nY || before.width !== this.field.width;
     this.tools.shown();
     this.drawAxes();
     this.select(this.row);
     if (this.shownReach) this.lay();
     if (this.marked) this.mark(this.field.has(...this.marked.cell) ? this.marked : null);
-    if (isOther) this.look(this.from);
+    if (!this.field.isLike(before)) this.look(this.from);
     this.ask();
   }
 
@@ -98,7 +98,8 @@ export class Solid implements View, Board {
     Object.assign(this.options, options);
     this.host.toggleAttribute("data-dark", this.options.dark);
     this.stage.dress(this.options);
-    if (this.field && (look !== this.options.look || dark !== this.options.dark)) this.stage.show(this.field, this.options);
+    const isOther = look !== this.options.look || dark !== this.options.dark;
+    if (this.field && isOther) this.stage.show(this.field, this.options);
     this.drawAxes();
     this.ask();
   }
@@ -113,12 +114,16 @@ export class Solid implements View, Board {
   select(row: number): void {
     this.row = row;
     const { field } = this;
-    const cells = field?.cellsOf(row) ?? [];
-    this.part("cells", field && cells.length ? [linesOf(lifted(outline(field, cells), field), { colour: ACCENT, width: 3 })] : []);
-    const hidden = field && cells.length ? [linesOf(outline(field, cells), { colour: ACCENT, width: 1.5, opacity: 0.35, hidden: true })] : [];
-    const between = field ? cellsBetween(field, row) : [];
-    const ends = between.length ? [linesOf(outline(field!, between), { colour: "#ffffff", width: 1.5, opacity: 0.85, hidden: true, dash: 0.3 * field!.width })] : [];
-    this.part("ends", [...hidden, ...ends]);
+    const lines: Object3D[] = [];
+    if (field) {
+      const [cells, between] = [field.cellsOf(row), cellsBetween(field, row)];
+      const around = outline(field, cells);
+      if (cells.length) lines.push(linesOf(lifted(around, field), { colour: ACCENT, width: 3 }));
+      if (cells.length) lines.push(linesOf(around, { colour: ACCENT, width: 1.5, opacity: 0.35, hidden: true }));
+      const dashed = { colour: "#ffffff", width: 1.5, opacity: 0.85, hidden: true, dash: 0.3 * field.width };
+      if (between.length) lines.push(linesOf(outline(field, between), dashed));
+    }
+    this.part("selected", lines);
     this.placeGrips();
     this.ask();
   }
@@ -128,7 +133,8 @@ export class Solid implements View, Board {
     else {
       const field = new Field(scene);
       const material = new MeshLambertMaterial({
-        color: ACCENT, transparent: true, opacity: 0.55, flatShading: true, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+        color: ACCENT, transparent: true, opacity: 0.55, flatShading: true,
+        polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2, // in front of the blocks that it covers
       });
       const geometry = blocksOf(field, { look: "heights", floor: ACCENT, isSeen: (i, j) => field.owner(i, j) === row });
       const lines = linesOf(outline(field, field.cellsOf(row)), { colour: ACCENT, width: 2, hidden: true });
@@ -163,8 +169,11 @@ export class Solid implements View, Board {
   reach(reach: Reach | null): void {
     this.shownReach = reach;
     const width = this.field?.width ?? 0.1;
-    this.part("ways", reach ? reach.ways.map(({ points, crosses }) => linesOf(pairs(points), { colour: crosses ? "#0b8f6a" : "#e8590c", width: 4, hidden: true })) : []);
-    this.part("spots", reach ? reach.spots.map(({ x, y, z, name }) => dot([x, y, z], 0.22 * width, name === "S" ? "#0b8f6a" : ACCENT)) : []);
+    const ways = (reach?.ways ?? []).map(({ points, crosses }) =>
+      linesOf(pairs(points), { colour: crosses ? START : TROUBLE, width: 4, hidden: true }),
+    );
+    const spots = (reach?.spots ?? []).map(({ x, y, z, name }) => dot([x, y, z], 0.22 * width, name === "S" ? START : ACCENT));
+    this.part("reach", [...ways, ...spots]);
     this.lay();
   }
 
@@ -173,13 +182,13 @@ export class Solid implements View, Board {
     const size = 0.22 * (field?.width ?? 0.1);
     const parts: Object3D[] = [];
     const ground = ([x, y]: [number, number]): Point => [x, y, field ? field.height(...field.place(x, y)) : 0];
-    if (start) parts.push(dot(ground(start), size, "#0b8f6a"));
+    if (start) parts.push(dot(ground(start), size, START));
     if (way?.poses.length) {
       const points = way.poses.map(([x, y, z]): Point => [x, y, z + 0.1 * size]);
       parts.push(linesOf(pairs(points), { colour: "#ffffff", width: 7, opacity: 0.8, hidden: true }));
-      parts.push(linesOf(pairs(points), { colour: "#0b8f6a", width: 4, hidden: true }));
-      parts.push(dot(points[0], size, "#0b8f6a"), dot(points[points.length - 1], size, ACCENT));
-      for (const { at } of way.events) if (points[at]) parts.push(dot(points[at], 0.8 * size, "#e8590c"));
+      parts.push(linesOf(pairs(points), { colour: START, width: 4, hidden: true }));
+      parts.push(dot(points[0], size, START), dot(points[points.length - 1], size, ACCENT));
+      for (const { at } of way.events) if (points[at]) parts.push(dot(points[at], 0.8 * size, TROUBLE));
     }
     this.part("way", parts);
     this.ask();
@@ -245,7 +254,8 @@ export class Solid implements View, Board {
 
   /* One picture lies on the tops: the map of poses if it is shown, else what is reached. */
   private lay(): void {
-    this.stage.overlay(this.shownPoses ?? (this.shownReach && this.field ? ofReach(this.shownReach, this.field.scene) : null));
+    const reached = this.shownReach && this.field && ofReach(this.shownReach, this.field.scene);
+    this.stage.overlay(this.shownPoses ?? reached);
     this.ask();
   }
 
@@ -266,9 +276,10 @@ export class Solid implements View, Board {
     const south = field.y(0) - gap;
     const [east, y0, y1] = [field.x(field.nX) + gap, field.y(0), field.y(0) + length];
     this.ends = [[x1 + 2.5 * head, south, 0], [east, y1 + 2.5 * head, 0]];
-    const along: Point[] = [[x0, south, 0], [x1, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0]];
-    const across: Point[] = [[east, y0, 0], [east, y1, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0]];
-    this.part("axes", [linesOf([...along, ...across], { colour: this.options.dark ? "#8d95a1" : "#5b626c", width: 1.6 })]);
+    const along: Point[] = [[x0, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0]];
+    const across: Point[] = [[east, y0, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0]];
+    const colour = this.options.dark ? "#8d95a1" : "#5b626c";
+    this.part("axes", [linesOf([...pairs(along), ...pairs(across)], { colour, width: 1.6 })]);
   }
 
   private placeGrips(): void {
@@ -320,16 +331,18 @@ export class Solid implements View, Board {
     const { field } = this;
     if (!preview || !field) this.part("preview", []);
     else if (preview.level === null || preview.level < 0) {
-      const colour = preview.level === null ? ACCENT : "#e3263a";
+      const colour = preview.level === null ? ACCENT : BAD;
       this.part("preview", [linesOf(lifted(outline(field, preview.cells), field), { colour, width: 3, hidden: true })]);
     } else {
       const height = preview.level * field.step;
-      const material = new MeshLambertMaterial({ color: new Color(field.colourOf(preview.level)), transparent: true, opacity: 0.72 });
+      const material = new MeshLambertMaterial({ color: field.colourOf(preview.level), transparent: true, opacity: 0.72 });
       const boxes = new InstancedMesh(new BoxGeometry(1, 1, 1).translate(0, 0, 0.5), material, preview.cells.length);
-      const lines = linesOf(preview.cells.flatMap((cell) => squareOf(field, cell, height)), { colour: "#ffffff", width: 1.5, hidden: true });
+      const squares = preview.cells.flatMap((cell) => squareOf(field, cell, height));
+      const lines = linesOf(squares, { colour: "#ffffff", width: 1.5, hidden: true });
       preview.cells.forEach(([i, j], k) => {
         const size = new Vector3(1.01 * field.width, 1.01 * field.width, height + 0.02 * field.width);
-        boxes.setMatrixAt(k, new Matrix4().makeScale(...(size.toArray() as Point)).setPosition(...flat(field.top(i, j))));
+        const [x, y] = field.top(i, j);
+        boxes.setMatrixAt(k, new Matrix4().makeScale(size.x, size.y, size.z).setPosition(x, y, 0));
       });
       boxes.frustumCulled = false;
       this.part("preview", [boxes, lines]);
@@ -343,7 +356,8 @@ export class Solid implements View, Board {
 
   lets(camera: boolean, isEditing: boolean): void {
     const { controls } = this;
-    controls.mouseButtons = { LEFT: camera ? MOUSE.ROTATE : null, MIDDLE: MOUSE.PAN, RIGHT: isEditing ? MOUSE.ROTATE : MOUSE.PAN };
+    const [left, right] = [camera ? MOUSE.ROTATE : null, isEditing ? MOUSE.ROTATE : MOUSE.PAN];
+    controls.mouseButtons = { LEFT: left, MIDDLE: MOUSE.PAN, RIGHT: right };
     controls.touches = { ONE: camera ? TOUCH.ROTATE : null, TWO: TOUCH.DOLLY_PAN };
   }
 
@@ -428,7 +442,7 @@ export class Solid implements View, Board {
     });
   }
 
-  /* Draw, and wait until the picture is finished before the next one is begun; one that took long has fewer pixels next time. */
+  /* Draw, and wait until the picture is finished before the next is begun; after a slow one, the next has fewer pixels. */
   private finish(scale: number): void {
     this.draw(scale);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -438,7 +452,8 @@ export class Solid implements View, Board {
     const began = performance.now();
     this.isBusy = true;
     const poll = () => {
-      if (!gl.isContextLost() && gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(poll, 3);
+      const isFinished = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
+      if (!isFinished) return void setTimeout(poll, 3);
       gl.deleteSync(sync);
       this.isBusy = false;
       const took = performance.now() - began;
@@ -465,18 +480,15 @@ function shifted([x, y]: [number, number], right: number, down: number): [number
   return [x + right, y + down];
 }
 
-function flat([x, y]: Point): Point {
-  return [x, y, 0];
-}
-
 /* Points a little above the blocks, so that lines are not half in them. */
 function lifted(points: Point[], field: Field): Point[] {
   return points.map(([x, y, z]) => [x, y, z + 0.015 * field.width]);
 }
 
 function squareOf(field: Field, [i, j]: Place, z: number): Point[] {
-  const corners: Point[] = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]].map(([a, b]) => [field.x(i + a), field.y(j + b), z + 0.02 * field.width]);
-  return pairs(corners);
+  const above = z + 0.02 * field.width;
+  const corners = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]];
+  return pairs(corners.map(([a, b]): Point => [field.x(i + a), field.y(j + b), above]));
 }
 
 let studio: { stage: Stage; renderer: WebGLRenderer } | null = null;

@@ -39,6 +39,8 @@ type Drag =
   | { kind: "stroke"; field: Field; now: Place; cells: Place[] }
   | { kind: "area"; field: Field; z: number; from: Place; to: Place };
 
+const ARROWS: Record<string, Place | undefined> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const NEARER: Record<string, number | undefined> = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 };
 const STILL = 5; // CSS pixels that the mouse may move in a click
 let gestures = 0;
 
@@ -150,8 +152,10 @@ export class Tools {
       return;
     }
     const [x, y] = this.pixel(event);
-    if (drag.kind === "raise") this.raise(drag, drag.start + (board.heightAt(x, y, drag.point) - drag.from) / board.field.step);
-    else if (drag.kind === "end") {
+    if (drag.kind === "raise") {
+      const metres = board.heightAt(x, y, drag.point) - drag.from;
+      this.raise(drag, drag.start + metres / board.field.step);
+    } else if (drag.kind === "end") {
       const at = board.planeAt(x, y, drag.z);
       if (at) this.moveEnd(drag, board.field.nearest(board.field.place(at[0] + drag.apart[0], at[1] + drag.apart[1])));
     } else if (drag.kind === "stroke") {
@@ -192,7 +196,8 @@ export class Tools {
 
   private click(spot: Spot | null): void {
     const { tool, on, board } = this;
-    if (tool.name === "select") on.pick?.(spot ? board.field!.owner(...spot.cell) : -1, spot && board.field!.block(spot.cell));
+    const field = board.field!;
+    if (tool.name === "select") on.pick?.(spot ? field.owner(...spot.cell) : -1, spot && field.block(spot.cell));
     if (spot && tool.name === "robot") on.robotPut?.(spot.point[0], spot.point[1]);
     if (spot && tool.name === "way") on.wayPoint?.(spot.point[0], spot.point[1]);
   }
@@ -250,8 +255,7 @@ export class Tools {
   private key(event: KeyboardEvent): void {
     const { board, tool } = this;
     if (event.target !== board.canvas || event.ctrlKey || event.metaKey || event.altKey || !board.field) return;
-    const arrow = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] } as Record<string, Place>)[event.key];
-    const nearer = ({ "+": 0.85, "=": 0.85, "-": 1 / 0.85 } as Record<string, number>)[event.key];
+    const [arrow, nearer] = [ARROWS[event.key], NEARER[event.key]];
     if (arrow && tool.name === "paint") this.moveCursor(board.field, board.towards(...arrow));
     else if (arrow) board.turn(...arrow);
     else if (nearer) board.zoom(nearer);
