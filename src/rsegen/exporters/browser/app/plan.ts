@@ -345,7 +345,10 @@ export class Plan implements View, Board {
     const box: [number, number, number, number] = [left, top, width - left - right, height - top - bottom];
     pen.save();
     pen.beginPath();
-    pen.rect(box[0] - 2, box[1] - 2, box[2] + 4, box[3] + 4);
+    // Ways that begin beside the map do not run into the numbers.
+    const [[west, south], [east, north]] = [at([field.x(0), field.y(0)]), at([field.x(field.nX), field.y(field.nY)])];
+    const [x0, y0] = [Math.max(left, west) - 2, Math.max(top, north) - 2];
+    pen.rect(x0, y0, Math.min(width - right, east) + 2 - x0, Math.min(height - bottom, south) + 2 - y0);
     pen.clip();
     pen.imageSmoothingEnabled = field.width * this.scale < 1;
     this.place(pen, at, content, [field.x(0), field.y(0)], [field.nX * field.width, field.nY * field.width]);
@@ -463,7 +466,8 @@ export class Plan implements View, Board {
     if (!poses.length) return;
     this.strokeLine(pen, at, poses, "#ffffff", 6);
     this.strokeLine(pen, at, poses, START, 3.5);
-    const mark = (k: number, radius: number, colour: string) => poses[k] && disc(pen, at([poses[k][0], poses[k][1]]), radius, colour);
+    const mark = (k: number, radius: number, colour: string) =>
+      poses[k] && disc(pen, at([poses[k][0], poses[k][1]]), radius, colour);
     mark(0, size, START);
     mark(poses.length - 1, size, ACCENT);
     shownWay!.events.forEach((event) => mark(event.at, 0.8 * size, TROUBLE));
@@ -531,7 +535,9 @@ export class Plan implements View, Board {
     const [west, south] = at([field.x(0), field.y(0)]);
     const [edgeX, edgeY] = [Math.min(left + wide, west + field.nX * size), Math.min(top + high, south)];
     const [startX, startY] = [Math.max(left, west), Math.max(top, south - field.nY * size)];
-    const text = (value: string | number, x: number, y: number, textAlign: CanvasTextAlign, textBaseline: CanvasTextBaseline) => {
+    const text = (
+      value: string | number, x: number, y: number, textAlign: CanvasTextAlign, textBaseline: CanvasTextBaseline,
+    ) => {
       Object.assign(pen, { textAlign, textBaseline });
       pen.fillText(String(value), x, y);
     };

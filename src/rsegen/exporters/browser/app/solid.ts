@@ -172,7 +172,9 @@ export class Solid implements View, Board {
     const ways = (reach?.ways ?? []).map(({ points, crosses }) =>
       linesOf(pairs(points), { colour: crosses ? START : TROUBLE, width: 4, hidden: true }),
     );
-    const spots = (reach?.spots ?? []).map(({ x, y, z, name }) => dot([x, y, z], 0.22 * width, name === "S" ? START : ACCENT));
+    const spots = (reach?.spots ?? []).map(({ x, y, z, name }) =>
+      dot([x, y, z], 0.22 * width, name === "S" ? START : ACCENT),
+    );
     this.part("reach", [...ways, ...spots]);
     this.lay();
   }
@@ -276,8 +278,12 @@ export class Solid implements View, Board {
     const south = field.y(0) - gap;
     const [east, y0, y1] = [field.x(field.nX) + gap, field.y(0), field.y(0) + length];
     this.ends = [[x1 + 2.5 * head, south, 0], [east, y1 + 2.5 * head, 0]];
-    const along: Point[] = [[x0, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0]];
-    const across: Point[] = [[east, y0, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0]];
+    const along: Point[] = [
+      [x0, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0],
+    ];
+    const across: Point[] = [
+      [east, y0, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0],
+    ];
     const colour = this.options.dark ? "#8d95a1" : "#5b626c";
     this.part("axes", [linesOf([...pairs(along), ...pairs(across)], { colour, width: 1.6 })]);
   }
@@ -335,7 +341,8 @@ export class Solid implements View, Board {
       this.part("preview", [linesOf(lifted(outline(field, preview.cells), field), { colour, width: 3, hidden: true })]);
     } else {
       const height = preview.level * field.step;
-      const material = new MeshLambertMaterial({ color: field.colourOf(preview.level), transparent: true, opacity: 0.72 });
+      const color = field.colourOf(preview.level);
+      const material = new MeshLambertMaterial({ color, transparent: true, opacity: 0.72 });
       const boxes = new InstancedMesh(new BoxGeometry(1, 1, 1).translate(0, 0, 0.5), material, preview.cells.length);
       const squares = preview.cells.flatMap((cell) => squareOf(field, cell, height));
       const lines = linesOf(squares, { colour: "#ffffff", width: 1.5, hidden: true });
@@ -442,7 +449,7 @@ export class Solid implements View, Board {
     });
   }
 
-  /* Draw, and wait until the picture is finished before the next is begun; after a slow one, the next has fewer pixels. */
+  /* Draw, and wait until the picture is finished before the next is begun; after a slow one, it has fewer pixels. */
   private finish(scale: number): void {
     this.draw(scale);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;

@@ -39,7 +39,9 @@ type Drag =
   | { kind: "stroke"; field: Field; now: Place; cells: Place[] }
   | { kind: "area"; field: Field; z: number; from: Place; to: Place };
 
-const ARROWS: Record<string, Place | undefined> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const ARROWS: Record<string, Place | undefined> = {
+  ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+};
 const NEARER: Record<string, number | undefined> = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 };
 const STILL = 5; // CSS pixels that the mouse may move in a click
 let gestures = 0;
@@ -302,7 +304,8 @@ export function gripsOf(field: Field, row: number, room: number): Grip[] {
     const [first, last] = [ends.first, ends.last];
     const middle: Cell = [(first[0] + last[0]) >> 1, (first[1] + last[1]) >> 1];
     const point = field.top(...field.ofBlock(middle));
-    if (Math.max(Math.abs(first[0] - last[0]), Math.abs(first[1] - last[1])) > 1) grips.push({ row, end: "both", point });
+    const apart = Math.max(Math.abs(first[0] - last[0]), Math.abs(first[1] - last[1]));
+    if (apart > 1) grips.push({ row, end: "both", point }); // else there is no room between the ends
   }
   for (const end of ["first", "last"] as const) {
     const cell = ends?.[end];
@@ -355,7 +358,10 @@ export class Grips {
   }
 
   at(x: number, y: number, reach: number, pixel: (point: Point) => [number, number]): Grip | null {
-    const near = this.grips.map((grip) => ({ grip, far: Math.hypot(pixel(grip.point)[0] - x, pixel(grip.point)[1] - y) }));
+    const near = this.grips.map((grip) => {
+      const [gripX, gripY] = pixel(grip.point);
+      return { grip, far: Math.hypot(gripX - x, gripY - y) };
+    });
     const [best] = near.filter(({ far }) => far <= reach).sort((a, b) => a.far - b.far);
     return best?.grip ?? null;
   }
