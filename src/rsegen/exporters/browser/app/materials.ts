@@ -58,6 +58,12 @@ vec2 litAt(vec3 point, vec3 facing) {
   return vec2(sun, open);
 }`;
 
+/* What both surfaces do with it, after three.js has summed up sun (direct) and sky (indirect). */
+const shaded = (facing: string) => `#include <lights_fragment_end>
+  vec2 lit = litAt(vPlace, ${facing});
+  reflectedLight.directDiffuse *= lit.x * mix(1.0, lit.y, 0.35);
+  reflectedLight.indirectDiffuse *= lit.y;`;
+
 /* Blocks: colour of the face times its grain, a groove along its edges, and the overlay on tops. */
 export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
   const material = new MeshLambertMaterial();
@@ -151,15 +157,10 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
           diffuseColor.rgb = mix(diffuseColor.rgb, over.rgb, over.a);
         #endif`,
       )
-      .replace("#include <lights_fragment_end>", SHADED("vFacing"));
+      .replace("#include <lights_fragment_end>", shaded("vFacing"));
   };
   return material;
 }
-
-const SHADED = (facing: string) => `#include <lights_fragment_end>
-  vec2 lit = litAt(vPlace, ${facing});
-  reflectedLight.directDiffuse *= lit.x * mix(1.0, lit.y, 0.35);
-  reflectedLight.indirectDiffuse *= lit.y;`;
 
 /* The floor: smooth concrete with joints at each metre, which fades into the horizon. */
 export function floorMaterial(shared: Uniforms): MeshLambertMaterial {
@@ -187,7 +188,7 @@ export function floorMaterial(shared: Uniforms): MeshLambertMaterial {
         float line = max(lines.x, lines.y) * (1.0 - smoothstep(0.05, 0.3, max(pixel.x, pixel.y)));
         diffuseColor.rgb = mix(diffuseColor.rgb, joint, 0.4 * line);`,
       )
-      .replace("#include <lights_fragment_end>", SHADED("vec3(0.0)"))
+      .replace("#include <lights_fragment_end>", shaded("vec3(0.0)"))
       .replace(
         "#include <fog_fragment>",
         `float away = length(vPlace.xy) / radius;
