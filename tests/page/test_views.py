@@ -43,7 +43,7 @@ const send = (view, type, x, y, more) => {
   const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1, pointerType: "mouse" };
   view.canvas.dispatchEvent(new PointerEvent(type, { ...place, button, buttons, ...more }));
 };
-window.rsegen = { solid, plan, said, send, thumbnail, createSolid };
+window.rsegen = { solid, plan, said, send, thumbnail, createSolid, createPlan };
 """
 
 
@@ -401,6 +401,21 @@ def test_robot_is_red_if_it_does_not_stand(browser: Chrome, solid: str, stands: 
     assert (red > blue) == redder
 
 
+@pytest.mark.usefixtures("solid")
+def test_footprint_is_where_the_parts_are(browser: Chrome) -> None:
+    _run(browser, "plan", "view.set({ grid: false })")
+    before = _picture(browser, "plan", 380, 600)
+    robot = _robot()
+    robot["parts"][0]["pose"][3] = 0.1  # its middle is ahead of the robot's origin
+    pose: dict[str, Any] = dict.fromkeys(("x", "y", "z", "roll", "pitch", "tilt", "margin"), 0.0)
+    pose |= {"stands": True, "holds": True, "pushes": True, "reason": "", "yaw": np.pi / 2, "clearance": None}
+    _run(browser, "plan", "view.robot(arguments[0], arguments[1])", robot, pose | {"contacts": [], "polygon": []})
+    x, y = np.nonzero(np.abs(_picture(browser, "plan", 380, 600) - before).max(axis=2).T > 20)
+    corners = _run(browser, "plan", "return [view.pixel([-0.1, 0.25]), view.pixel([0.1, -0.05])]")
+    _run(browser, "plan", "view.robot(null, null)")
+    assert [[x.min(), y.min()], [x.max(), y.max()]] == pytest.approx(np.array(corners), abs=4)
+
+
 def test_played_robot_is_between_the_samples(browser: Chrome, solid: str) -> None:
     poses = [[0, 0, 0.4, 0, 0, 0], [0.2, 0.1, 0.5, 0, 0, np.pi / 2]]
     track = {
@@ -440,21 +455,33 @@ def test_scene_without_owners_is_shown(browser: Chrome, view: str) -> None:
     assert _said(browser, view, "pick") == [[-1, [3, 2]]]
 
 
-@pytest.mark.usefixtures("solid")
-def test_browser_without_3d_graphics_says_so(browser: Chrome) -> None:
-    said = browser.execute_script(
-        """const { getContext } = HTMLCanvasElement.prototype;
-        const [host, silent] = [document.createElement("div"), console.error];
-        HTMLCanvasElement.prototype.getContext = () => null;
-        console.error = () => {};
-        const view = window.rsegen.createSolid(host, {});
-        [HTMLCanvasElement.prototype.getContext, console.error] = [getContext, silent];
-        view.show(arguments[0]);
+@pytest.mark.parametrize("view", ["createSolid", "createPlan"])
+def test_view_that_goes_leaves_its_place_as_it_was(browser: Chrome, view: str) -> None:
+    left = browser.execute_script(
+        """const host = document.createElement("div");
+        host.innerHTML = "<p>other</p>";
+        const view = window.rsegen[arguments[0]](host, {});
+        view.show(arguments[1]);
         view.select(1);
-        return host.textContent;""",
+        const some = host.children.length;
+        view.dispose();
+        return [some > 4, host.innerHTML];""",
+        view,
         _scene(),
     )
-    assert said == "This browser shows no 3D graphics (WebGL 2)."
+    assert left == [True, "<p>other</p>"]
+
+
+def test_browser_without_3d_graphics_is_an_error(browser: Chrome) -> None:
+    said = browser.execute_script(
+        """const { getContext } = HTMLCanvasElement.prototype;
+        const [host, complain] = [document.createElement("div"), console.error];
+        HTMLCanvasElement.prototype.getContext = () => null;
+        console.error = () => {};
+        try { window.rsegen.createSolid(host, {}); } catch (error) { return [error.message, host.outerHTML]; }
+        finally { [HTMLCanvasElement.prototype.getContext, console.error] = [getContext, complain]; }"""
+    )
+    assert said == ["THREE.WebGLRenderer: Error creating WebGL context.", "<div></div>"]
 
 
 def test_second_finger_ends_a_stroke(browser: Chrome, solid: str) -> None:

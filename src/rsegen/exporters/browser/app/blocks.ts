@@ -23,7 +23,10 @@ const GRAIN = { wood: 1, painted: 0.34, plain: 0.22, none: 0 };
 export function blocksOf(field: Field, dress: Dress): BufferGeometry {
   const { nX, nY } = field;
   // Where no block is one sees the floor.
-  const colours = field.palette.map(({ level, surface, colour }) => rgb(dress.look === "heights" ? colour : level === 0 ? dress.floor : surface));
+  const colours = field.palette.map(({ level, surface, colour }) => {
+    if (dress.look === "heights") return rgb(colour);
+    return rgb(level === 0 ? dress.floor : surface);
+  });
   const grains = field.palette.map(({ level }) => {
     if (level === 0) return GRAIN.none;
     if (dress.look === "heights") return level === null ? GRAIN.plain : GRAIN.none;
@@ -65,7 +68,8 @@ export function blocksOf(field: Field, dress: Dress): BufferGeometry {
       for (let j = 0; j < nY; j++) {
         if (!dress.isSeen(i, j)) continue;
         const own = field.heights[i * nY + j];
-        faces += 1 + +(height(i - 1, j) < own) + +(height(i + 1, j) < own) + +(height(i, j - 1) < own) + +(height(i, j + 1) < own);
+        const [west, east, south, north] = [height(i - 1, j), height(i + 1, j), height(i, j - 1), height(i, j + 1)];
+        faces += 1 + +(west < own) + +(east < own) + +(south < own) + +(north < own);
       }
     }
     return faces;

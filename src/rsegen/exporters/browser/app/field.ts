@@ -34,7 +34,13 @@ export class Field {
     this.owners = scene.owners ? new Int16Array(bytesOf(scene.owners).buffer) : null;
     this.blockX = blocksOf(this.nX, this.nY, (i, j) => this.material(i, j).level !== null);
     this.blockY = blocksOf(this.nY, this.nX, (j, i) => this.material(i, j).level !== null);
-    [this.columns, this.rows] = [this.blockX, this.blockY].map((blocks) => [...blocks.keys()].filter((k) => blocks[k] >= 0));
+    const cellsOf = (blocks: Int32Array) => [...blocks.keys()].filter((k) => blocks[k] >= 0);
+    [this.columns, this.rows] = [cellsOf(this.blockX), cellsOf(this.blockY)];
+  }
+
+  /* Whether another map has the same size, so that the camera may stay. */
+  isLike(other: Field | null): boolean {
+    return other !== null && this.nX === other.nX && this.nY === other.nY && this.width === other.width;
   }
 
   at(i: number, j: number): number {
@@ -116,7 +122,8 @@ export class Field {
   colourOf(level: number): string {
     const levels = this.palette.filter((material) => material.level !== null);
     const apart = (material: Material) => Math.abs(material.level! - level);
-    return levels.reduce((best, material) => (apart(material) < apart(best) ? material : best), levels[0])?.colour ?? "#888888";
+    const nearest = levels.reduce((best, material) => (apart(material) < apart(best) ? material : best), levels[0]);
+    return nearest?.colour ?? "#888888";
   }
 }
 
@@ -218,7 +225,8 @@ export function onRay(field: Field, origin: Point, direction: Point): { cell: Pl
     end = Math.min(end, Math.max(...ends));
   }
   if (now > end) return null;
-  const inside = (axis: number, size: number) => Math.min(size - 1, Math.max(0, Math.floor(start[axis] + way[axis] * now)));
+  const inside = (axis: number, size: number) =>
+    Math.min(size - 1, Math.max(0, Math.floor(start[axis] + way[axis] * now)));
   let [i, j] = [inside(0, field.nX), inside(1, field.nY)];
   for (;;) {
     const untilX = way[0] === 0 ? Infinity : (i + (way[0] > 0 ? 1 : 0) - start[0]) / way[0];

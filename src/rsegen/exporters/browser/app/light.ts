@@ -1,9 +1,9 @@
 /* The light on a map, as a texture that blocks, floor and sides share: no shadow is drawn twice while a map stays.
 
 The sun does not move, so for each point of the plan one number says all of its shadow: the height below which it is
-dark. It is found in one sweep away from the sun, n steps for n texels: the height of the neighbour towards the sun,
-or of its shadow, less what the ray falls in between. A point is lit if it is above. Beside it stands the mean height
-around the point, above which corners are open to the sky and below which they are not.
+dark. It is found in one sweep away from the sun, n steps for n texels: the highest block that a ray has met, less what
+the ray has fallen since. A point is lit if it is above. Beside it stands the mean height around the point: below it,
+a corner sees little of the sky.
 */
 
 import { ClampToEdgeWrapping, DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector2 } from "three";
@@ -38,16 +38,7 @@ export function lightOn(field: Field): Light {
     }
     for (let k = 1; k < fine; k++) heights.copyWithin(first + k * high, first, first + high);
   }
-  const shadow = new Float32Array(wide * high);
-  for (let i = 0; i < wide; i++) {
-    // Rays go from texel to texel, so that shadows stay sharp however far they fall.
-    const aside = Math.round(slope * i) - Math.round(slope * (i - 1));
-    for (let j = 0; j < high; j++) {
-      const from = (i - 1) * high + j - aside;
-      const isInside = i > 0 && j >= aside;
-      shadow[i * high + j] = (isInside ? Math.max(heights[from], shadow[from]) : 0) - fall;
-    }
-  }
+  const shadow = shadowOf(heights, wide, high, slope, fall);
   const radius = Math.max(1, Math.round(AROUND * fine));
   const mean = blurred(blurred(heights, wide, high, radius), wide, high, Math.max(1, radius >> 1));
   const both = new Uint16Array(2 * wide * high);
@@ -63,6 +54,27 @@ export function lightOn(field: Field): Light {
   texture.needsUpdate = true;
   const [low, size] = [new Vector2(field.x(-rim), field.y(-rim)), new Vector2(wide, high).multiplyScalar(width / fine)];
   return { texture, low, size, fall, texel: width / fine };
+}
+
+/* The height below which each texel is dark. Rays leave the side of the sun one texel apart, and go from column to
+column; a texel is between two of them. */
+function shadowOf(heights: Float32Array, wide: number, high: number, slope: number, fall: number): Float32Array {
+  const shadow = new Float32Array(wide * high).fill(-fall);
+  const before = Math.ceil(slope * wide) + 1; // rays that come in from below the first row
+  const rays = new Float32Array(before + high + 2).fill(-fall);
+  for (let i = 1; i < wide; i++) {
+    for (let k = 0; k < rays.length; k++) {
+      const j = Math.round(k - before + slope * (i - 1));
+      const met = j >= 0 && j < high ? heights[(i - 1) * high + j] : 0;
+      rays[k] = Math.max(rays[k], met) - fall;
+    }
+    const first = before - slope * i;
+    const [whole, part] = [Math.floor(first), first - Math.floor(first)];
+    for (let j = 0; j < high; j++) {
+      shadow[i * high + j] = (1 - part) * rays[j + whole] + part * rays[j + whole + 1];
+    }
+  }
+  return shadow;
 }
 
 /* The mean of the square around each texel, by running sums along one axis and then the other. */

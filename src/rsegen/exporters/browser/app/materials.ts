@@ -50,13 +50,19 @@ uniform sampler2D light;
 uniform vec2 lightLow, lightSize;
 uniform float lightFall, lightTexel, block;
 vec2 litAt(vec3 point, vec3 facing) {
-  vec2 plan = point.xy + 0.6 * lightTexel * facing.xy;
+  vec2 plan = point.xy + 1.5 * lightTexel * facing.xy; // a side is lit as what lies before it
   vec2 dark = texture2D(light, (plan.yx - lightLow.yx) / lightSize.yx).rg;
   float sun = smoothstep(0.0, 0.85 * lightFall, point.z - dark.x + 0.02 * lightFall);
   float deep = max(0.0, dark.y - point.z) / block;
   float open = 1.0 - 0.66 * deep / (deep + 0.45);
   return vec2(sun, open);
 }`;
+
+/* What both surfaces do with it, after three.js has summed up sun (direct) and sky (indirect). */
+const shaded = (facing: string) => `#include <lights_fragment_end>
+  vec2 lit = litAt(vPlace, ${facing});
+  reflectedLight.directDiffuse *= lit.x * mix(1.0, lit.y, 0.35);
+  reflectedLight.indirectDiffuse *= lit.y;`;
 
 /* Blocks: colour of the face times its grain, a groove along its edges, and the overlay on tops. */
 export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
@@ -90,7 +96,9 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         vEdges = vec4(vFace.x, 1.0 - vFace.x, vFace.y, 1.0 - vFace.y) + 9.0 * none;
         vPlace = position;
         vFacing = objectNormal;
-        vColour = pow(colour.rgb / 255.0, vec3(2.2));
+        // From the colours of screens to light, to a thousandth, without a power.
+        vec3 shown = colour.rgb / 255.0;
+        vColour = shown * (shown * (shown * 0.3053 + 0.6822) + 0.0125);
         float varied = floor(face.z / 2.0);
         vec2 fibre = vec2(side < 0.5 ? position.x : vFace.x, side < 0.5 ? position.y : position.z) / block;
         if (side > 2.5 && mod(face.z, 2.0) > 0.5) fibre.x = position.x / block;
@@ -112,7 +120,7 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
         uniform sampler2DArray grain;
         uniform sampler2D overlay;
         uniform vec2 overlayLow, overlaySize;
-        uniform float joints, grid;
+        uniform float grid;
         varying vec3 vPlace, vColour, vFacing, vGrain;
         varying vec2 vFace;
         varying vec4 vEdges;
@@ -149,15 +157,10 @@ export function blockMaterial(shared: Uniforms): MeshLambertMaterial {
           diffuseColor.rgb = mix(diffuseColor.rgb, over.rgb, over.a);
         #endif`,
       )
-      .replace("#include <lights_fragment_end>", SHADED("vFacing"));
+      .replace("#include <lights_fragment_end>", shaded("vFacing"));
   };
   return material;
 }
-
-const SHADED = (facing: string) => `#include <lights_fragment_end>
-  vec2 lit = litAt(vPlace, ${facing});
-  reflectedLight.directDiffuse *= lit.x * mix(1.0, lit.y, 0.35);
-  reflectedLight.indirectDiffuse *= lit.y;`;
 
 /* The floor: smooth concrete with joints at each metre, which fades into the horizon. */
 export function floorMaterial(shared: Uniforms): MeshLambertMaterial {
@@ -185,7 +188,7 @@ export function floorMaterial(shared: Uniforms): MeshLambertMaterial {
         float line = max(lines.x, lines.y) * (1.0 - smoothstep(0.05, 0.3, max(pixel.x, pixel.y)));
         diffuseColor.rgb = mix(diffuseColor.rgb, joint, 0.4 * line);`,
       )
-      .replace("#include <lights_fragment_end>", SHADED("vec3(0.0)"))
+      .replace("#include <lights_fragment_end>", shaded("vec3(0.0)"))
       .replace(
         "#include <fog_fragment>",
         `float away = length(vPlace.xy) / radius;

@@ -7,11 +7,11 @@ import {
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import { BAD, GOOD, TRAILS } from "./colours";
 import type { Point } from "./field";
 import type { Playback, Pose, RobotDrawing } from "./protocol";
 
-const RED = new Color("#e3263a");
-const GOOD = "#14a37f";
+const RED = new Color(BAD);
 
 export interface Pen { colour: string; width: number; opacity?: number; hidden?: boolean; dash?: number }
 
@@ -73,6 +73,31 @@ export class Robot {
   }
 }
 
+/* Where the parts of a robot are along x and y in its own frame: lowest and highest x, lowest and highest y. */
+export function boundsOf(drawing: RobotDrawing): [number, number, number, number] {
+  const bounds: [number, number, number, number] = [Infinity, -Infinity, Infinity, -Infinity];
+  const include = (axis: number, low: number, high: number) => {
+    bounds[2 * axis] = Math.min(bounds[2 * axis], low);
+    bounds[2 * axis + 1] = Math.max(bounds[2 * axis + 1], high);
+  };
+  for (const { shape, size: [a, b, c], pose, vertices = [] } of drawing.parts) {
+    const half = shape === "box" ? [a / 2, b / 2, c / 2] : shape === "cylinder" ? [a, a, b / 2] : [a, a, a];
+    for (const axis of [0, 1]) {
+      const [x, y, z, from] = pose.slice(4 * axis, 4 * axis + 4);
+      if (shape === "mesh") {
+        for (let k = 0; k < vertices.length; k += 3) {
+          const at = from + x * vertices[k] + y * vertices[k + 1] + z * vertices[k + 2];
+          include(axis, at, at);
+        }
+      } else {
+        const reach = Math.abs(x) * half[0] + Math.abs(y) * half[1] + Math.abs(z) * half[2];
+        include(axis, from - reach, from + reach);
+      }
+    }
+  }
+  return bounds;
+}
+
 function shapeOf(part: RobotDrawing["parts"][number]): BufferGeometry {
   const [a, b, c] = part.size;
   if (part.shape === "box") return new BoxGeometry(a, b, c);
@@ -93,13 +118,14 @@ export function rotationOf(roll: number, pitch: number, yaw: number): Quaternion
 /* Where a robot touches the blocks, and the hull of these points, on which its weight must rest. */
 export function restOf(pose: Pose, size: number): Group {
   const group = new Group();
-  const colour = pose.stands && pose.holds ? GOOD : "#e3263a";
+  const colour = pose.stands && pose.holds ? GOOD : BAD;
   const { polygon, contacts } = pose;
   if (polygon.length > 2) {
     const face = new BufferGeometry();
     face.setAttribute("position", new BufferAttribute(new Float32Array(polygon.flat()), 3));
     face.setIndex(polygon.slice(2).flatMap((_, k) => [0, k + 1, k + 2]));
-    const fill = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.3, side: DoubleSide, depthTest: false });
+    const pale = { color: colour, transparent: true, opacity: 0.3 };
+    const fill = new MeshBasicMaterial({ ...pale, side: DoubleSide, depthTest: false });
     const mesh = new Mesh(face, fill);
     mesh.renderOrder = 3;
     group.add(mesh, linesOf(pairs([...polygon, polygon[0]]), { colour, width: 2.5, hidden: true }));
@@ -117,15 +143,22 @@ export function dot(point: Point, radius: number, colour: string, opacity = 1): 
   return mesh;
 }
 
-export const TRAILS = ["#d6336c", "#1c7ed6", "#e8590c", "#5f3dc4", "#0b7285"];
+interface Track {
+  robot: Robot | null;
+  trail: LineSegments2;
+  seconds: number[];
+  poses: number[][];
+  marks: [number, Mesh][]; // when something happened, and its ball
+}
 
 /* A drive that is played: its robots, what they drove, and marks where something happened. */
 export class Player {
   readonly group = new Group();
-  private readonly tracks: { robot: Robot | null; trail: LineSegments2; seconds: number[]; poses: number[][]; marks: [number, Mesh][] }[];
+  private readonly tracks: Track[];
 
   constructor(playback: Playback, drawings: Map<string, RobotDrawing>, size: number) {
-    this.tracks = playback.robots.filter(({ poses }) => poses.length > 0).map(({ robot: kind, seconds, poses, events }, k) => {
+    const driven = playback.robots.filter(({ poses }) => poses.length > 0);
+    this.tracks = driven.map(({ robot: kind, seconds, poses, events }, k) => {
       const colour = TRAILS[k % TRAILS.length];
       const points = poses.map(([x, y, z]): Point => [x, y, z]);
       const drawing = drawings.get(kind);
@@ -134,7 +167,7 @@ export class Player {
       const trail = linesOf(pairs(points), { colour, width: 3.5, hidden: true });
       const marks = events.map(({ second }): [number, Mesh] => {
         const { position } = poseAt(seconds, poses, second);
-        return [second, dot([position.x, position.y, position.z], 1.6 * size, "#e3263a", 0.35)];
+        return [second, dot([position.x, position.y, position.z], 1.6 * size, BAD, 0.35)];
       });
       this.group.add(whole, trail, ...marks.map(([, mark]) => mark));
       if (robot) this.group.add(robot.group);
@@ -170,7 +203,9 @@ function before(seconds: number[], second: number): number {
 }
 
 /* The pose at a time, between the samples before and after it. */
-export function poseAt(seconds: number[], poses: number[][], second: number): { position: Vector3; rotation: Quaternion } {
+export function poseAt(
+  seconds: number[], poses: number[][], second: number,
+): { position: Vector3; rotation: Quaternion } {
   const from = before(seconds, second);
   const to = Math.min(from + 1, poses.length - 1);
   const [a, b] = [poses[from], poses[to]];

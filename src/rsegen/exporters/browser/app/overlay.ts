@@ -49,7 +49,8 @@ function byValue(map: PoseMap, shown: "tilt" | "margin"): Colour {
     if (Number.isNaN(values[at])) return null;
     const share = Math.min(1, Math.max(0, values[at] / high));
     const place = (shown === "tilt" ? share : 1 - share) * (RAMP.length - 1);
-    const [from, part] = [Math.min(RAMP.length - 2, Math.floor(place)), place - Math.min(RAMP.length - 2, Math.floor(place))];
+    const from = Math.min(RAMP.length - 2, Math.floor(place));
+    const part = place - from;
     return [...RAMP[from].map((value, k) => value + part * (RAMP[from + 1][k] - value)), SEEN];
   };
 }

@@ -1,10 +1,12 @@
 /* The plan: north up; cells are counted below and on the left, metres above and on the right. Tools work as in 3D. */
 
+import { ACCENT, BAD, GOOD, START, TRAILS, TROUBLE } from "./colours";
 import { Field, metres, outline, rgb, type Place, type Point } from "./field";
-import { TRAILS, poseAt } from "./models";
+import { boundsOf, poseAt } from "./models";
 import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
-import { Grips, Tools, add, cellsBetween, gripsOf, moveTo, type Board, type Grip, type Preview, type Spot } from "./tools";
+import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
+import type { Board, Grip, Preview, Spot } from "./tools";
 import type { Options, Tool, View, ViewEvents } from "./views";
 import "./views.css";
 
@@ -12,13 +14,13 @@ const MARGINS = { left: 34, right: 44, top: 26, bottom: 26 };
 const NARROW = 210; // CSS pixels below which there are no margins, and so no numbers
 const LEGIBLE = 17; // CSS pixels that a cell must have so that its height is written into it
 const LINED = 5; // and so that it has an outline
-const ACCENT = "#e0218a";
 
 export function createPlan(host: HTMLElement, on: ViewEvents): Plan {
   return new Plan(host, on);
 }
 
 type Pixel = [number, number];
+type Pen = CanvasRenderingContext2D;
 
 export class Plan implements View, Board {
   field: Field | null = null;
@@ -65,7 +67,8 @@ export class Plan implements View, Board {
     this.sizes.observe(host);
     const { signal } = this.ends;
     this.canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false, signal });
-    this.canvas.addEventListener("pointerdown", (event) => this.fingers.set(event.pointerId, [event.clientX, event.clientY]), { signal });
+    const put = (event: PointerEvent) => this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    this.canvas.addEventListener("pointerdown", put, { signal });
     this.canvas.addEventListener("pointermove", (event) => this.drag(event), { signal });
     for (const name of ["pointerup", "pointercancel", "pointerleave"] as const) {
       this.canvas.addEventListener(name, (event) => this.fingers.delete(event.pointerId), { signal });
@@ -78,8 +81,7 @@ export class Plan implements View, Board {
     const before = this.field;
     this.field = scene && new Field(scene);
     this.content = this.field && pictureOf(this.field);
-    const isOther = !before || before.nX !== this.field?.nX || before.nY !== this.field.nY || before.width !== this.field.width;
-    if (isOther) this.look();
+    if (!this.field?.isLike(before)) this.look();
     this.tools.shown();
     if (this.marked && !this.field?.has(...this.marked.cell)) this.mark(null);
     this.select(this.row);
@@ -159,7 +161,9 @@ export class Plan implements View, Board {
     this.sizes.disconnect();
     this.tools.dispose();
     this.ends.abort();
-    this.host.replaceChildren();
+    this.grips.dispose();
+    this.canvas.remove();
+    this.label.remove();
   }
 
   /* ---- a board for tools */
@@ -320,7 +324,8 @@ export class Plan implements View, Board {
     this.paint(pen, width, height);
     this.host.toggleAttribute("data-small", Math.min(width, height) < NARROW);
     this.grips.place((point) => this.pixel(point));
-    this.label.hidden = !this.marked || !this.field || this.field.width * this.scale >= LEGIBLE || Math.min(width, height) < NARROW;
+    const isLegible = this.field && this.field.width * this.scale >= LEGIBLE;
+    this.label.hidden = !this.marked || !this.field || isLegible || Math.min(width, height) < NARROW;
     if (this.marked && this.field) {
       this.label.textContent = this.field.hover(this.marked.cell, this.marked.point).label;
       const [x, y] = this.pixel(this.marked.point);
@@ -328,18 +333,22 @@ export class Plan implements View, Board {
     }
   }
 
-  private paint(pen: CanvasRenderingContext2D, width: number, height: number): void {
+  private paint(pen: Pen, width: number, height: number): void {
     pen.clearRect(0, 0, width, height);
     const { field, content } = this;
     if (!field || !content) return;
     this.fit(width, height);
     const { left, right, top, bottom } = this.margins(width, height);
     const [centreX, centreY] = this.centre(width, height);
-    const at = ([x, y]: Point | [number, number]): Pixel => [centreX + (x - this.middle[0]) * this.scale, centreY - (y - this.middle[1]) * this.scale];
+    const { scale, middle } = this;
+    const at: At = ([x, y]) => [centreX + (x - middle[0]) * scale, centreY - (y - middle[1]) * scale];
     const box: [number, number, number, number] = [left, top, width - left - right, height - top - bottom];
     pen.save();
     pen.beginPath();
-    pen.rect(box[0] - 2, box[1] - 2, box[2] + 4, box[3] + 4);
+    // Ways that begin beside the map do not run into the numbers.
+    const [[west, south], [east, north]] = [at([field.x(0), field.y(0)]), at([field.x(field.nX), field.y(field.nY)])];
+    const [x0, y0] = [Math.max(left, west) - 2, Math.max(top, north) - 2];
+    pen.rect(x0, y0, Math.min(width - right, east) + 2 - x0, Math.min(height - bottom, south) + 2 - y0);
     pen.clip();
     pen.imageSmoothingEnabled = field.width * this.scale < 1;
     this.place(pen, at, content, [field.x(0), field.y(0)], [field.nX * field.width, field.nY * field.width]);
@@ -356,12 +365,12 @@ export class Plan implements View, Board {
     if (left > 2) this.drawNumbers(pen, at, field, box);
   }
 
-  private place(pen: CanvasRenderingContext2D, at: At, canvas: HTMLCanvasElement, low: [number, number], size: [number, number]): void {
+  private place(pen: Pen, at: At, canvas: HTMLCanvasElement, low: [number, number], size: [number, number]): void {
     const [x, y] = at([low[0], low[1] + size[1]]);
     pen.drawImage(canvas, x, y, size[0] * this.scale, size[1] * this.scale);
   }
 
-  private drawLines(pen: CanvasRenderingContext2D, at: At, field: Field): void {
+  private drawLines(pen: Pen, at: At, field: Field): void {
     const size = field.width * this.scale;
     if (size < LINED) return;
     const [[west, south], [east, north]] = [at([field.x(0), field.y(0)]), at([field.x(field.nX), field.y(field.nY)])];
@@ -379,7 +388,7 @@ export class Plan implements View, Board {
     pen.stroke();
   }
 
-  private drawHeights(pen: CanvasRenderingContext2D, at: At, field: Field, [left, top, wide, high]: number[]): void {
+  private drawHeights(pen: Pen, at: At, field: Field, [left, top, wide, high]: number[]): void {
     const size = field.width * this.scale;
     if (size < LEGIBLE) return;
     const longest = field.palette.reduce((most, { label }) => Math.max(most, label.length), 1);
@@ -398,7 +407,7 @@ export class Plan implements View, Board {
     }
   }
 
-  private drawObstacle(pen: CanvasRenderingContext2D, at: At, field: Field): void {
+  private drawObstacle(pen: Pen, at: At, field: Field): void {
     if (this.shownGhost) {
       const cells = this.shownGhost.cellsOf(this.ghostRow);
       pen.globalAlpha = 0.75;
@@ -414,14 +423,14 @@ export class Plan implements View, Board {
     this.strokeCells(pen, at, field, cells, ACCENT, 2.5, "#ffffff");
   }
 
-  private drawPreview(pen: CanvasRenderingContext2D, at: At, field: Field): void {
+  private drawPreview(pen: Pen, at: At, field: Field): void {
     if (!this.shownPreview) return;
     const { cells, level } = this.shownPreview;
     if (level !== null && level >= 0) this.fillCells(pen, at, field, cells, () => field.colourOf(level));
     this.strokeCells(pen, at, field, cells, ACCENT, 2, "#ffffff");
   }
 
-  private fillCells(pen: CanvasRenderingContext2D, at: At, field: Field, cells: Place[], colour: (cell: Place) => string): void {
+  private fillCells(pen: Pen, at: At, field: Field, cells: Place[], colour: (cell: Place) => string): void {
     const size = field.width * this.scale;
     for (const cell of cells) {
       const [x, y] = at([field.x(cell[0]), field.y(cell[1] + 1)]);
@@ -431,7 +440,7 @@ export class Plan implements View, Board {
   }
 
   /* Outline some cells, with a wider line below, so that it is seen on any colour. */
-  private strokeCells(pen: CanvasRenderingContext2D, at: At, field: Field, cells: Place[], colour: string, width: number, below = ""): void {
+  private strokeCells(pen: Pen, at: At, field: Field, cells: Place[], colour: string, width: number, below = ""): void {
     const points = outline(field, cells);
     pen.beginPath();
     for (let k = 0; k < points.length; k += 2) {
@@ -439,36 +448,39 @@ export class Plan implements View, Board {
       pen.lineTo(...at(points[k + 1]));
     }
     pen.lineCap = "round";
+    const thin = Math.min(1, Math.max(0.4, (field.width * this.scale) / 12)); // where cells are small
     for (const [style, wide] of below ? [[below, width + 2], [colour, width]] as const : [[colour, width]] as const) {
       pen.strokeStyle = style;
-      pen.lineWidth = wide;
+      pen.lineWidth = thin * wide;
       pen.stroke();
     }
   }
 
-  private drawWays(pen: CanvasRenderingContext2D, at: At): void {
+  private drawWays(pen: Pen, at: At): void {
     const { shownReach, shownWay, start, field } = this;
     const size = Math.max(3, Math.min(7, 0.3 * field!.width * this.scale));
-    for (const { points, crosses } of shownReach?.ways ?? []) this.strokeLine(pen, at, points, crosses ? "#0b8f6a" : "#e8590c", 3);
-    for (const { x, y, name } of shownReach?.spots ?? []) disc(pen, at([x, y]), size, name === "S" ? "#0b8f6a" : ACCENT);
-    if (start) disc(pen, at(start), size, "#0b8f6a");
+    shownReach?.ways.forEach(({ points, crosses }) => this.strokeLine(pen, at, points, crosses ? START : TROUBLE, 3));
+    shownReach?.spots.forEach(({ x, y, name }) => disc(pen, at([x, y]), size, name === "S" ? START : ACCENT));
+    if (start) disc(pen, at(start), size, START);
     const poses = shownWay?.poses ?? [];
     if (!poses.length) return;
     this.strokeLine(pen, at, poses, "#ffffff", 6);
-    this.strokeLine(pen, at, poses, "#0b8f6a", 3.5);
-    disc(pen, at([poses[0][0], poses[0][1]]), size, "#0b8f6a");
-    disc(pen, at([poses[poses.length - 1][0], poses[poses.length - 1][1]]), size, ACCENT);
-    for (const event of shownWay!.events) if (poses[event.at]) disc(pen, at([poses[event.at][0], poses[event.at][1]]), 0.8 * size, "#e8590c");
+    this.strokeLine(pen, at, poses, START, 3.5);
+    const mark = (k: number, radius: number, colour: string) =>
+      poses[k] && disc(pen, at([poses[k][0], poses[k][1]]), radius, colour);
+    mark(0, size, START);
+    mark(poses.length - 1, size, ACCENT);
+    shownWay!.events.forEach((event) => mark(event.at, 0.8 * size, TROUBLE));
   }
 
-  private strokeLine(pen: CanvasRenderingContext2D, at: At, points: readonly (readonly number[])[], colour: string, width: number): void {
+  private strokeLine(pen: Pen, at: At, points: readonly (readonly number[])[], colour: string, width: number): void {
     pen.beginPath();
     points.forEach(([x, y], k) => (k ? pen.lineTo(...at([x, y])) : pen.moveTo(...at([x, y]))));
     Object.assign(pen, { strokeStyle: colour, lineWidth: width, lineCap: "round", lineJoin: "round" });
     pen.stroke();
   }
 
-  private drawRobots(pen: CanvasRenderingContext2D, at: At): void {
+  private drawRobots(pen: Pen, at: At): void {
     const { pose, drawing } = this;
     for (const [k, { robot, seconds, poses, events }] of (this.playback?.robots ?? []).entries()) {
       if (!poses.length) continue;
@@ -480,17 +492,19 @@ export class Plan implements View, Board {
       for (const { second } of events) {
         const { position } = poseAt(seconds, poses, second);
         pen.globalAlpha = second <= this.second ? 1 : 0.4;
-        disc(pen, at([position.x, position.y]), 4, "#e3263a");
+        disc(pen, at([position.x, position.y]), 4, BAD);
         pen.globalAlpha = 1;
       }
       const now = poseAt(seconds, poses, this.second);
-      const yaw = Math.atan2(2 * (now.rotation.w * now.rotation.z + now.rotation.x * now.rotation.y), 1 - 2 * (now.rotation.y ** 2 + now.rotation.z ** 2));
-      const size = this.drawings.get(robot)?.size ?? [0.2, 0.15, 0.1];
-      this.drawFootprint(pen, at, [now.position.x, now.position.y], yaw, size, colour);
+      const { x, y, z, w } = now.rotation;
+      const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+      const drawn = this.drawings.get(robot);
+      if (drawn) this.drawFootprint(pen, at, [now.position.x, now.position.y], yaw, drawn, colour);
+      else disc(pen, at([now.position.x, now.position.y]), 5, colour);
     }
     if (!pose || !drawing) return;
-    const colour = pose.stands && pose.holds ? "#14a37f" : "#e3263a";
-    this.drawFootprint(pen, at, [pose.x, pose.y], pose.yaw, drawing.size, colour);
+    const colour = pose.stands && pose.holds ? GOOD : BAD;
+    this.drawFootprint(pen, at, [pose.x, pose.y], pose.yaw, drawing, colour);
     if (pose.polygon.length > 2) {
       this.strokeLine(pen, at, [...pose.polygon, pose.polygon[0]], colour, 1.5);
       pen.fillStyle = `${colour}44`;
@@ -500,24 +514,31 @@ export class Plan implements View, Board {
   }
 
   /* The robot from above, with a head that shows where it faces. */
-  private drawFootprint(pen: CanvasRenderingContext2D, at: At, [x, y]: [number, number], yaw: number, [long, wide]: number[], colour: string): void {
+  private drawFootprint(
+    pen: Pen, at: At, [x, y]: [number, number], yaw: number, drawing: RobotDrawing, colour: string,
+  ): void {
     const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
     const turned = (a: number, b: number): [number, number] => [x + a * cos - b * sin, y + a * sin + b * cos];
-    const [a, b] = [long / 2, wide / 2];
-    const corners = [turned(-a, -b), turned(0.6 * a, -b), turned(a, 0), turned(0.6 * a, b), turned(-a, b), turned(-a, -b)];
-    this.strokeLine(pen, at, corners, "#ffffff", 4);
-    this.strokeLine(pen, at, corners, colour, 2.5);
+    const [back, front, right, left] = boundsOf(drawing);
+    const shoulder = front - 0.2 * (front - back);
+    const tip = [front, (left + right) / 2];
+    const corners = [[back, right], [shoulder, right], tip, [shoulder, left], [back, left], [back, right]];
+    const points = corners.map(([along, across]) => turned(along, across));
+    this.strokeLine(pen, at, points, "#ffffff", 4);
+    this.strokeLine(pen, at, points, colour, 2.5);
     pen.fillStyle = `${colour}33`;
     pen.fill();
   }
 
-  private drawNumbers(pen: CanvasRenderingContext2D, at: At, field: Field, [left, top, wide, high]: number[]): void {
+  private drawNumbers(pen: Pen, at: At, field: Field, [left, top, wide, high]: number[]): void {
     const size = field.width * this.scale;
     const [west, south] = at([field.x(0), field.y(0)]);
     const [edgeX, edgeY] = [Math.min(left + wide, west + field.nX * size), Math.min(top + high, south)];
     const [startX, startY] = [Math.max(left, west), Math.max(top, south - field.nY * size)];
-    const text = (value: string | number, x: number, y: number, align: CanvasTextAlign, baseline: CanvasTextBaseline) => {
-      Object.assign(pen, { textAlign: align, textBaseline: baseline });
+    const text = (
+      value: string | number, x: number, y: number, textAlign: CanvasTextAlign, textBaseline: CanvasTextBaseline,
+    ) => {
+      Object.assign(pen, { textAlign, textBaseline });
       pen.fillText(String(value), x, y);
     };
     const isIn = (value: number, from: number, to: number) => value >= from - 0.5 && value <= to + 0.5;
@@ -557,7 +578,7 @@ export class Plan implements View, Board {
 
 type At = (point: Point | [number, number]) => Pixel;
 
-function disc(pen: CanvasRenderingContext2D, [x, y]: Pixel, radius: number, colour: string): void {
+function disc(pen: Pen, [x, y]: Pixel, radius: number, colour: string): void {
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.fillStyle = colour;

@@ -1,42 +1,28 @@
 /* The 3D view: a map that is turned, edited and driven on. It is drawn only when something changed. */
 
 import {
-  BoxGeometry, Color, InstancedMesh, MOUSE, Matrix4, Mesh, MeshLambertMaterial, Object3D, Plane,
+  BoxGeometry, InstancedMesh, MOUSE, Matrix4, Mesh, MeshLambertMaterial, Object3D, Plane,
   Raycaster, TOUCH, Vector2, Vector3, type WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { blocksOf } from "./blocks";
-import { Field, metres, onRay, outline, type Place, type Point } from "./field";
+import { ACCENT, BAD, START, TROUBLE } from "./colours";
+import { Field, onRay, outline, type Place, type Point } from "./field";
 import { Player, Robot, dot, drop, linesOf, pairs, restOf, rotationOf } from "./models";
 import { ofPoses, ofReach, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
 import { Stage, rendererOf, type From } from "./stage";
-import { Grips, Tools, add, cellsBetween, gripsOf, moveTo, type Board, type Grip, type Preview, type Spot } from "./tools";
+import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
+import type { Board, Grip, Preview, Spot } from "./tools";
 import type { Options, Tool, View, ViewEvents } from "./views";
 import "./views.css";
 
-const ACCENT = "#e0218a";
-const SLOW = 60; // milliseconds per picture beyond which the next ones have fewer pixels
+const SLOW = 80; // milliseconds per picture beyond which the next ones have fewer pixels
 const REST = 200; // milliseconds without a change after which it is drawn in full again
 
-export function createSolid(host: HTMLElement, on: ViewEvents): View {
-  try {
-    return new Solid(host, on);
-  } catch {
-    return unseen(host);
-  }
-}
-
-/* What stands where the browser cannot draw in three dimensions; all else of a page works. */
-function unseen(host: HTMLElement): View {
-  host.replaceChildren();
-  host.classList.add("view");
-  add(host, "unseen", "This browser shows no 3D graphics (WebGL 2).").removeAttribute("aria-hidden");
-  const nothing = () => undefined;
-  const picture = () => Promise.reject(new Error("this browser shows no 3D graphics"));
-  const [show, set, tool, select, ghost] = Array<() => undefined>(5).fill(nothing);
-  const [robot, poseMap, reach, way, play, at, look] = Array<() => undefined>(7).fill(nothing);
-  return { show, set, tool, select, ghost, robot, poseMap, reach, way, play, at, look, picture, dispose: () => host.replaceChildren() };
+/* Make the view; an error where the browser has no WebGL 2. */
+export function createSolid(host: HTMLElement, on: ViewEvents): Solid {
+  return new Solid(host, on);
 }
 
 export class Solid implements View, Board {
@@ -68,14 +54,12 @@ export class Solid implements View, Board {
   private scale = 1; // of pixels while something changes
 
   constructor(readonly host: HTMLElement, on: ViewEvents) {
-    host.classList.add("view");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", "3D view: arrow keys turn it, plus and minus zoom");
-    const isSlow = isSoftware();
-    this.renderer = rendererOf(this.canvas, !isSlow);
+    this.renderer = rendererOf(this.canvas); // first: nothing is in the page if it fails
+    host.classList.add("view");
     host.append(this.canvas);
-    if (isSlow) this.scale = 0.6;
     this.tools = new Tools(this, on);
     this.controls = new OrbitControls(this.stage.camera, this.canvas);
     Object.assign(this.controls, { maxPolarAngle: Math.PI / 2 - 0.02, zoomToCursor: true, zoomSpeed: 1.6 });
@@ -100,13 +84,12 @@ export class Solid implements View, Board {
     const before = this.field;
     this.field = new Field(scene);
     this.stage.show(this.field, this.options);
-    const isOther = !before || before.nX !== this.field.nX || before.nY !== this.field.nY || before.width !== this.field.width;
     this.tools.shown();
     this.drawAxes();
     this.select(this.row);
     if (this.shownReach) this.lay();
     if (this.marked) this.mark(this.field.has(...this.marked.cell) ? this.marked : null);
-    if (isOther) this.look(this.from);
+    if (!this.field.isLike(before)) this.look(this.from);
     this.ask();
   }
 
@@ -115,7 +98,8 @@ export class Solid implements View, Board {
     Object.assign(this.options, options);
     this.host.toggleAttribute("data-dark", this.options.dark);
     this.stage.dress(this.options);
-    if (this.field && (look !== this.options.look || dark !== this.options.dark)) this.stage.show(this.field, this.options);
+    const isOther = look !== this.options.look || dark !== this.options.dark;
+    if (this.field && isOther) this.stage.show(this.field, this.options);
     this.drawAxes();
     this.ask();
   }
@@ -130,12 +114,16 @@ export class Solid implements View, Board {
   select(row: number): void {
     this.row = row;
     const { field } = this;
-    const cells = field?.cellsOf(row) ?? [];
-    this.part("cells", field && cells.length ? [linesOf(lifted(outline(field, cells), field), { colour: ACCENT, width: 3 })] : []);
-    const hidden = field && cells.length ? [linesOf(outline(field, cells), { colour: ACCENT, width: 1.5, opacity: 0.35, hidden: true })] : [];
-    const between = field ? cellsBetween(field, row) : [];
-    const ends = between.length ? [linesOf(outline(field!, between), { colour: "#ffffff", width: 1.5, opacity: 0.85, hidden: true, dash: 0.3 * field!.width })] : [];
-    this.part("ends", [...hidden, ...ends]);
+    const lines: Object3D[] = [];
+    if (field) {
+      const [cells, between] = [field.cellsOf(row), cellsBetween(field, row)];
+      const around = outline(field, cells);
+      if (cells.length) lines.push(linesOf(lifted(around, field), { colour: ACCENT, width: 3 }));
+      if (cells.length) lines.push(linesOf(around, { colour: ACCENT, width: 1.5, opacity: 0.35, hidden: true }));
+      const dashed = { colour: "#ffffff", width: 1.5, opacity: 0.85, hidden: true, dash: 0.3 * field.width };
+      if (between.length) lines.push(linesOf(outline(field, between), dashed));
+    }
+    this.part("selected", lines);
     this.placeGrips();
     this.ask();
   }
@@ -145,7 +133,8 @@ export class Solid implements View, Board {
     else {
       const field = new Field(scene);
       const material = new MeshLambertMaterial({
-        color: ACCENT, transparent: true, opacity: 0.55, flatShading: true, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+        color: ACCENT, transparent: true, opacity: 0.55, flatShading: true,
+        polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2, // in front of the blocks that it covers
       });
       const geometry = blocksOf(field, { look: "heights", floor: ACCENT, isSeen: (i, j) => field.owner(i, j) === row });
       const lines = linesOf(outline(field, field.cellsOf(row)), { colour: ACCENT, width: 2, hidden: true });
@@ -180,8 +169,13 @@ export class Solid implements View, Board {
   reach(reach: Reach | null): void {
     this.shownReach = reach;
     const width = this.field?.width ?? 0.1;
-    this.part("ways", reach ? reach.ways.map(({ points, crosses }) => linesOf(pairs(points), { colour: crosses ? "#0b8f6a" : "#e8590c", width: 4, hidden: true })) : []);
-    this.part("spots", reach ? reach.spots.map(({ x, y, z, name }) => dot([x, y, z], 0.22 * width, name === "S" ? "#0b8f6a" : ACCENT)) : []);
+    const ways = (reach?.ways ?? []).map(({ points, crosses }) =>
+      linesOf(pairs(points), { colour: crosses ? START : TROUBLE, width: 4, hidden: true }),
+    );
+    const spots = (reach?.spots ?? []).map(({ x, y, z, name }) =>
+      dot([x, y, z], 0.22 * width, name === "S" ? START : ACCENT),
+    );
+    this.part("reach", [...ways, ...spots]);
     this.lay();
   }
 
@@ -190,13 +184,13 @@ export class Solid implements View, Board {
     const size = 0.22 * (field?.width ?? 0.1);
     const parts: Object3D[] = [];
     const ground = ([x, y]: [number, number]): Point => [x, y, field ? field.height(...field.place(x, y)) : 0];
-    if (start) parts.push(dot(ground(start), size, "#0b8f6a"));
+    if (start) parts.push(dot(ground(start), size, START));
     if (way?.poses.length) {
       const points = way.poses.map(([x, y, z]): Point => [x, y, z + 0.1 * size]);
       parts.push(linesOf(pairs(points), { colour: "#ffffff", width: 7, opacity: 0.8, hidden: true }));
-      parts.push(linesOf(pairs(points), { colour: "#0b8f6a", width: 4, hidden: true }));
-      parts.push(dot(points[0], size, "#0b8f6a"), dot(points[points.length - 1], size, ACCENT));
-      for (const { at } of way.events) if (points[at]) parts.push(dot(points[at], 0.8 * size, "#e8590c"));
+      parts.push(linesOf(pairs(points), { colour: START, width: 4, hidden: true }));
+      parts.push(dot(points[0], size, START), dot(points[points.length - 1], size, ACCENT));
+      for (const { at } of way.events) if (points[at]) parts.push(dot(points[at], 0.8 * size, TROUBLE));
     }
     this.part("way", parts);
     this.ask();
@@ -235,6 +229,7 @@ export class Solid implements View, Board {
   }
 
   dispose(): void {
+    [this.field, this.isWanted] = [null, false]; // a picture that is under way is the last one
     cancelAnimationFrame(this.frame);
     clearTimeout(this.resting);
     this.sizes.disconnect();
@@ -244,7 +239,8 @@ export class Solid implements View, Board {
     this.stage.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss(); // browsers have few of them
-    this.host.replaceChildren();
+    this.grips.dispose();
+    for (const element of [this.canvas, this.label, ...this.axes]) element.remove();
   }
 
   /* Put objects into the scene in place of those of the same name. */
@@ -260,7 +256,8 @@ export class Solid implements View, Board {
 
   /* One picture lies on the tops: the map of poses if it is shown, else what is reached. */
   private lay(): void {
-    this.stage.overlay(this.shownPoses ?? (this.shownReach && this.field ? ofReach(this.shownReach, this.field.scene) : null));
+    const reached = this.shownReach && this.field && ofReach(this.shownReach, this.field.scene);
+    this.stage.overlay(this.shownPoses ?? reached);
     this.ask();
   }
 
@@ -281,9 +278,14 @@ export class Solid implements View, Board {
     const south = field.y(0) - gap;
     const [east, y0, y1] = [field.x(field.nX) + gap, field.y(0), field.y(0) + length];
     this.ends = [[x1 + 2.5 * head, south, 0], [east, y1 + 2.5 * head, 0]];
-    const along: Point[] = [[x0, south, 0], [x1, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0]];
-    const across: Point[] = [[east, y0, 0], [east, y1, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0]];
-    this.part("axes", [linesOf([...along, ...across], { colour: this.options.dark ? "#8d95a1" : "#5b626c", width: 1.6 })]);
+    const along: Point[] = [
+      [x0, south, 0], [x1, south, 0], [x1 - head, south + head, 0], [x1, south, 0], [x1 - head, south - head, 0],
+    ];
+    const across: Point[] = [
+      [east, y0, 0], [east, y1, 0], [east + head, y1 - head, 0], [east, y1, 0], [east - head, y1 - head, 0],
+    ];
+    const colour = this.options.dark ? "#8d95a1" : "#5b626c";
+    this.part("axes", [linesOf([...pairs(along), ...pairs(across)], { colour, width: 1.6 })]);
   }
 
   private placeGrips(): void {
@@ -335,16 +337,19 @@ export class Solid implements View, Board {
     const { field } = this;
     if (!preview || !field) this.part("preview", []);
     else if (preview.level === null || preview.level < 0) {
-      const colour = preview.level === null ? ACCENT : "#e3263a";
+      const colour = preview.level === null ? ACCENT : BAD;
       this.part("preview", [linesOf(lifted(outline(field, preview.cells), field), { colour, width: 3, hidden: true })]);
     } else {
       const height = preview.level * field.step;
-      const material = new MeshLambertMaterial({ color: new Color(field.colourOf(preview.level)), transparent: true, opacity: 0.72 });
+      const color = field.colourOf(preview.level);
+      const material = new MeshLambertMaterial({ color, transparent: true, opacity: 0.72 });
       const boxes = new InstancedMesh(new BoxGeometry(1, 1, 1).translate(0, 0, 0.5), material, preview.cells.length);
-      const lines = linesOf(preview.cells.flatMap((cell) => squareOf(field, cell, height)), { colour: "#ffffff", width: 1.5, hidden: true });
+      const squares = preview.cells.flatMap((cell) => squareOf(field, cell, height));
+      const lines = linesOf(squares, { colour: "#ffffff", width: 1.5, hidden: true });
       preview.cells.forEach(([i, j], k) => {
         const size = new Vector3(1.01 * field.width, 1.01 * field.width, height + 0.02 * field.width);
-        boxes.setMatrixAt(k, new Matrix4().makeScale(...(size.toArray() as Point)).setPosition(...flat(field.top(i, j))));
+        const [x, y] = field.top(i, j);
+        boxes.setMatrixAt(k, new Matrix4().makeScale(size.x, size.y, size.z).setPosition(x, y, 0));
       });
       boxes.frustumCulled = false;
       this.part("preview", [boxes, lines]);
@@ -358,7 +363,8 @@ export class Solid implements View, Board {
 
   lets(camera: boolean, isEditing: boolean): void {
     const { controls } = this;
-    controls.mouseButtons = { LEFT: camera ? MOUSE.ROTATE : null, MIDDLE: MOUSE.PAN, RIGHT: isEditing ? MOUSE.ROTATE : MOUSE.PAN };
+    const [left, right] = [camera ? MOUSE.ROTATE : null, isEditing ? MOUSE.ROTATE : MOUSE.PAN];
+    controls.mouseButtons = { LEFT: left, MIDDLE: MOUSE.PAN, RIGHT: right };
     controls.touches = { ONE: camera ? TOUCH.ROTATE : null, TWO: TOUCH.DOLLY_PAN };
   }
 
@@ -443,7 +449,7 @@ export class Solid implements View, Board {
     });
   }
 
-  /* Draw, and wait until the picture is finished before the next one is begun; one that took long has fewer pixels next time. */
+  /* Draw, and wait until the picture is finished before the next is begun; after a slow one, it has fewer pixels. */
   private finish(scale: number): void {
     this.draw(scale);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -453,7 +459,8 @@ export class Solid implements View, Board {
     const began = performance.now();
     this.isBusy = true;
     const poll = () => {
-      if (!gl.isContextLost() && gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(poll, 3);
+      const isFinished = gl.isContextLost() || gl.getSyncParameter(sync, gl.SYNC_STATUS) === gl.SIGNALED;
+      if (!isFinished) return void setTimeout(poll, 3);
       gl.deleteSync(sync);
       this.isBusy = false;
       const took = performance.now() - began;
@@ -480,27 +487,15 @@ function shifted([x, y]: [number, number], right: number, down: number): [number
   return [x + right, y + down];
 }
 
-function flat([x, y]: Point): Point {
-  return [x, y, 0];
-}
-
 /* Points a little above the blocks, so that lines are not half in them. */
 function lifted(points: Point[], field: Field): Point[] {
   return points.map(([x, y, z]) => [x, y, z + 0.015 * field.width]);
 }
 
 function squareOf(field: Field, [i, j]: Place, z: number): Point[] {
-  const corners: Point[] = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]].map(([a, b]) => [field.x(i + a), field.y(j + b), z + 0.02 * field.width]);
-  return pairs(corners);
-}
-
-/* Whether the processor draws in place of a graphics card; smoothing of edges would then cost most of the time. */
-function isSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const names = gl?.getExtension("WEBGL_debug_renderer_info");
-  const renderer = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(renderer);
+  const above = z + 0.02 * field.width;
+  const corners = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]];
+  return pairs(corners.map(([a, b]): Point => [field.x(i + a), field.y(j + b), above]));
 }
 
 let studio: { stage: Stage; renderer: WebGLRenderer } | null = null;
@@ -509,7 +504,7 @@ let queue: Promise<unknown> = Promise.resolve();
 /* A small picture of a map, for galleries; all are drawn by one renderer, one after another. */
 export function thumbnail(scene: SceneData, width: number, height: number, dark = false): Promise<Blob> {
   const made = queue.then(async () => {
-    studio ??= { stage: new Stage(), renderer: rendererOf(document.createElement("canvas"), true) };
+    studio ??= { stage: new Stage(), renderer: rendererOf(document.createElement("canvas")) };
     const { stage, renderer } = studio;
     renderer.setSize(width, height, false);
     stage.camera.aspect = width / height;
@@ -524,9 +519,4 @@ export function thumbnail(scene: SceneData, width: number, height: number, dark 
   });
   queue = made.catch(() => null);
   return made;
-}
-
-/* A place in words: "x 0.35 m, y −1.2 m". */
-export function placeText(x: number, y: number): string {
-  return `x ${metres(x)} m, y ${metres(y)} m`;
 }

@@ -17,8 +17,8 @@ const DIRECTIONS: Record<From, [number, number, number]> = {
   oblique: [0.47, -0.95, 0.8], above: [0, -1e-4, 1], south: [0, -1, 0.28], east: [1, 0, 0.28],
 };
 
-export function rendererOf(canvas: HTMLCanvasElement, antialias: boolean): WebGLRenderer {
-  const renderer = new WebGLRenderer({ canvas, antialias, powerPreference: "high-performance" });
+export function rendererOf(canvas: HTMLCanvasElement): WebGLRenderer {
+  const renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = PCFShadowMap;
   renderer.shadowMap.autoUpdate = false;
@@ -35,8 +35,8 @@ export class Stage {
   private readonly blocks = new Mesh(undefined, blockMaterial(this.shared));
   private readonly floor = new Mesh(new PlaneGeometry(), floorMaterial(this.shared));
   private readonly sky = new Mesh(new SphereGeometry(1, 24, 16), skyMaterial(this.shared));
-  private readonly sun = new DirectionalLight("#fff1dc", 2.95);
-  private readonly ambient = new HemisphereLight("#e8efff", "#a39a8c", 1.2);
+  private readonly sun = new DirectionalLight("#fff1dc", 2.85);
+  private readonly ambient = new HemisphereLight("#e8efff", "#a39a8c", 1.35);
 
   constructor() {
     this.camera.up.set(0, 0, 1);
@@ -73,7 +73,7 @@ export class Stage {
     this.shared.horizon.value = asWritten(colours.horizon);
     this.shared.zenith.value = asWritten(colours.zenith);
     this.shared.grid.value = grid ? 1 : 0;
-    this.ambient.intensity = dark ? 1.0 : 1.2;
+    this.ambient.intensity = dark ? 1.15 : 1.35;
   }
 
   /* Lay a picture over the tops; null takes it away. */

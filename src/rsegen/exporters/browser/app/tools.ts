@@ -39,6 +39,10 @@ type Drag =
   | { kind: "stroke"; field: Field; now: Place; cells: Place[] }
   | { kind: "area"; field: Field; z: number; from: Place; to: Place };
 
+const ARROWS: Record<string, Place | undefined> = {
+  ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
+};
+const NEARER: Record<string, number | undefined> = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 };
 const STILL = 5; // CSS pixels that the mouse may move in a click
 let gestures = 0;
 
@@ -150,8 +154,10 @@ export class Tools {
       return;
     }
     const [x, y] = this.pixel(event);
-    if (drag.kind === "raise") this.raise(drag, drag.start + (board.heightAt(x, y, drag.point) - drag.from) / board.field.step);
-    else if (drag.kind === "end") {
+    if (drag.kind === "raise") {
+      const metres = board.heightAt(x, y, drag.point) - drag.from;
+      this.raise(drag, drag.start + metres / board.field.step);
+    } else if (drag.kind === "end") {
       const at = board.planeAt(x, y, drag.z);
       if (at) this.moveEnd(drag, board.field.nearest(board.field.place(at[0] + drag.apart[0], at[1] + drag.apart[1])));
     } else if (drag.kind === "stroke") {
@@ -192,7 +198,8 @@ export class Tools {
 
   private click(spot: Spot | null): void {
     const { tool, on, board } = this;
-    if (tool.name === "select") on.pick?.(spot ? board.field!.owner(...spot.cell) : -1, spot && board.field!.block(spot.cell));
+    const field = board.field!;
+    if (tool.name === "select") on.pick?.(spot ? field.owner(...spot.cell) : -1, spot && field.block(spot.cell));
     if (spot && tool.name === "robot") on.robotPut?.(spot.point[0], spot.point[1]);
     if (spot && tool.name === "way") on.wayPoint?.(spot.point[0], spot.point[1]);
   }
@@ -250,8 +257,7 @@ export class Tools {
   private key(event: KeyboardEvent): void {
     const { board, tool } = this;
     if (event.target !== board.canvas || event.ctrlKey || event.metaKey || event.altKey || !board.field) return;
-    const arrow = ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] } as Record<string, Place>)[event.key];
-    const nearer = ({ "+": 0.85, "=": 0.85, "-": 1 / 0.85 } as Record<string, number>)[event.key];
+    const [arrow, nearer] = [ARROWS[event.key], NEARER[event.key]];
     if (arrow && tool.name === "paint") this.moveCursor(board.field, board.towards(...arrow));
     else if (arrow) board.turn(...arrow);
     else if (nearer) board.zoom(nearer);
@@ -298,7 +304,8 @@ export function gripsOf(field: Field, row: number, room: number): Grip[] {
     const [first, last] = [ends.first, ends.last];
     const middle: Cell = [(first[0] + last[0]) >> 1, (first[1] + last[1]) >> 1];
     const point = field.top(...field.ofBlock(middle));
-    if (Math.max(Math.abs(first[0] - last[0]), Math.abs(first[1] - last[1])) > 1) grips.push({ row, end: "both", point });
+    const apart = Math.max(Math.abs(first[0] - last[0]), Math.abs(first[1] - last[1]));
+    if (apart > 1) grips.push({ row, end: "both", point }); // else there is no room between the ends
   }
   for (const end of ["first", "last"] as const) {
     const cell = ends?.[end];
@@ -337,6 +344,10 @@ export class Grips {
     }
   }
 
+  dispose(): void {
+    this.elements.forEach((element) => element.remove());
+  }
+
   held(grip: Grip | null): void {
     for (const [end, element] of this.elements) element.toggleAttribute("data-held", end === grip?.end);
   }
@@ -347,7 +358,10 @@ export class Grips {
   }
 
   at(x: number, y: number, reach: number, pixel: (point: Point) => [number, number]): Grip | null {
-    const near = this.grips.map((grip) => ({ grip, far: Math.hypot(pixel(grip.point)[0] - x, pixel(grip.point)[1] - y) }));
+    const near = this.grips.map((grip) => {
+      const [gripX, gripY] = pixel(grip.point);
+      return { grip, far: Math.hypot(gripX - x, gripY - y) };
+    });
     const [best] = near.filter(({ far }) => far <= reach).sort((a, b) => a.far - b.far);
     return best?.grip ?? null;
   }
