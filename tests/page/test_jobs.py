@@ -134,7 +134,7 @@ def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, st
     assert {each["state"] for each in host.jobs.listed()[: len(jobs)]} <= {"cancelled", "running"}
 
 
-@pytest.mark.parametrize("output", ["../out", "/tmp/out", "link/out", ".", "a\0b"])
+@pytest.mark.parametrize("output", ["../out", "/out", "link/out", ".", "a\0b"])
 def test_nothing_is_written_outside_the_folder(output: str, host: Host, start: Start, tmp_path_factory: Any) -> None:
     outside = tmp_path_factory.mktemp("outside")
     (host.folder / "link").symlink_to(outside)
@@ -147,8 +147,8 @@ def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> N
     host.opened(doc).document.session.set("chunk_size", 0)
     with pytest.raises(ParameterError, match="chunk_size: 0"):
         start("generate", "worlds")
+    host.opened(doc).document.session.set("chunk_size", 10)
     with pytest.raises(ParameterError, match="output: is missing"):
-        host.opened(doc).document.session.set("chunk_size", 10)
         start("generate")
 
 

@@ -311,11 +311,13 @@ def _texts(action: argparse.Action, value: Json, folder: Path) -> Iterator[str]:
             parameter.sort.check(name, parameter.sort.parse(texts))  # type: ignore[arg-type]  # of all texts
         yield from (_placed(name, text, folder) for text in texts)
         return
+    if isinstance(value, str):
+        value = _placed(name, value, folder)  # before it is checked, which may read it
     checked = parameter.sort.check(name, value)
     listed = value if isinstance(value, list) or not isinstance(checked, tuple) else [value]
     text = parameter.sort.format(_as_file(listed))
     _refuse_unusable(name, text)
-    yield str(_inside(name, text, folder)) if isinstance(parameter.sort, FilePath) else _placed(name, text, folder)
+    yield str(_inside(name, text, folder)) if isinstance(parameter.sort, FilePath) else text
 
 
 def _as_file(value: Json) -> Json:

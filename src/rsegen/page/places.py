@@ -26,9 +26,11 @@ def refuse_outside(name: str, text: str, folder: Path) -> str:
         return text
     try:
         path, *arguments = shlex.split(text) or [""]
+        if not all(":=" in each for each in arguments):
+            path, arguments = text, []  # a name with blanks
         if "/" not in path and "." not in Path(path).name[1:]:
             return text
         place = str(folder.resolve() / inside(folder, path))
-    except (FileError, ValueError) as error:  # a quotation mark that is not closed
+    except (FileError, ValueError) as error:  # ValueError: a quotation mark that is not closed
         raise ParameterError(name, str(error)) from None
     return shlex.join([place, *arguments]) if arguments else place
