@@ -92,7 +92,7 @@ def test_a_way_goes_step_by_step_from_its_start_to_its_goal(host: Host, doc: str
 
 def test_the_most_level_way_is_no_steeper_than_the_shortest(host: Host, doc: str) -> None:
     shortest, level = (
-        robots.way(host, doc=doc, index=0, robot="crawler", start=(-0.25, 0.05), goal=(0.25, 0.05), best=best)  # type: ignore[arg-type]  # as a page says it
+        robots.way(host, doc=doc, index=0, robot="crawler", start=(-0.25, 0.05), goal=(0.25, 0.05), best=best)
         for best in ("length", "tilt")
     )
     assert shortest["length"] <= level["length"] + 1e-9
