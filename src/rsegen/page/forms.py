@@ -196,7 +196,10 @@ class CommandForm:
         actions = {action.dest: action for action in parser._actions}
         takes_recipe = name == "compare" or any(_is_argument(actions.get(each)) for each in _RECIPES)
         of_recipe = {
-            action for part in parser._action_groups if part.title == "recipe" for action in part._group_actions
+            action
+            for part in parser._action_groups
+            if part.title == import_module("rsegen.cli.flags").RECIPE
+            for action in part._group_actions
         }
         output = next((action for action in actions.values() if "--output" in action.option_strings), None)
         left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}
