@@ -145,3 +145,39 @@ def test_a_mirrored_field_has_mirrored_lanes(seed: int) -> None:
         mirrored = straight(field_of(levels[:, ::-1], unit), BODIES[kind], 0, -lines)
         assert (lanes.end != mirrored.end).sum() <= 1  # a sample may be just at the edge of a block
         assert np.median(np.abs(lanes.poses.z - mirrored.poses.z)) < 1e-4
+
+
+@pytest.mark.parametrize("best", BEST)
+@given(seed=st.integers(0, 1000))
+@settings(max_examples=3, deadline=None)
+def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_all_known(best: str, seed: int) -> None:
+    levels = np.random.default_rng(seed).integers(0, 4, (6, 5))
+    field, body = field_of(levels, 0.03), BODIES["jackal"]
+    start, goal = (-0.25, -0.2), (0.25, 0.2)
+    known = Lattice(field, body, best)
+    known.region()
+    searched, expected = Lattice(field, body, best).between(start, goal), known.between(start, goal)
+    assert (searched is None) == (expected is None)
+    if searched and expected:
+        assert searched.length == pytest.approx(expected.length)
+        assert np.hypot(np.diff(searched.poses.x), np.diff(searched.poses.y)).max() < 0.1
+        assert all(searched.poses.stands)
+
+
+def test_on_flat_ground_a_way_between_places_is_straight_and_from_a_place_to_itself_none_is_driven() -> None:
+    lattice = Lattice(field_of(np.zeros((8, 5), int)), BURGER)
+    way = lattice.between((-0.35, 0.0), (0.35, 0.0))
+    assert way is not None
+    assert way.length == pytest.approx(0.7)
+    assert (way.drops, way.slips) == ((), ())
+    assert way.poses.y == pytest.approx(0, abs=1e-6)
+    there = lattice.between((0.04, 0.0), (0.06, 0.01))
+    assert there is not None
+    assert there.length == 0
+    assert np.ptp(there.poses.x) == pytest.approx(0, abs=1e-6)
+
+
+def test_no_way_leads_to_where_a_robot_tips_over() -> None:
+    levels = np.zeros((8, 5), int)
+    levels[6, 2] = 1
+    assert Lattice(field_of(levels, 0.3), BURGER).between((-0.35, 0.0), (0.33, 0.03)) is None

@@ -47,7 +47,8 @@ def run(
         command=command,
         line=shlex.join(["rsegen", command, *flags, *_after_flags([*others, *named])]),
     )
-    arguments = (command, *flags, "--json", "--progress=json", "--", *others)
+    # A command without arguments takes no -- before them either.
+    arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
     made = Run(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
     # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
     made.is_told = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)

@@ -196,7 +196,10 @@ class CommandForm:
         actions = {action.dest: action for action in parser._actions}
         takes_recipe = name == "compare" or any(_is_argument(actions.get(each)) for each in _RECIPES)
         of_recipe = {
-            action for part in parser._action_groups if part.title == "recipe" for action in part._group_actions
+            action
+            for part in parser._action_groups
+            if part.title == import_module("rsegen.cli.flags").RECIPE
+            for action in part._group_actions
         }
         output = next((action for action in actions.values() if "--output" in action.option_strings), None)
         left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}
@@ -311,11 +314,13 @@ def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str
             parameter.sort.check(name, parameter.sort.parse(texts))  # type: ignore[arg-type]  # of all texts
         yield from (_placed(name, text, places) for text in texts)
         return
+    if isinstance(value, str):
+        value = _placed(name, value, places)  # before it is checked, which may read it
     checked = parameter.sort.check(name, value)
     listed = value if isinstance(value, list) or not isinstance(checked, tuple) else [value]
     text = parameter.sort.format(_as_file(listed))
     _refuse_unusable(name, text)
-    yield _inside(name, text, places) if isinstance(parameter.sort, FilePath) else _placed(name, text, places)
+    yield _inside(name, text, places) if isinstance(parameter.sort, FilePath) else text
 
 
 def _as_file(value: Json) -> Json:

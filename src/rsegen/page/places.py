@@ -42,6 +42,8 @@ class Places(NamedTuple):
             return text
         try:
             path, *arguments = shlex.split(text) or [""]
+            if not all(":=" in each for each in arguments):
+                path, arguments = text, []  # a name with blanks
             if "/" not in path and "." not in Path(path).name[1:]:
                 return text
             place = str(self.inside(path))

@@ -36,7 +36,7 @@ from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import followed
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
-from rsegen.standing.resting import REASONS, Poses, of_settled
+from rsegen.standing.resting import REASONS, Poses, has_stood, of_settled
 from rsegen.standing.settling import Ground, reach_of, settle
 from rsegen.standing.spots import Spot
 from rsegen.standing.ways import Lattice
@@ -195,7 +195,7 @@ def _in_order(corners: Array) -> Array:
     return np.array([corners[np.hypot(*(corners[:, :2] - at).T).argmin()] for at in hull(corners[:, :2])])
 
 
-_PER_BLOCK, _MOST = 4, 8000
+_PER_BLOCK, _MOST = 3, 5000
 """Poses along the side of a block, and on a map at most: a page waits two seconds for them."""
 
 
@@ -210,15 +210,21 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dic
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
         every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
-        found = _settled(field, body, every_x, every_y, np.full(len(every_x), heading))
-    tilt, margin = (np.where(found.stands, angles, np.nan) for angles in (found.tilt, found.tip_angle))
+        ground = Ground.of(field, reach_of(body))
+        rest = settle(ground, body, every_x, every_y, np.full(len(every_x), heading))
+        # A robot that tips over, as a small one does in most places, has nothing else to be measured.
+        (standing,) = np.nonzero(has_stood(rest))
+        found = of_settled(ground, body, rest.some(standing))
+    tilt, margin = np.full((2, len(every_x)), np.nan)
+    reason = np.full(len(every_x), len(REASONS) - 1)
+    tilt[standing], margin[standing], reason[standing] = found.tilt, found.tip_angle, found.reason
     return {
         "shape": counts,
         "low": [float(x[0]), float(y[0])],
         "step": step,
         "tilt": _encoded(tilt, "<f4"),
         "margin": _encoded(margin, "<f4"),
-        "reason": _encoded(found.reason, "u1"),
+        "reason": _encoded(reason, "u1"),
         "reasons": list(REASONS),
     }
 

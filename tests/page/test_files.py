@@ -1,0 +1,140 @@
+"""Pages see the folder of their server and nothing else; drives that they play are those of the files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.errors import FileError
+from rsegen.page import files, playback, variants
+from rsegen.page import host as hosting
+from rsegen.page.host import Host
+
+
+@pytest.fixture
+def host(tmp_path: Path) -> Host:
+    return Host(folder=tmp_path)
+
+
+def test_a_folder_is_listed_with_what_each_thing_is(host: Host, tmp_path: Path) -> None:
+    rsegen.save(rsegen.Recipe(seed=1), tmp_path / "mine.yaml")
+    rsegen.generate(rsegen.Recipe(seed=1), tmp_path / "worlds")
+    rsegen.make_dataset(rsegen.Recipe(seed=1), tmp_path / "data")
+    (tmp_path / "drive").mkdir()
+    (tmp_path / "drive" / "drive.json").write_text("{}")
+    (tmp_path / ".hidden").write_text("")
+    (tmp_path / "out").symlink_to(tmp_path.parent)
+    (tmp_path / "note.txt").write_text("")
+    assert {each["path"]: each["kind"] for each in files.files(host)["entries"]} == {
+        "data": "dataset",
+        "drive": "drive",
+        "mine.yaml": "recipe",
+        "note.txt": "other",
+        "worlds": "folder",
+    }
+    assert files.files(host, folder="worlds") == {
+        "folder": "worlds",
+        "entries": [{"name": "rse_0000", "path": "worlds/rse_0000", "kind": "recipe"}],
+    }
+
+
+@pytest.mark.parametrize("folder", ["..", "/", "/etc", "a/../..", "out", "a\0", "missing"])
+def test_no_other_folder_is_listed(folder: str, host: Host, tmp_path: Path) -> None:
+    (tmp_path / "out").symlink_to(tmp_path.parent)
+    with pytest.raises(FileError):
+        files.files(host, folder=folder)
+
+
+def test_a_listing_is_bounded(host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(files, "MOST", 5)
+    for number in range(9):
+        (tmp_path / f"{number}.yaml").write_text("")
+    assert [each["name"] for each in files.files(host)["entries"]] == [f"{number}.yaml" for number in range(5)]
+
+
+def drive(folder: Path, rows: Any, **robot: Any) -> None:
+    """Write a drive as rsegen drive does."""
+    folder.mkdir()
+    known = {"name": "burger_0", "kind": "burger", "crossed": None, "touched": {}, **robot}
+    told = {"map": "field_0000", "simulator": "Gazebo Classic 11", "route": "straight", "robots": [known]}
+    (folder / "drive.json").write_text(json.dumps(told))
+    lines = [",".join(map(repr, row)) for row in np.asarray(rows, float).tolist()]
+    (folder / "burger_0.csv").write_text("\n".join(["t,x,y,z,roll,pitch,yaw", *lines]) + "\n")
+
+
+def test_a_drive_is_played_as_it_was_recorded(host: Host, tmp_path: Path) -> None:
+    t = np.arange(0, 3, 0.05)
+    rows = np.stack([t, 0.2 * t, 0 * t, np.where(t < 1, 0.3, 0.1), np.where(t < 2, 0, 1.5), 0 * t, 0 * t], axis=1)
+    drive(tmp_path / "a", rows, crossed=2.5, touched={"wheel": 0.9, "belly": 0.1})
+    contacts = ["t,robot,part,other,x,y,z", "0.4,burger_0,wheel,field,0,0,0", "0.8,burger_0,belly,field,0,0,0"]
+    (tmp_path / "a" / "contacts.csv").write_text("\n".join(contacts) + "\n")
+    told = playback.playback(host, path="a")
+    (robot,) = told["robots"]
+    assert told["title"] == "field_0000, straight"
+    assert np.array_equal(np.column_stack([robot["seconds"], robot["poses"]]), rows)
+    assert told["duration"] == rows[-1, 0]
+    assert [(round(event["second"], 2), event["text"]) for event in robot["events"]] == [
+        (0.8, "belly touches field"),
+        (0.8, "falls by 20 cm"),
+        (2.0, "tips over"),
+        (2.5, "has crossed the map"),
+    ]
+
+
+def test_rows_that_are_no_numbers_are_left_out(host: Host, tmp_path: Path) -> None:
+    drive(tmp_path / "a", [[0, 0, 0, 0, 0, 0, 0], [0.05, np.nan, 0, 0, 0, 0, 0], [0.1, 1, 0, 0, 0, 0, 0]])
+    told = playback.playback(host, path="a")
+    assert told["robots"][0]["seconds"] == [0, 0.1]
+    assert json.dumps(told, allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("drive.json", "{"),
+        ("drive.json", "[]"),
+        ("drive.json", '{"robots": [{"name": 3, "kind": "a"}]}'),
+        ("drive.json", '{"robots": [{"name": "../../b", "kind": "a"}]}'),
+        ("drive.json", "[" * 100_000),
+        ("burger_0.csv", "a,b\n1,2\n"),
+        ("burger_0.csv", "t,x,y,z,roll,pitch,yaw\n1,2\n"),
+        ("burger_0.csv", "t,x,y,z,roll,pitch,yaw\n"),
+        ("burger_0.csv", "t,x,y,z,roll,pitch,yaw\n1,0,0,0,0,0,0\n0,0,0,0,0,0,0\n"),
+    ],
+)
+def test_a_drive_that_is_none_is_one_line(file: str, text: str, host: Host, tmp_path: Path) -> None:
+    drive(tmp_path / "a", np.zeros((2, 7)))
+    (tmp_path / "a" / file).write_text(text)
+    with pytest.raises(FileError) as error:
+        playback.playback(host, path="a")
+    assert "\n" not in str(error.value)
+
+
+def test_variants_are_the_recipe_at_other_seeds(host: Host, tmp_path: Path) -> None:
+    recipe = rsegen.Recipe(name="field", seed=5, maps=3, obstacles=[rsegen.Random(levels=4)])
+    rsegen.save(recipe, tmp_path / "field.yaml")
+    doc = hosting.open(host, what=str(tmp_path / "field.yaml"))["doc"]
+    shown = variants.variants(host, doc=doc, count=6)
+    assert len({each["seed"] for each in shown} | {recipe.seed}) == 7
+    assert len({each["scene"]["content"] for each in shown}) == 6
+    own = variants.maps(host, doc=doc, first=1, count=6)
+    assert [(each["seed"], each["index"]) for each in own] == [(5, 1), (5, 2)]
+    steps = rsegen.metrics(rsegen.build(recipe, 1)).steps.mean or 0
+    assert dict(map(tuple, own[0]["difficulty"]))["mean step"] == f"{100 * steps:.3g} cm"
+    for count in (0, 25):
+        with pytest.raises(rsegen.UserError, match="count: "):
+            variants.variants(host, doc=doc, count=count)
+
+
+def test_a_large_map_is_shown_coarser(host: Host, tmp_path: Path) -> None:
+    recipe = rsegen.Recipe(seed=5, chunk_size=250, obstacles=[rsegen.Random(levels=4)])
+    rsegen.save(recipe, tmp_path / "large.yaml")
+    doc = hosting.open(host, what=str(tmp_path / "large.yaml"))["doc"]
+    (shown,) = variants.variants(host, doc=doc, count=1)
+    assert max(shown["scene"]["cells"]) <= 100
+    assert [name for name, _ in shown["difficulty"]] == ["mean step", "TRI"]

@@ -1,0 +1,183 @@
+"""Commands that pages run are those of a shell: they make the same, say the same, and stop without a trace."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.page import commands
+from rsegen.page import host as hosting
+from rsegen.page.calls import Question
+from rsegen.page.host import Host
+from rsegen.run.journal import read_journal
+from rsegen.run.single_files import save
+from tests.support.patience import until
+
+pytestmark = pytest.mark.slow
+
+MAP = "peak"
+
+
+@pytest.fixture
+def host(tmp_path: Path) -> Iterator[Host]:
+    made = Host(folder=tmp_path)
+    yield made
+    made.jobs.close()
+    assert not psutil.Process().children(recursive=True)
+
+
+@pytest.fixture
+def doc(host: Host) -> str:
+    name: str = hosting.open(host, what=MAP)["doc"]
+    return name
+
+
+Start = Callable[..., dict[str, Any]]
+
+
+@pytest.fixture
+def start(host: Host, doc: str) -> Start:
+    def started(command: str, output: str = "", *, replace: bool = False, **values: Any) -> dict[str, Any]:
+        return commands.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
+
+    return started
+
+
+def ended(host: Host, job: dict[str, Any]) -> dict[str, Any]:
+    """Return a job once it has ended."""
+
+    def now() -> dict[str, Any]:
+        return next(each for each in host.jobs.listed() if each["id"] == job["id"])
+
+    until(lambda: now()["state"] != "running")
+    return now()
+
+
+def test_what_a_page_makes_a_shell_makes_of_its_line(host: Host, start: Start, doc: str) -> None:
+    save(host.opened(doc).document.session.recipe, host.folder / "mine.yaml")
+    host.opened(doc).document.session.path = host.folder / "mine.yaml"
+    told: list[dict[str, Any]] = []
+    host.jobs.changed = told.append
+    job = ended(host, start("generate", "worlds", formats=["stl"], sync=False))
+    assert (job["state"], job["result"]["folder"]) == ("done", "worlds")
+    assert job["line"] == "rsegen generate --formats=stl --no-sync --output=worlds mine.yaml"
+    assert {"path": "worlds/peak_0000/recipe.json", "name": "recipe.json", "kind": "recipe"} in job["files"]
+    assert any(line.startswith("1 map of") for line in job["lines"])
+    assert [each["state"] for each in told][-1] == "done"
+    _, *words = shlex.split(job["line"].replace("=worlds", "=by_shell"))
+    subprocess.run([sys.executable, "-m", "rsegen", *words], cwd=host.folder, check=True, capture_output=True)
+    made, again = (
+        {path.relative_to(host.folder / name): path.read_bytes() for path in _files(host.folder / name)}
+        for name in ("worlds", "by_shell")
+    )
+    assert made == again
+
+
+def _files(folder: Path) -> list[Path]:
+    return [path for path in folder.rglob("*") if path.is_file() and not path.name.startswith(".rsegen")]
+
+
+def test_what_exists_is_a_question_if_it_may_be_replaced(host: Host, start: Start) -> None:
+    assert ended(host, start("preview", "map.png"))["files"] == [
+        {"path": "map.png", "name": "map.png", "kind": "picture"}
+    ]
+    known, told = host.jobs.listed(), list[Any]()
+    host.jobs.changed = told.append
+    with pytest.raises(Question, match=r"^map\.png: exists already$") as question:
+        start("preview", "map.png")
+    assert question.value.kind == "exists"
+    assert (host.jobs.listed(), told) == (known, [])
+    assert ended(host, start("preview", "map.png", replace=True))["state"] == "done"
+    (host.folder / "map.png").write_bytes(b"mine")
+    job = ended(host, start("preview", "map.png"))
+    assert (job["state"], (host.folder / "map.png").read_bytes()) == ("failed", b"mine")
+    job = ended(host, start("preview", "map.png", replace=True))
+    assert "was changed after rsegen wrote it" in job["lines"][0] or "is not replaced" in job["lines"][0]
+    assert (host.folder / "map.png").read_bytes() == b"mine"
+
+
+def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, start: Start, doc: str) -> None:
+    session = host.opened(doc).document.session
+    session.set("maps", 5000)
+    job = start("generate", "worlds", workers=1)
+    until(lambda: any(each["done"] for each in host.jobs.listed()))
+    commands.cancel(host, job=job["id"])
+    found = ended(host, job)
+    assert found["state"] == "cancelled"
+    assert found["lines"][0].startswith("stopped; ")
+    made = [path for path in (host.folder / "worlds").iterdir() if path.name != ".rsegen.jsonl"]
+    assert 0 < len(made) < 5000
+    for path in made:
+        assert read_journal(path), "every map is complete"
+    with pytest.raises(UserError, match="job 99 is not known"):
+        commands.cancel(host, job=99)
+
+
+def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, start: Start, doc: str) -> None:
+    host.opened(doc).document.session.set("maps", 10**6)
+    jobs = [start("dataset", f"data{number}", workers=1) for number in range(6)]
+    until(lambda: sum(each["step"] == "" for each in host.jobs.listed()) == 4)
+    waiting = [each["step"] for each in host.jobs.listed()]
+    assert waiting.count("waits for other commands") == 2
+    host.jobs.close()
+    assert not psutil.Process().children(recursive=True)
+    assert {each["state"] for each in host.jobs.listed()[: len(jobs)]} <= {"cancelled", "running"}
+
+
+@pytest.mark.parametrize("output", ["../out", "/out", "link/out", ".", "a\0b"])
+def test_nothing_is_written_outside_the_folder(output: str, host: Host, start: Start, tmp_path_factory: Any) -> None:
+    outside = tmp_path_factory.mktemp("outside")
+    (host.folder / "link").symlink_to(outside)
+    with pytest.raises((FileError, ParameterError)):
+        start("generate", output)
+    assert (host.jobs.listed(), list(outside.iterdir())) == ([], [])
+
+
+def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> None:
+    host.opened(doc).document.session.set("chunk_size", 0)
+    with pytest.raises(ParameterError, match="chunk_size: 0"):
+        start("generate", "worlds")
+    host.opened(doc).document.session.set("chunk_size", 10)
+    with pytest.raises(ParameterError, match="output: is missing"):
+        start("generate")
+
+
+def test_an_error_is_its_one_line(host: Host, start: Start) -> None:
+    job = ended(host, start("metrics", climb_cm=None, drop_cm=5))
+    assert (job["state"], len(job["lines"])) == ("failed", 1)
+    assert job["lines"][0].startswith("--climb-cm: is missing")
+
+
+def test_modules_in_the_folder_are_not_run(host: Host, start: Start) -> None:
+    for name in ("json", "numpy", "rsegen", "sitecustomize"):
+        (host.folder / f"{name}.py").write_text("raise SystemExit(99)\n")
+    job = ended(host, start("metrics"))
+    assert (job["state"], job["lines"][0].split(",")[0]) == ("done", "peak_0000")
+
+
+def test_a_scan_can_be_opened(host: Host, start: Start) -> None:
+    (host.folder / "heights.csv").write_text("10,0,20\n0,10,0\n30,0,10\n")
+    job = ended(host, start("import", "worlds", file="heights.csv"))
+    assert job["opens"] == "worlds/heights_0000/recipe.json"
+    assert json.loads((host.folder / job["opens"]).read_text())["chunk_size"]
+
+
+def test_many_threads_start_jobs_with_numbers_of_their_own(host: Host, start: Start) -> None:
+    jobs: list[dict[str, Any]] = []
+    threads = [threading.Thread(target=lambda: jobs.append(start("sim"))) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(job["id"] for job in jobs) == [1, 2, 3]
+    assert {ended(host, job)["state"] for job in jobs} == {"done"}

@@ -1,0 +1,193 @@
+"""What pages are told of robots on a map is what rsegen.poses, its reach and its ways say."""
+
+from __future__ import annotations
+
+import json
+import threading
+from base64 import b64decode
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.errors import ParameterError, UnknownName, UserError
+from rsegen.page import host as hosting
+from rsegen.page import robots
+from rsegen.page.host import Host
+from rsegen.page.turns import newest_turn
+from rsegen.robots import ROBOTS
+from rsegen.standing.resting import REASONS
+
+RECIPE = rsegen.Recipe(
+    name="field", chunk_size=6, boundary="none", unit_cm=5, seed=3, obstacles=[rsegen.Random(levels=4)], maps=2
+)
+FIELD = rsegen.build(RECIPE)
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory: pytest.TempPathFactory) -> Host:
+    return Host(folder=tmp_path_factory.mktemp("folder"))
+
+
+@pytest.fixture(scope="module")
+def doc(host: Host) -> str:
+    rsegen.save(RECIPE, host.folder / "field.yaml")
+    name: str = hosting.open(host, what=str(host.folder / "field.yaml"))["doc"]
+    return name
+
+
+@pytest.mark.parametrize("kind", ["burger", "jackal"])
+def test_a_pose_is_that_of_python(host: Host, doc: str, kind: str) -> None:
+    for x, y, heading in ((0.0, 0.0, 0.0), (0.11, -0.12, 0.7), (-0.2, 0.14, 2.0)):
+        told = robots.pose(host, doc=doc, index=0, robot=kind, x=x, y=y, heading=heading)
+        known = rsegen.poses(FIELD, kind, x, y, heading)
+        for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt"):
+            assert told[name] == pytest.approx(float(getattr(known, name)[0]), abs=1e-9)
+        assert told["margin"] == float(known.tip_angle[0])
+        assert told["reason"] == REASONS[int(known.reason[0])]
+        assert (told["stands"], told["holds"], told["pushes"]) == (known.stands[0], known.holds[0], known.pushes[0])
+        assert json.dumps(told, allow_nan=False)
+
+
+def test_a_support_polygon_goes_round_the_contacts_and_the_centre_of_mass(host: Host, doc: str) -> None:
+    told = robots.pose(host, doc=doc, index=0, robot="crawler", x=0.05, y=0.02, heading=0.4)
+    assert told["stands"]
+    corners = np.array(told["polygon"])[:, :2]
+    after = np.roll(corners, -1, axis=0)
+    for x, y, _ in told["contacts"]:
+        turns = (after - corners)[:, 0] * (y - corners[:, 1]) - (after - corners)[:, 1] * (x - corners[:, 0])
+        assert (turns >= -1e-5).all(), "counterclockwise, with each contact inside or on it"
+
+
+def test_beside_the_map_a_robot_stands_on_level_ground(host: Host, doc: str) -> None:
+    told = robots.pose(host, doc=doc, index=0, robot="burger", x=5.0, y=0.0, heading=1.0)
+    assert (told["reason"], told["tilt"]) == ("", pytest.approx(0, abs=1e-6))
+
+
+def test_a_map_of_tilts_has_the_pose_of_each_point(host: Host, doc: str) -> None:
+    told = robots.tilt(host, doc=doc, index=1, robot="crawler", heading=0.3)
+    n_x, n_y = told["shape"]
+    tilt = np.frombuffer(b64decode(told["tilt"]), "<f4").reshape(n_x, n_y)
+    reason = np.frombuffer(b64decode(told["reason"]), "u1").reshape(n_x, n_y)
+    assert told["reasons"] == list(REASONS)
+    for i, j in ((0, 0), (3, 5), (n_x - 1, n_y - 1), (n_x // 2, n_y // 2)):
+        x, y = told["low"][0] + i * told["step"], told["low"][1] + j * told["step"]
+        pose = robots.pose(host, doc=doc, index=1, robot="crawler", x=x, y=y, heading=0.3)
+        assert REASONS[reason[i, j]] == pose["reason"]
+        assert np.isnan(tilt[i, j]) if not pose["stands"] else tilt[i, j] == pytest.approx(pose["tilt"], abs=1e-5)
+
+
+def test_a_way_goes_step_by_step_from_its_start_to_its_goal(host: Host, doc: str) -> None:
+    start, goal = (-0.25, -0.25), (0.15, 0.25)
+    told = robots.way(host, doc=doc, index=0, robot="crawler", start=start, goal=goal)
+    poses = np.array(told["poses"])
+    assert told["found"]
+    moves = np.hypot(*np.diff(poses[:, :2], axis=0).T)
+    assert moves.max() < 0.1
+    assert np.hypot(*(poses[[0, -1], :2] - [start, goal]).T).max() < 0.12, "tilted, its origin is a little aside"
+    assert told["worst_tilt"] == pytest.approx(np.arccos(np.cos(poses[:, 3]) * np.cos(poses[:, 4])).max(), abs=1e-4)
+    assert all(0 <= event["at"] < len(poses) for event in told["events"])
+
+
+def test_the_most_level_way_is_no_steeper_than_the_shortest(host: Host, doc: str) -> None:
+    shortest, level = (
+        robots.way(host, doc=doc, index=0, robot="crawler", start=(-0.25, 0.05), goal=(0.25, 0.05), best=best)
+        for best in ("length", "tilt")
+    )
+    assert shortest["length"] <= level["length"] + 1e-9
+    assert level["worst_tilt"] <= shortest["worst_tilt"] + 0.02
+
+
+def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> None:
+    told = robots.reach(host, doc=doc, index=0, robot="crawler")
+    found = rsegen.metrics(FIELD, ROBOTS["crawler"]).reach
+    region = np.frombuffer(b64decode(told["region"]), "u1").reshape(FIELD.shape)
+    assert np.array_equal(region.astype(bool), found.region)
+    assert all(way["crosses"] for way in told["ways"]) == (found.west_east.crosses or found.south_north.crosses)
+    for way in told["ways"]:
+        for x, y, z in way["points"]:
+            i, j = np.floor(np.array([x, y]) / FIELD.block_width + np.array(FIELD.shape) / 2 + 1e-9).astype(int)
+            around = FIELD.heights[max(i - 1, 0) : i + 1, max(j - 1, 0) : j + 1]
+            assert z in {0.0, *around.ravel().tolist()}, "on a block, or on the ground around the map"
+    measured = {row[3]: row[1] for row in robots.measure(host, doc=doc, index=0, robot="crawler")["rows"]}
+    assert measured["reach.cover"] == f"{found.cover:.4g}"
+    assert measured["steps.rms"] == f"{rsegen.metrics(FIELD).steps.rms:.4g}"
+
+
+@pytest.mark.parametrize("kind", sorted(ROBOTS))
+def test_the_drawing_of_a_robot_is_as_large_as_the_robot(host: Host, kind: str) -> None:
+    told = robots.robot(host, robot=kind)
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for part in told["parts"]:
+        pose, size = np.array(part["pose"]).reshape(4, 4), part["size"]
+        half = {"box": size, "cylinder": [2 * size[0]] * 2 + size[-1:], "sphere": [2 * size[0]] * 3}[part["shape"]]
+        corners = np.array(np.meshgrid(*([-each / 2, each / 2] for each in half))).reshape(3, -1)
+        placed = pose[:3, :3] @ corners + pose[:3, 3:]
+        low, high = np.minimum(low, placed.min(axis=1)), np.maximum(high, placed.max(axis=1))
+    assert high - low == pytest.approx(told["size"], abs=0.15 * max(told["size"]))
+    assert any(part["wheel"] for part in told["parts"])
+
+
+def test_a_robot_of_a_file_in_the_folder_is_drawn_as_boxes(host: Host, doc: str) -> None:
+    (host.folder / "mine.sdf").write_text(ROBOTS["burger"].file("mine"))
+    told = robots.robot(host, robot="mine.sdf")
+    assert {part["shape"] for part in told["parts"]} == {"box"}
+    burger = robots.pose(host, doc=doc, index=0, robot="burger", x=0.05, y=0.05, heading=0.0)
+    assert robots.pose(host, doc=doc, index=0, robot="mine.sdf", x=0.05, y=0.05, heading=0.0)["z"] == pytest.approx(
+        burger["z"], abs=2e-3
+    )
+
+
+@pytest.mark.parametrize("robot", ["../mine.sdf", "/etc/passwd.sdf", "link.sdf"])
+def test_a_robot_of_a_file_outside_the_folder_is_refused(host: Host, robot: str, tmp_path: Path) -> None:
+    (tmp_path / "there.sdf").write_text(ROBOTS["burger"].file("mine"))
+    link = host.folder / "link.sdf"
+    link.unlink(missing_ok=True)
+    link.symlink_to(tmp_path / "there.sdf")
+    with pytest.raises(ParameterError, match="is outside"):
+        robots.robot(host, robot=robot)
+
+
+def test_bad_arguments_are_one_line(host: Host, doc: str) -> None:
+    with pytest.raises(UnknownName, match="robot"):
+        robots.robot(host, robot="burgr")
+    with pytest.raises(ParameterError, match="index: 2 is not a map of this recipe"):
+        robots.pose(host, doc=doc, index=2, robot="burger", x=0.0, y=0.0, heading=0.0)
+    for x in (float("nan"), 1e9):
+        with pytest.raises(ParameterError, match="x: "):
+            robots.pose(host, doc=doc, index=0, robot="burger", x=x, y=0.0, heading=0.0)
+
+
+def test_of_requests_that_wait_the_newest_alone_gets_its_turn() -> None:
+    begun, may_end = threading.Event(), threading.Event()
+    answers: list[str] = []
+
+    def ask(name: str) -> None:
+        try:
+            with newest_turn("d", "tilt"):
+                begun.set()
+                may_end.wait(10)
+                answers.append(name)
+        except UserError:
+            answers.append(f"{name} is dropped")
+
+    threads = [threading.Thread(target=ask, args=(name,)) for name in ("first", "second", "third")]
+    threads[0].start()
+    begun.wait(10)
+    threads[1].start()
+    while newest_number() < 2:
+        pass
+    threads[2].start()
+    while newest_number() < 3:
+        pass
+    may_end.set()
+    for thread in threads:
+        thread.join(10)
+    assert sorted(answers) == ["first", "second is dropped", "third"]
+
+
+def newest_number() -> int:
+    from rsegen.page.turns import _QUEUES
+
+    return _QUEUES["d", "tilt"].asked
