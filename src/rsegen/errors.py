@@ -9,6 +9,7 @@ RsegenError
 │   ├── PluginError      a plug-in cannot be loaded, or is not what it should be
 │   ├── TooLarge         a run needs more memory or disk space than is free
 │   ├── ScanError        a point cloud shows no step field, or another one than was said
+│   ├── Question         a person has to say whether something is to be replaced (page/calls.py)
 │   ├── NoSimulator      no simulator that is installed here can fulfil a request
 │   └── NothingRuns      a running simulation should be changed, and none runs
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
