@@ -19,6 +19,7 @@ from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import row_parameters
 from rsegen.page.forms import COMMANDS, CommandForm, command_form, global_groups, hello, kinds
 from rsegen.page.host import Host
+from rsegen.page.places import Places
 from rsegen.params.command import declared
 from rsegen.params.sorts import parameters, plain
 from rsegen.recipe.recipe import Recipe
@@ -115,7 +116,7 @@ _TEXTS = {
 def _refused(form: CommandForm, values: dict[str, Any], folder: Path) -> str:
     """Return the name of a value that a form refuses; nothing if it refuses none."""
     try:
-        form.arguments(values, folder)
+        form.arguments(values, Places(folder))
     except ParameterError as error:
         return error.where.partition("[")[0]
     return ""
@@ -136,7 +137,7 @@ def test_the_parser_of_a_command_takes_what_a_form_gives(name: str, tmp_path: Pa
     while refused := _refused(form, values, tmp_path):
         assert refused in values
         del values[refused]
-    flags, others = form.arguments(values, tmp_path)
+    flags, others = form.arguments(values, Places(tmp_path))
     target = ["my.yaml"] if form.takes_recipe else []
     output = ["--output=out"] if form.needs_output else []
     after = ["--", *others, *target] if others or target else []
@@ -176,13 +177,13 @@ def test_the_parser_of_a_command_takes_what_a_form_gives(name: str, tmp_path: Pa
 )
 def test_what_is_wrong_is_one_line(command: str, values: dict[str, Any], message: str, tmp_path: Path) -> None:
     with pytest.raises(ParameterError) as error:
-        command_form(command).arguments(values, tmp_path)
+        command_form(command).arguments(values, Places(tmp_path))
     assert message in str(error.value)
 
 
 def test_a_robot_of_a_file_is_looked_for_in_the_folder(tmp_path: Path) -> None:
     for name, given_ in (("mine.sdf", "mine.sdf"), ("my robot.sdf", "my robot.sdf"), ("a.xacro", "a.xacro n:=2")):
-        flags, _ = command_form("drive").arguments({"robot": given_}, tmp_path)
+        flags, _ = command_form("drive").arguments({"robot": given_}, Places(tmp_path))
         assert flags == [f"--robot={tmp_path.resolve() / name}{given_.removeprefix(name)}"]
 
 
@@ -193,8 +194,8 @@ def test_an_unknown_command_is_refused() -> None:
 
 
 def test_a_value_that_begins_with_a_dash_is_no_flag(tmp_path: Path) -> None:
-    flags, others = command_form("spawn").arguments({"at": [-2, 0], "name": "x-1"}, tmp_path)
+    flags, others = command_form("spawn").arguments({"at": [-2, 0], "name": "x-1"}, Places(tmp_path))
     parsed = parser_of("spawn").parse_args([*flags, "--", "a.yaml"])
     assert (parsed.at, parsed.name, others) == ("-2,0", "x-1", [])
-    _, others = command_form("remove").arguments({"names": ["--timeout"]}, tmp_path)
+    _, others = command_form("remove").arguments({"names": ["--timeout"]}, Places(tmp_path))
     assert parser_of("remove").parse_args(["--", *others]).names == ["--timeout"]

@@ -20,7 +20,6 @@ from rsegen.page import host as hosting
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
 from rsegen.run.journal import read_journal
-from rsegen.run.single_files import save
 from tests.support.patience import until
 
 pytestmark = pytest.mark.slow
@@ -64,8 +63,7 @@ def ended(host: Host, job: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_what_a_page_makes_a_shell_makes_of_its_line(host: Host, start: Start, doc: str) -> None:
-    save(host.opened(doc).document.session.recipe, host.folder / "mine.yaml")
-    host.opened(doc).document.session.path = host.folder / "mine.yaml"
+    hosting.save(host, doc=doc, path="mine.yaml")
     told: list[dict[str, Any]] = []
     host.jobs.changed = told.append
     job = ended(host, start("generate", "worlds", formats=["stl"], sync=False))

@@ -1,1 +1,0 @@
-"""The window: shape a map with the mouse and see it; model (no Qt), workers, widgets and dialogs, the window on top."""
