@@ -7,6 +7,7 @@
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
+# make page     makes the page's scripts anew after a change in src/rsegen/exporters/browser/app
 # make docs     makes the generated parts of the manual and its pictures anew
 # make site     the manual as a site, in build/site
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept; BENCH=--starts for starts alone, kept
@@ -23,16 +24,16 @@ FUZZ ?=
 CRASH ?=
 LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 pyproject.toml --custom-compile-command 'make lock'
 
-.PHONY: browser classic compiler learners worlds test test-all test-long test-fast mutants fuzz crash check docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
 
-test: $(VENV)/tester classic screen browser compiler
+test: $(VENV)/tester classic screen browser npm compiler
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not long" $(ARGS)
 
 # What takes too long for make test.
-test-long: $(VENV)/developer gazebo screen browser compiler learners
+test-long: $(VENV)/developer gazebo screen browser npm compiler learners
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m long --hypothesis-profile=thorough $(ARGS)
 
 test-all:
@@ -58,6 +59,10 @@ check: $(VENV)/developer
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m docs.generate --check
+	scripts/page --check || test $$? = 3
+
+page:
+	scripts/page
 
 docs: $(VENV)/developer
 	$(BIN)/python -m docs.generate
@@ -117,9 +122,13 @@ screen:
 compiler:
 	scripts/packages compiler gcc libc6-dev || test $$? = 3
 
-# A browser for the tests of pages.
+# A browser for the tests of the page.
 browser:
 	scripts/browser || test $$? = 3
+
+# What makes the page's scripts, and judges them.
+npm:
+	scripts/page --install || test $$? = 3
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

@@ -4,7 +4,7 @@
     MapDesign        size, obstacles, constraints, seed: nothing else decides the levels of a map
     Representation   meshes, collision shapes, friction, colours: the map in a simulator
 
-All three are one flat list of parameters in files, flags, Python and the window; inside, each part of rsegen takes the
+All three are one flat list of parameters in files, flags, Python and the page; inside, each part of rsegen takes the
 one that it needs.
 """
 
