@@ -49,11 +49,8 @@ def rest() -> None:
     time.sleep(0.002)
 
 
-def until(holds: Callable[[], object], *, rest: Callable[[], object] = rest, cpu_seconds: int = CPU_SECONDS) -> None:
-    """Return as soon as something holds; fail if this process and its children have used that much CPU time before.
-
-    `rest` is called between two looks: the window's tests let Qt do its work there.
-    """
+def until(holds: Callable[[], object], *, cpu_seconds: int = CPU_SECONDS) -> None:
+    """Return as soon as something holds; fail if this process and its children have used that much CPU time before."""
     limit, began, looks = cpu_used() + cpu_seconds, time.monotonic(), count(1)
     while not holds():
         if next(looks) % LOOKS == 0 and (cpu_used() > limit or time.monotonic() > began + PATIENCE):

@@ -39,9 +39,7 @@ def add(commands: Subparsers) -> None:
     epilog = (
         "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS "
     )
-    epilog += (
-        "(map.yaml). The folder of the world has its recipe, which can be opened in the window and generated again."
-    )
+    epilog += "(map.yaml). The folder of the world has its recipe, which can be opened on the page and generated again."
     command = add_command(commands, "import", _Errors, epilog=epilog)
     command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)

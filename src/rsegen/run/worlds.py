@@ -1,4 +1,4 @@
-"""Write the worlds of a recipe: `generate` is what the command line, the window and scripts call.
+"""Write the worlds of a recipe: `generate` is what the command line, the page and scripts call.
 
     Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
 
