@@ -82,7 +82,7 @@ def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> Non
 
 
 def test_the_python_of_the_page_of_browsers_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "docs" / "view.md", "python")
+    (script,) = blocks(ROOT / "docs" / "page.md", "python")
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert {path.name for path in tmp_path.iterdir()} == {"map.html", "field.html", ".rsegen.jsonl"}
 

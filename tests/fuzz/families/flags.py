@@ -13,7 +13,7 @@ from tests.fuzz.hostile import NUMBERS, TEXTS
 from tests.fuzz.seeds import INVENTORY, TABLES, map_folder
 
 LEFT_OUT = {"gui", "doctor"}
-"""Commands that are not run: a server that runs until it is stopped, which has trials of its own, and one without flags."""
+"""Commands that are not run: a server, which runs until it is stopped and has its own trials, and one without flags."""
 NEVER = {"--help", "-h", "--scheduler", "--workers", "--plugin", "--version", "--list"}
 """Flags that are not drawn: a cluster, more processes, code, and pages that end a command whatever else is given."""
 LONG = {("terrain", "--sheet")}
