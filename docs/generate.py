@@ -199,7 +199,7 @@ def pictures() -> dict[Path, Scene]:
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": catalogue.recipe_of(kind) for kind in KINDS}
     shown[WAYS] = shown[POSE_MAPS] = shown[SETTLED] = load(EXAMPLES["mixed-course"])
-    shown[TERRAIN] = _terrain()
+    shown[TERRAIN] = terrain()
     shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
 
@@ -270,7 +270,7 @@ _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
 }
 
 
-def _terrain() -> Recipe:
+def terrain() -> Recipe:
     """Ten rows and six columns of three kinds."""
     kinds = {
         "rubble": Random(levels=6),
