@@ -60,6 +60,7 @@ from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
 
 DOCS = Path(__file__).parent
+README = DOCS.parent / "README.md"
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
@@ -190,6 +191,7 @@ def texts() -> dict[Path, str]:
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         RELIABILITY: filled(RELIABILITY.read_text("utf-8"), reliability.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
+        README: filled(README.read_text("utf-8"), _kinds_and_robots()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
@@ -435,6 +437,25 @@ def _examples() -> Iterator[str]:
     for name, path in EXAMPLES.items():
         yield f"\n## {name}\n\n{load(path).description}: `rsegen generate {name} -o worlds`\n"
         yield f"![{name}](pictures/{name}.png)"
+
+
+def _kinds_and_robots() -> Iterator[str]:
+    """Yield a table of small pictures: every kind of obstacle, then every robot, four in a row."""
+    shown = [(kind, f"`{kind}`") for kind in KINDS] + [(kind, f"`{kind}`, {it.title}") for kind, it in ROBOTS.items()]
+    for first in range(0, len(shown), _COLUMNS):
+        row = shown[first : first + _COLUMNS]
+        yield (
+            "| "
+            + " | ".join(
+                f'<img src="docs/pictures/small-{name}.webp" width="200" alt="{name}"><br>{text}' for name, text in row
+            )
+            + " |" * (1 + _COLUMNS - len(row))
+        )
+        if first == 0:
+            yield "|---" * _COLUMNS + "|"
+
+
+_COLUMNS = 4
 
 
 def _robots() -> Iterator[str]:

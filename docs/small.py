@@ -55,7 +55,7 @@ const { solid, state } = window.rsegen;
 _FAR = 2.4
 """Distance of the camera from a robot, in diagonals of its size."""
 _NEAR, _NEARER = 0.8, 0.6
-"""Of the distance at which the page shows a whole map: a small picture is wider than its view; a terrain has a border."""
+"""Of the distance at which the page shows a whole map: its view is less wide, and a terrain has a border."""
 _LOOK = """
 const { solid } = window.rsegen;
 solid.look("oblique");
