@@ -217,10 +217,10 @@ def stale() -> Iterator[Path]:
         if not path.exists() or path.read_text("utf-8") != text:
             yield path
     for path, scene in pictures().items():
-        if not path.exists() or not _shows(path, scene.alone):
+        if not path.exists() or not shows(path, scene.alone):
             yield path
     for path, recipe in (dict.fromkeys(rising(), difficulty.EXAMPLE) | gallery.pictures()).items():
-        if not path.exists() or not _shows(path, recipe):
+        if not path.exists() or not shows(path, recipe):
             yield path
 
 
@@ -286,13 +286,18 @@ def terrain() -> Recipe:
     return Terrain(recipes=recipes, rows=10, columns=6, gap=2, border=6).recipe
 
 
-def _shows(path: Path, recipe: Recipe) -> bool:
-    """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values."""
+def shows(path: Path, recipe: Recipe) -> bool:
+    """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values.
+
+    A sheet shows the version too, which must be this one.
+    """
     from PIL import Image
 
     with Image.open(io.BytesIO(path.read_bytes())) as found:
         carried = found.info.get("Description")
-    return carried is not None and decode(json.loads(carried)) == recipe
+    if carried is None or (path == SHEET and json.loads(carried)["generator"] != f"rsegen {rsegen.__version__}"):
+        return False
+    return decode(json.loads(carried)) == recipe
 
 
 SHOWN = {
@@ -441,18 +446,14 @@ def _examples() -> Iterator[str]:
 
 def _kinds_and_robots() -> Iterator[str]:
     """Yield a table of small pictures: every kind of obstacle, then every robot, four in a row."""
-    shown = [(kind, f"`{kind}`") for kind in KINDS] + [(kind, f"`{kind}`, {it.title}") for kind, it in ROBOTS.items()]
-    for first in range(0, len(shown), _COLUMNS):
-        row = shown[first : first + _COLUMNS]
-        yield (
-            "| "
-            + " | ".join(
-                f'<img src="docs/pictures/small-{name}.webp" width="200" alt="{name}"><br>{text}' for name, text in row
-            )
-            + " |" * (1 + _COLUMNS - len(row))
-        )
-        if first == 0:
-            yield "|---" * _COLUMNS + "|"
+    shown = {kind: f"`{kind}`" for kind in KINDS}
+    shown |= {kind: f"`{kind}`, {robot.title}" for kind, robot in ROBOTS.items()}
+    picture = '<img src="docs/pictures/small-{0}.webp" width="180" alt="{0}"><br>{1}'
+    cells = [picture.format(name, text) for name, text in shown.items()]
+    yield "| " * _COLUMNS + "|\n" + "|---" * _COLUMNS + "|"
+    for first in range(0, len(cells), _COLUMNS):
+        row = cells[first : first + _COLUMNS]
+        yield "| " + " | ".join([*row, *[""] * (_COLUMNS - len(row))]) + " |"
 
 
 _COLUMNS = 4

@@ -15,8 +15,10 @@ import pytest
 
 import rsegen
 from docs import catalogue
+from docs.generate import SHEET, shows
 from rsegen import KINDS
 from rsegen.cli import main
+from rsegen.recipe.examples import EXAMPLES
 from tests.plugins.installed import declare, done
 from tests.support.long import long_unless
 
@@ -264,6 +266,13 @@ def test_softness_of_the_gallery_changes_every_kind(kind: str) -> None:
     fields = [rsegen.build(recipe).levels for _, recipe in catalogue.softnesses(kind)]
     assert not np.array_equal(fields[0], fields[1])
     assert not np.array_equal(fields[1], fields[2])
+
+
+def test_a_sheet_that_shows_another_version_is_out_of_date(monkeypatch: pytest.MonkeyPatch) -> None:
+    recipe = rsegen.compose(rsegen.load(EXAMPLES["five-pallet-dash"])).alone
+    assert shows(SHEET, recipe)
+    monkeypatch.setattr(rsegen, "__version__", "0.0.1")
+    assert not shows(SHEET, recipe)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

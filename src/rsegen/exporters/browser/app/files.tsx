@@ -8,6 +8,7 @@ import { call, upload } from "./server";
 import { attempt, busy, dialog, hello, problem, reload, save, state } from "./state";
 
 interface Entry { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }
+const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
 interface Listing { folder: string; entries: Entry[] }
 
 const close = () => (dialog.value = null);
@@ -37,7 +38,7 @@ export function Open() {
           {folder && <Button icon="left" class="quiet" title="The folder above" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>the folder above</Button>}
           <ul class="choices">{listing?.entries.map((each) => (
             <li key={each.path}><button type="button" disabled={each.kind === "other"} onClick={() => (each.kind === "folder" ? go(each.path) : void openEntry(each))}>
-              <span><Icon name={each.kind === "recipe" ? "file" : each.kind === "drive" ? "play" : "folder"} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>drive</small>}</button></li>))}</ul>
+              <span><Icon name={ICONS[each.kind]} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>drive</small>}</button></li>))}</ul>
           {listing && !listing.entries.length && <p class="empty">No recipe here yet.</p>}
           <form class="actions" onSubmit={(event) => { event.preventDefault(); void leaveFor(path); }}>
             <input type="text" aria-label="Path of a recipe, or DIR#17 of a data set" placeholder="path, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />
