@@ -123,14 +123,14 @@ def variants(browser: Chrome) -> None:
 
 _ROBOT = """
 const [x, y, heading, done] = arguments;
-(async () => {
 const { state } = window.rsegen;
-state.tab.value = "robot";
-state.heading.value = heading;
-await state.chooseRobot("crawler");
-await state.showTilt();
-state.settle(x, y);
-done();
+(async () => {
+  state.tab.value = "robot";
+  state.heading.value = heading;
+  await state.chooseRobot("crawler");
+  await state.showTilt();
+  state.settle(x, y);
+  done();
 })();
 """
 

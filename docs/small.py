@@ -10,7 +10,6 @@ import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from math import hypot
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PIL import Image
@@ -64,11 +63,6 @@ solid.controls.update();
 """
 
 
-def file_of(name: str) -> Path:
-    """Return the file of a small picture: of a kind, a robot, or a part."""
-    return PICTURES / f"small-{name}.webp"
-
-
 def _show(browser: Chrome, recipe: Recipe) -> None:
     browser.execute_script(f"window.rsegen.state.open('{recipe.name}.yaml')")
     wait_for(browser, f"state.scene.value?.name.startsWith('{recipe.name}')")
@@ -76,7 +70,7 @@ def _show(browser: Chrome, recipe: Recipe) -> None:
 
 
 def _keep(picture: Image.Image, name: str) -> None:
-    picture.save(file_of(name), quality=82, method=6)
+    picture.save(PICTURES / f"small-{name}.webp", quality=82, method=6)
 
 
 def main() -> int:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 import rsegen
 from docs import catalogue
@@ -266,6 +267,14 @@ def test_softness_of_the_gallery_changes_every_kind(kind: str) -> None:
     fields = [rsegen.build(recipe).levels for _, recipe in catalogue.softnesses(kind)]
     assert not np.array_equal(fields[0], fields[1])
     assert not np.array_equal(fields[1], fields[2])
+
+
+def test_the_moving_picture_is_small_and_lasts_some_seconds() -> None:
+    file = ROOT / "docs" / "pictures" / "crossing.webp"
+    assert file.stat().st_size < 1_500_000
+    with Image.open(file) as picture:
+        frames = [picture.info["duration"] for _ in ImageSequence.Iterator(picture) if picture.load()]
+    assert 5000 < sum(frames) < 8500
 
 
 def test_a_sheet_that_shows_another_version_is_out_of_date(monkeypatch: pytest.MonkeyPatch) -> None:
