@@ -67,8 +67,9 @@ page:
 docs: $(VENV)/developer
 	$(BIN)/python -m docs.generate
 
-# Links and docstrings that are not right are errors.
+# Links and docstrings that are not right are errors. The course to look at is made here, as it is large.
 site: $(VENV)/developer
+	$(BIN)/rsegen view mixed-course --look wood -o docs/course.html --force
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 bench: $(VENV)/developer

@@ -60,6 +60,7 @@ from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
 
 DOCS = Path(__file__).parent
+README = DOCS.parent / "README.md"
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
@@ -190,6 +191,7 @@ def texts() -> dict[Path, str]:
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         RELIABILITY: filled(RELIABILITY.read_text("utf-8"), reliability.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
+        README: filled(README.read_text("utf-8"), _kinds_and_robots()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
@@ -199,7 +201,7 @@ def pictures() -> dict[Path, Scene]:
     shown = {DOCS / "pictures" / f"{path.stem}.png": load(path) for path in EXAMPLES.values()}
     shown |= {DOCS / "pictures" / f"kind-{kind}.png": catalogue.recipe_of(kind) for kind in KINDS}
     shown[WAYS] = shown[POSE_MAPS] = shown[SETTLED] = load(EXAMPLES["mixed-course"])
-    shown[TERRAIN] = _terrain()
+    shown[TERRAIN] = terrain()
     shown |= {SHEET: load(EXAMPLES["five-pallet-dash"]), SHEET_OF_A_PALLET: load(EXAMPLES["red-diagonal-pallet"])}
     return {path: compose(recipe) for path, recipe in shown.items()}
 
@@ -215,10 +217,10 @@ def stale() -> Iterator[Path]:
         if not path.exists() or path.read_text("utf-8") != text:
             yield path
     for path, scene in pictures().items():
-        if not path.exists() or not _shows(path, scene.alone):
+        if not path.exists() or not shows(path, scene.alone):
             yield path
     for path, recipe in (dict.fromkeys(rising(), difficulty.EXAMPLE) | gallery.pictures()).items():
-        if not path.exists() or not _shows(path, recipe):
+        if not path.exists() or not shows(path, recipe):
             yield path
 
 
@@ -270,7 +272,7 @@ _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
 }
 
 
-def _terrain() -> Recipe:
+def terrain() -> Recipe:
     """Ten rows and six columns of three kinds."""
     kinds = {
         "rubble": Random(levels=6),
@@ -284,13 +286,18 @@ def _terrain() -> Recipe:
     return Terrain(recipes=recipes, rows=10, columns=6, gap=2, border=6).recipe
 
 
-def _shows(path: Path, recipe: Recipe) -> bool:
-    """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values."""
+def shows(path: Path, recipe: Recipe) -> bool:
+    """Whether a picture shows the maps of a recipe: the one that it carries, whatever wrote it, has the same values.
+
+    A sheet shows the version too, which must be this one.
+    """
     from PIL import Image
 
     with Image.open(io.BytesIO(path.read_bytes())) as found:
         carried = found.info.get("Description")
-    return carried is not None and decode(json.loads(carried)) == recipe
+    if carried is None or (path == SHEET and json.loads(carried)["generator"] != f"rsegen {rsegen.__version__}"):
+        return False
+    return decode(json.loads(carried)) == recipe
 
 
 SHOWN = {
@@ -435,6 +442,21 @@ def _examples() -> Iterator[str]:
     for name, path in EXAMPLES.items():
         yield f"\n## {name}\n\n{load(path).description}: `rsegen generate {name} -o worlds`\n"
         yield f"![{name}](pictures/{name}.png)"
+
+
+def _kinds_and_robots() -> Iterator[str]:
+    """Yield a table of small pictures: every kind of obstacle, then every robot, four in a row."""
+    shown = {kind: f"`{kind}`" for kind in KINDS}
+    shown |= {kind: f"`{kind}`, {robot.title}" for kind, robot in ROBOTS.items()}
+    picture = '<img src="docs/pictures/small-{0}.webp" width="180" alt="{0}"><br>{1}'
+    cells = [picture.format(name, text) for name, text in shown.items()]
+    yield "| " * _COLUMNS + "|\n" + "|---" * _COLUMNS + "|"
+    for first in range(0, len(cells), _COLUMNS):
+        row = cells[first : first + _COLUMNS]
+        yield "| " + " | ".join([*row, *[""] * (_COLUMNS - len(row))]) + " |"
+
+
+_COLUMNS = 4
 
 
 def _robots() -> Iterator[str]:

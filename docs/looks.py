@@ -1,4 +1,4 @@
-"""The pictures of looks in the manual: `python -m docs.looks`, with Gazebo Classic, on a display (or `xvfb-run`)."""
+"""The picture of looks in the manual: `python -m docs.looks`, with Gazebo Classic, on a display (or `xvfb-run`)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from PIL import Image, ImageDraw
 
 import rsegen
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.robots import ROBOTS
 from rsegen.simulation.driving.world_file import last_frame, world_with_robots
 from rsegen.simulation.simulators import SIMULATORS
 from rsegen.simulation.simulators.server import running_server
@@ -22,8 +21,6 @@ PICTURES = Path(__file__).parent / "pictures"
 LOOKS = ("plain", "levels", "wood", "friction")
 SETTLED = 30
 """Tenths of a second of simulation time until the picture that is kept."""
-
-Pose = tuple[float, float, float, float, float, float]
 
 EYE = """\
 <model name="eye">
@@ -45,8 +42,8 @@ EYE = """\
 """
 
 
-def photograph(recipe: rsegen.Recipe, pose: str, size: tuple[int, int], at: Pose | None = None) -> Image.Image:
-    """The first map of a recipe as a camera in Gazebo Classic sees it; with a crawler that was put down at a pose.
+def photograph(recipe: rsegen.Recipe, pose: str, size: tuple[int, int]) -> Image.Image:
+    """The first map of a recipe as a camera in Gazebo Classic sees it.
 
     pose: of the camera, x y z roll pitch yaw, in metres and radians; size: of the picture, in pixels.
     """
@@ -57,12 +54,9 @@ def photograph(recipe: rsegen.Recipe, pose: str, size: tuple[int, int], at: Pose
         folder = Path(name)
         world = rsegen.generate(recipe, folder / "worlds").maps[0].world
         eye = EYE.format(pose=pose, width=size[0], height=size[1], frames=folder / "frames")
-        robots = [ROBOTS["crawler"].model("crawler", here.backend, at)] if at else []
         file = folder / world.name
-        file.write_text(world_with_robots(world, [*robots, eye], backend=here.backend), "utf-8")
+        file.write_text(world_with_robots(world, [eye], backend=here.backend), "utf-8")
         with running_server(here, file, models=folder / "worlds", screen=True) as server, server.connect() as live:
-            if at:
-                live.send_command(ROBOTS["crawler"].command("crawler", 0.3, 0, here.backend))
             for _ in range(SETTLED):
                 live.step(100)
                 time.sleep(0.2)  # a picture takes the camera longer than the physics
@@ -81,16 +75,9 @@ def looks() -> Image.Image:
     return picture
 
 
-def course() -> Image.Image:
-    """A robot on a course of wood, below a sky."""
-    recipe = replace(rsegen.load(EXAMPLES["mixed-course"]), maps=1, look="wood", sky=True)
-    return photograph(recipe, "-2.7 -2.2 1.3 0 0.31 0.72", (1280, 640), (-0.9, -0.45, 0.45, 0, 0, 0.3))
-
-
 def main() -> int:
-    """Make both pictures."""
+    """Make the picture."""
     looks().save(PICTURES / "looks.jpg", quality=88)
-    course().save(PICTURES / "wood.jpg", quality=90)
     return 0
 
 

@@ -12,11 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 import rsegen
 from docs import catalogue
+from docs.generate import SHEET, shows
 from rsegen import KINDS
 from rsegen.cli import main
+from rsegen.recipe.examples import EXAMPLES
 from tests.plugins.installed import declare, done
 from tests.support.long import long_unless
 
@@ -75,10 +78,25 @@ def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path:
 
 def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> None:
     text = (ROOT / "README.md").read_text("utf-8")
-    assert len(text.splitlines()) <= 100
+    prose = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    assert len(re.findall(r"^[^\s|#!<]", prose, re.MULTILINE)) <= 60  # without code, tables, headings, pictures
     script = blocks(ROOT / "README.md", "python")[0]
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds-from-python" / "rse_0000" / "rse_0000.world").is_file()
+
+
+def test_the_first_two_commands_of_the_readme_are_there_and_the_second_opens_a_page(tmp_path: Path) -> None:
+    first, second = re.findall(r"^    (\S.*?)(?:  +#.*)?$", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)[:2]
+    assert first == "make worlds"
+    assert re.search(r"^worlds:", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
+    words = second.removeprefix(".venv/bin/rsegen ").split()
+    command = [sys.executable, "-m", "rsegen", *words, "--no-browser"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout
+            assert "http://localhost:" in server.stdout.readline()
+        finally:
+            server.terminate()
 
 
 def test_the_python_of_the_page_of_browsers_works(tmp_path: Path) -> None:
@@ -251,7 +269,23 @@ def test_softness_of_the_gallery_changes_every_kind(kind: str) -> None:
     assert not np.array_equal(fields[1], fields[2])
 
 
+def test_the_moving_picture_is_small_and_lasts_some_seconds() -> None:
+    file = ROOT / "docs" / "pictures" / "crossing.webp"
+    assert file.stat().st_size < 1_500_000
+    with Image.open(file) as picture:
+        frames = [picture.info["duration"] for _ in ImageSequence.Iterator(picture) if picture.load()]
+    assert 5000 < sum(frames) < 8500
+
+
+def test_a_sheet_that_shows_another_version_is_out_of_date(monkeypatch: pytest.MonkeyPatch) -> None:
+    recipe = rsegen.compose(rsegen.load(EXAMPLES["five-pallet-dash"])).alone
+    assert shows(SHEET, recipe)
+    monkeypatch.setattr(rsegen, "__version__", "0.0.1")
+    assert not shows(SHEET, recipe)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_somewhere(page: Path) -> None:
-    links = re.findall(r"\]\(([^)#:]+)\)", page.read_text("utf-8"))
-    assert [link for link in links if not (page.parent / link).exists()] == []
+    links = re.findall(r"\]\(([^)#:]+)\)|<img src=\"([^\"]+)\"", page.read_text("utf-8"))
+    made = re.findall(r"-o docs/(\S+\.html)", (ROOT / "Makefile").read_text("utf-8"))  # with the site
+    assert [link for link in map("".join, links) if link not in made and not (page.parent / link).exists()] == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from rsegen.io.recipe_file import load
 from rsegen.page.host import Host
 from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.run.single_files import save
 from tests.support.browser import chromium, complaints, resize
 from tests.support.patience import until
 
@@ -274,6 +276,22 @@ def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
         page.chrome.close()
         page.chrome.switch_to.window(first)
     until(lambda: len(page.state()["rows"]) == 1)
+
+
+def test_a_drive_of_a_folder_is_played_over_its_own_map(page: Page, folder: Path) -> None:
+    drive = folder / "drive"
+    drive.mkdir()
+    save(replace(load(EXAMPLES["peak"]), name="crossed"), drive / "recipe.json")
+    (drive / "drive.json").write_text(
+        json.dumps({"map": "crossed_0000", "robots": [{"name": "one", "kind": "crawler"}]})
+    )
+    (drive / "one.csv").write_text("t,x,y,z,roll,pitch,yaw\n0,-1.2,0,0,0,0,0\n5,1.2,0,0,0,0,0\n")
+    page.js("state.dialog.value = { name: 'open' }")
+    until(lambda: page.chrome.find_elements(By.XPATH, "//dialog//button[contains(.,'drive')]"))
+    page.chrome.find_element(By.XPATH, "//dialog//button[contains(.,'drive')]").click()
+    until(lambda: page.js("return state.second.value > 0"))
+    assert page.js("return state.scene.value.name") == "crossed_0000"
+    assert page.js("return window.rsegen.solid.player.robots.length") == 1
 
 
 def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(chrome: Chrome, tmp_path: Path) -> None:

@@ -2,13 +2,22 @@
 
 import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Icon, Modal } from "./controls";
+import { play } from "./playback";
 import { leaveFor } from "./run";
 import { call, upload } from "./server";
 import { attempt, busy, dialog, hello, problem, reload, save, state } from "./state";
 
-interface Listing { folder: string; entries: { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }[] }
+interface Entry { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }
+const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
+interface Listing { folder: string; entries: Entry[] }
 
 const close = () => (dialog.value = null);
+
+/* Open what a folder lists: a drive is played over its map. */
+async function openEntry({ path, kind }: Entry): Promise<void> {
+  if (kind === "drive") return void ((await leaveFor(`${path}/recipe.json`)) && (await play(path)));
+  await leaveFor(kind === "dataset" ? `${path}#0` : path);
+}
 
 export function Open() {
   const [folder, go] = useState<string | undefined>(undefined);
@@ -28,8 +37,8 @@ export function Open() {
           <h3 id={`${id}-files`}>Files in {listing?.folder || hello.value?.folder}</h3>
           {folder && <Button icon="left" class="quiet" title="The folder above" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>the folder above</Button>}
           <ul class="choices">{listing?.entries.map((each) => (
-            <li key={each.path}><button type="button" disabled={each.kind === "other" || each.kind === "drive"} onClick={() => (each.kind === "folder" ? go(each.path) : void leaveFor(each.kind === "dataset" ? `${each.path}#0` : each.path))}>
-              <span><Icon name={each.kind === "recipe" ? "file" : "folder"} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}</button></li>))}</ul>
+            <li key={each.path}><button type="button" disabled={each.kind === "other"} onClick={() => (each.kind === "folder" ? go(each.path) : void openEntry(each))}>
+              <span><Icon name={ICONS[each.kind]} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>drive</small>}</button></li>))}</ul>
           {listing && !listing.entries.length && <p class="empty">No recipe here yet.</p>}
           <form class="actions" onSubmit={(event) => { event.preventDefault(); void leaveFor(path); }}>
             <input type="text" aria-label="Path of a recipe, or DIR#17 of a data set" placeholder="path, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />

@@ -44,7 +44,7 @@ function Panels() {
 function Help() {
   return (
     <Modal title="Help" close={() => (dialog.value = null)}>
-      <p class="lead">A map is a field of wooden blocks. <b>Add</b> puts an obstacle on it; later obstacles lie on earlier ones. <b>Generate</b> writes its world for Gazebo.</p>
+      <p class="lead">A map is a field of wooden blocks. <b>Add</b> puts an obstacle on it; where obstacles overlap, the later one replaces the earlier one. <b>Generate</b> writes its world for Gazebo.</p>
       <dl class="keys">
         {TOOLS.map((each) => <div key={each.key}><dt><kbd>{each.key.toUpperCase()}</kbd></dt><dd>{each.label}: {each.title.toLowerCase()}</dd></div>)}
         <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level of the paint</dd></div>

@@ -5,7 +5,7 @@ import { Button, Modal, Segmented, Slider } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Variant } from "./protocol";
 import { thumbnail } from "./solid";
-import { ask, attempt, dialog, edit, frozen, hello, index, newGesture, problemAt, robot, say, scene, showMap, state } from "./state";
+import { ask, attempt, dark, dialog, edit, frozen, hello, index, newGesture, problemAt, robot, say, scene, showMap, state } from "./state";
 
 export function Heights({ map }: { map: SceneData }) {
   const most = Math.max(1, ...map.palette.map((each) => each.count));
@@ -139,9 +139,9 @@ export function Picture({ map, label }: { map: SceneData; label: string }) {
   const [source, setSource] = useState("");
   useEffect(() => {
     let address = "";
-    void thumbnail(map, 256, 176).then((picture) => setSource((address = URL.createObjectURL(picture))), () => null);
+    void thumbnail(map, 256, 176, dark.value).then((picture) => setSource((address = URL.createObjectURL(picture))), () => null);
     return () => URL.revokeObjectURL(address);
-  }, [map]);
+  }, [map, dark.value]);
   return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
 }
 

@@ -32,7 +32,7 @@ export function RobotPanel() {
       <div class="form">
         <Labelled id={`${id}-robot`} label="Robot" wide>
           <Select id={`${id}-robot`} value={robot.value} onChange={(name) => void chooseRobot(name)}
-            choices={[["", "none"], ...robots.map((each) => [each.name, each.title] as const)]} />
+            choices={[["", "none"], ...robots.map((each) => [each.name, `${each.name}, ${each.title}`] as const)]} />
         </Labelled>
         {!robot.value && <p class="empty">Choose a robot: it settles on the blocks under the mouse, and shows where it can drive.</p>}
         {robot.value && <>

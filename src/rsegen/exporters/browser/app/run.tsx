@@ -120,10 +120,12 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
   );
 }
 
-/* Open another recipe, after a question if the one that is open would be left unsaved. */
-export async function leaveFor(what: string): Promise<void> {
-  if (state.value?.unsaved && !confirm(`${state.value.title} has changes that are not saved. Leave them?`)) return;
-  if (await open(what)) dialog.value = null;
+/* Open another recipe, after a question if the one that is open would be left unsaved; false if it was not opened. */
+export async function leaveFor(what: string): Promise<boolean> {
+  if (state.value?.unsaved && !confirm(`${state.value.title} has changes that are not saved. Leave them?`)) return false;
+  if (!(await open(what))) return false;
+  dialog.value = null;
+  return true;
 }
 
 async function download(file: { path: string; name: string }): Promise<void> {
