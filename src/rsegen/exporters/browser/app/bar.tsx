@@ -1,6 +1,6 @@
 /* The bar on top: the file, undo, tools, and what may be run; and the line of status below. */
 
-import { Button, Icon, Menu, Segmented } from "./controls";
+import { Button, Icon, Menu, NumberInput, Segmented } from "./controls";
 import { times } from "./exact";
 import type { Command } from "./protocol";
 import { leaveFor, Progress } from "./run";
@@ -52,6 +52,8 @@ export function PaintOptions() {
         choices={[["cells", "Cells", "cell by cell"], ["rectangle", "Rectangle", "a rectangle"], ["fill", "Fill", "connected cells of one level"], ["pick", "Pick", "take the level of a cell"]]} />
       <Segmented name="Level" value={String(now.level)} onChange={(level) => (tool.value = { ...now, level: Number(level) })}
         choices={[["-1", "erase", "erase paint"], ...Array.from({ length: Math.min(10, highest + 1) }, (_, level) => [String(level), String(level), `${times(unit, level)} cm`] as const)]} />
+      <label class="number">level <NumberInput id="paint-level" value={now.level < 0 ? undefined : now.level} whole placeholder="erase" minimum={0}
+        onChange={(level) => Number(level) >= 0 && (tool.value = { ...now, level: Number(level) })} /></label>
     </div>
   );
 }

@@ -117,12 +117,12 @@ export function Modal({ title, close, children, wide = false }: {
 /* What a control has around it. */
 export interface Labelled { label: string; help?: string; unit?: string; problem?: string }
 
-export function Labelled({ label, help, unit, problem, id, wide, note, children }: Labelled & {
-  id: string; wide?: boolean; note?: ComponentChildren; children: ComponentChildren;
+export function Labelled({ label, help, unit, problem, id, wide, long, note, children }: Labelled & {
+  id: string; wide?: boolean; long?: boolean; note?: ComponentChildren; children: ComponentChildren;
 }) {
   return (
-    <div class={`field ${wide ? "tall" : ""}`} data-field={label}>
-      <label for={id} title={help}>{label}{unit && <small> {unit}</small>}</label>
+    <div class={`field ${wide ? "tall" : ""} ${long ? "long" : ""}`} data-field={label}>
+      <label for={id} title={help}>{label}{unit && <small>, {unit}</small>}</label>
       <div class="control">{children}</div>
       {note && <p class="note">{note}</p>}
       {problem && <p class="problem" id={`${id}-problem`} role="alert">{problem}</p>}

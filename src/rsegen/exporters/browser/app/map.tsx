@@ -1,8 +1,9 @@
 /* The parameters of the whole map, and which of the recipe's maps is shown. */
 
+import { signal } from "@preact/signals";
 import { Button } from "./controls";
 import { Form } from "./fields";
-import type { Json } from "./protocol";
+import type { Field, Json } from "./protocol";
 import { dialog, edit, hello, index, problemAt, showMap, state } from "./state";
 import { Difficulty } from "./results";
 
@@ -15,6 +16,8 @@ export function MapPanel() {
     .filter((group) => group.fields.length);
   const change = (name: string, value: Json | undefined, gesture: string) =>
     void edit({ do: "set", name, value: value ?? null, gesture: gesture || undefined });
+  const all = groups.flatMap((group) => group.fields);
+  const isFound = (field: Field) => `${field.title} ${field.name} ${field.help}`.toLowerCase().includes(wanted.value.trim().toLowerCase());
   return (
     <section class="panel" aria-label="Map">
       <Form fields={basic} values={now.values} problems={problemAt} onChange={change} />
@@ -23,7 +26,11 @@ export function MapPanel() {
         <Button title="Twelve other seeds as pictures; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show twelve …</Button>
         <Button class="primary" title="Write worlds and models (Ctrl+Enter)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
       </div>
-      {others.map((group) => (
+      <input type="search" class="filter" aria-label="Find a parameter" placeholder="Find a parameter" value={wanted.value}
+        onInput={(event) => (wanted.value = event.currentTarget.value)} />
+      {wanted.value.trim() ? (all.some(isFound)
+        ? <Form fields={all.filter(isFound).map((field) => ({ ...field, basic: true }))} values={now.values} problems={problemAt} onChange={change} explained />
+        : <p class="empty">No parameter has “{wanted.value.trim()}” in its name or help.</p>) : others.map((group) => (
         <details key={group.title} open={group.fields.some((field) => problemAt(field.name)) || undefined}>
           <summary>{group.title}</summary>
           <Form fields={group.fields} values={now.values} problems={problemAt} onChange={change} />
@@ -32,6 +39,9 @@ export function MapPanel() {
     </section>
   );
 }
+
+/* What parameters are filtered by. */
+const wanted = signal("");
 
 /* Steps through the maps of the recipe. */
 export function MapChooser() {

@@ -50,18 +50,18 @@ function heights(levels: Json | undefined): string {
   return `${text.join(", ")} cm`;
 }
 
+const capitalized = (text: string) => text[0]!.toUpperCase() + text.slice(1);
 const pair = (place: Json | undefined): Json[] => (Array.isArray(place) ? place : ["random", "random"]);
 
 const isFree = ({ entry }: Row) => entry.first === undefined && entry.last === undefined;
 
-/* Whether an obstacle without ends lies on the whole map, as random kinds do; others are then placed at random. */
-function coversAll({ ends }: Row): boolean {
-  return Boolean(ends) && ends!.first.every((at) => at === 0) && ends!.last.every((at, axis) => at === cells.value[axis]! - 1);
-}
+/* Where an obstacle without ends lies, by its kind: "on the whole map". */
+const usualPlace = ({ entry }: Row): string => kindOf(entry.kind)?.default_place ?? "at a random position";
+const isRandom = (row: Row) => usualPlace(row).includes("random");
 
 function where(row: Row): string {
   const { entry } = row;
-  if (isFree(row)) return coversAll(row) ? "whole map" : "random";
+  if (isFree(row)) return isRandom(row) ? "random" : usualPlace(row).replace(/^on |^in |the /g, "");
   const text = (place: Json | undefined) => pair(place).map((at) => (at === "random" ? "?" : shown(at))).join(",");
   const [first, last] = [text(entry.first), text(entry.last)];
   return first === "?,?" && last === "?,?" ? "random" : `${first} → ${last}`;
@@ -213,7 +213,7 @@ function Place({ row }: { row: number }) {
   return (
     <>
       <div class="field" data-field="Position">
-        <label for={`random-${row}`} title="Drawn anew for every map; random kinds cover the whole map">{free && coversAll(rowAt(row)!) ? "On the whole map" : "Random position"}</label>
+        <label for={`random-${row}`} title={isRandom(rowAt(row)!) ? "Drawn anew for every map; off: give its ends" : "Off: give its ends"}>{isRandom(rowAt(row)!) ? "Random position" : capitalized(usualPlace(rowAt(row)!))}</label>
         <div class="control"><Switch id={`random-${row}`} value={free} onChange={(value) => fix(!value)} /></div>
       </div>
       {!free && (

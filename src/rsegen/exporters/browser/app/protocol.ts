@@ -26,7 +26,6 @@ export interface Hello {
   robots: { name: string; title: string }[];
   commands: Command[]; // what may be run
   formats: { name: string; description: string }[];
-  simulators: { name: string; title: string; version: string | null }[]; // null: not installed
 }
 
 /* A parameter in a form: a JSON Schema property with what a form needs besides. */
@@ -47,9 +46,12 @@ export interface Schema {
   anyOf?: Schema[]; items?: Schema; prefixItems?: Schema[]; minItems?: number; maxItems?: number;
 }
 export interface Group { title: string; fields: Field[] }
-export interface Kind { name: string; title: string; help: string; fields: Field[]; place: Field[] }
-/* fields: its own, levels and softness first; place: first, last, blend, key */
-export interface Command { name: string; help: string; group: string; target: "recipe" | "none"; fields: Field[]; output: "folder" | "file" | "none" }
+export interface Kind { name: string; title: string; help: string; default_place: string; fields: Field[]; place: Field[] }
+/* default_place: where it lies without ends; fields: its own, levels and softness first; place: first, last, blend, key */
+export interface Command {
+  name: string; help: string; group: string; target: "recipe" | "none"; fields: Field[];
+  output: "folder" | "file" | "none"; output_help: string; output_required: boolean;
+}
 
 /* ---- documents: open {what} --> {doc}; what: "" new, a path, the name of an example, DIR#17 */
 

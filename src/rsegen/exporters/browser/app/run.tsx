@@ -7,7 +7,7 @@ import { Form } from "./fields";
 import { play } from "./playback";
 import type { Command, Job, Json } from "./protocol";
 import { call, fileOf, Failed } from "./server";
-import { ask, attempt, dialog, hello, jobs, open, playbacks, robot, state } from "./state";
+import { ask, attempt, dialog, hello, index, jobs, open, playbacks, robot, state } from "./state";
 import { copy } from "./results";
 
 type Values = { [name: string]: Json | undefined };
@@ -29,14 +29,20 @@ const OUTPUTS: { [command: string]: string } = {
   generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain",
 };
 
+const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" };
+
 /* What was chosen last for each command, until the page is left. */
 const remembered = new Map<string, { values: Values; output: string }>();
 
 function usual(command: Command, upload?: string): { values: Values; output: string } {
-  const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? `${state.value?.name}.${command.name === "view" ? "html" : command.name === "preview" ? "png" : "pdf"}` : command.name) };
+  const file = command.output_required ? `${state.value?.name}.${SUFFIXES[command.name] ?? "pdf"}` : "";
+  const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? file : command.name) };
   const values: Values = { ...known.values };
-  const file = command.fields.find((field) => /cloud|file|heights|scan|source|target|path/.test(field.name));
-  if (upload && file) values[file.name] = upload;
+  const input = command.fields.find((field) => field.required && /cloud|file|path/.test(field.name));
+  if (upload && input) values[input.name] = input.schema.type === "array" ? [upload] : upload;
+  // The map that is shown is meant by what is about one map.
+  const one = command.fields.find((field) => field.name === "map" && !field.help.includes("all"));
+  if (one && (state.value?.maps ?? 1) > 1) values.map = String(index.value);
   if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
   return { values, output: command.output === "none" ? "" : known.output };
 }
@@ -72,9 +78,9 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
       {job ? <JobReport job={job} again={() => follow(null)} /> : (
         <form onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}</p>
-          <Form fields={command.fields} values={values} problems={problems}
+          <Form fields={command.fields} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
-          {command.output !== "none" && <Labelled id={`${id}-output`} label={command.output === "folder" ? "Output folder" : "Output file"} help={`in ${hello.value!.folder}`} problem={problems("output")} wide>
+          {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : ", if any"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
           </Labelled>}
           <div class="shell"><code>{line(command, values, output)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output))} /></div>

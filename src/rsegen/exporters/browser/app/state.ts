@@ -186,16 +186,15 @@ export function edit(...actions: Action[]): Promise<void> {
 
 async function send(): Promise<void> {
   while (waiting.length) {
-    const actions = waiting.map(intoItsMatrix);
-    waiting = [];
+    // Paint that makes a matrix is answered before what comes after it, which belongs into that matrix too.
+    const makes = waiting.findIndex((action) => action.do === "paint" && intoItsMatrix(action).row < 0);
+    const actions = waiting.splice(0, makes < 0 ? waiting.length : makes + 1).map(intoItsMatrix);
     flying = actions;
     const next = await attempt(() => ask<State>("edit", { actions, ...shownIndex() }));
     flying = [];
     if (next) {
       take(next);
       actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
-      const stroke = actions.find((action) => action.do === "paint" && action.row < 0);
-      if (stroke?.do === "paint" && stroke.gesture) made = { gesture: stroke.gesture, row: next.rows.length - 1 };
     } else {
       const failure = problem.value;
       const held = await attempt(() => ask<State>("state"), false);
@@ -204,15 +203,15 @@ async function send(): Promise<void> {
   }
 }
 
-/* The matrix that the beginning of a stroke has made: the rest of the stroke, sent later, belongs into it too. */
-let made = { gesture: "", row: -1 };
-
-function intoItsMatrix(action: Action): Action {
-  return action.do === "paint" && action.row < 0 && action.gesture === made.gesture ? { ...action, row: made.row } : action;
+/* Paint for a new matrix, in the one that is selected meanwhile, as earlier paint has made it. */
+function intoItsMatrix<A extends Action>(action: A): A {
+  const isMade = action.do === "paint" && action.row < 0 && rowAt(selected.value)?.entry.kind === "matrix";
+  return isMade ? { ...action, row: selected.value } : action;
 }
 
 function isSameGesture(one: Action, other: Action): boolean {
   if (one.do !== other.do || !("gesture" in one && one.gesture) || !("gesture" in other)) return false;
+  if (one.do === "paint" && other.do === "paint" && (one.level !== other.level || one.row !== other.row)) return false;
   return one.gesture === other.gesture && (one.do !== "set" || (other.do === "set" && one.name === other.name));
 }
 
@@ -255,10 +254,20 @@ export function problemAt(where: string): string {
 
 export const rowAt = (row: number): Row | undefined => state.value?.rows[row];
 
+/* The parameters that have a number for each level, for another number of levels: new levels are as likely as the last. */
+function fitted({ weights, counts }: Entry, levels: number): Partial<Entry> {
+  const to = (list: Json[], filling: Json) => Array.from({ length: levels }, (_, level) => list[level] ?? filling);
+  return {
+    ...(Array.isArray(weights) && weights.length && { weights: to(weights, weights.at(-1)!) }),
+    ...(Array.isArray(counts) && counts.length && { counts: to(counts, 0) }),
+  };
+}
+
 export function changeEntry(row: number, name: string, value: Json | undefined, gesture?: string): void {
   const entry: Entry = { ...rowAt(row)!.entry };
   if (value === undefined || value === null) delete entry[name];
   else entry[name] = value;
+  if (name === "levels" && typeof value === "number") Object.assign(entry, fitted(entry, value));
   void edit({ do: "change", row, entry, gesture });
 }
 
