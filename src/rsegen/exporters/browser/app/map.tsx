@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { Button } from "./controls";
 import { Form } from "./fields";
 import type { Field, Json } from "./protocol";
+import { leaveFor } from "./run";
 import { dialog, edit, hello, index, problemAt, showMap, state } from "./state";
 import { Difficulty } from "./results";
 
@@ -43,9 +44,20 @@ export function MapPanel() {
 /* What parameters are filtered by. */
 const wanted = signal("");
 
-/* Steps through the maps of the recipe. */
+/* Steps through the maps of the recipe, or of the data set that it is from. */
 export function MapChooser() {
   const now = state.value;
+  const [, data, number] = /^(.+)#(\d+)$/.exec(now?.path ? "" : (now?.title ?? "")) ?? [];
+  if (data) {
+    const at = Number(number);
+    return (
+      <div class="chooser" role="group" aria-label="Map of the data set">
+        <Button icon="left" class="quiet" title="Previous map of the data set" disabled={at === 0} onClick={() => void leaveFor(`${data}#${at - 1}`)} />
+        <output aria-live="polite">map {at} <small>of {data}</small></output>
+        <Button icon="right" class="quiet" title="Next map of the data set" onClick={() => void leaveFor(`${data}#${at + 1}`)} />
+      </div>
+    );
+  }
   if (!now || now.maps < 2) return null;
   const first = now.first_map ?? 0;
   return (

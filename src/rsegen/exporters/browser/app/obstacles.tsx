@@ -1,6 +1,6 @@
 /* The obstacles of the recipe: the list, in the order in which they are imposed, and the form of the selected one. */
 
-import { useId, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { Button, Icon, Labelled, Menu, Segmented, Select, Slider, Switch } from "./controls";
 import { shown, times } from "./exact";
 import { Form } from "./fields";
@@ -95,6 +95,8 @@ export function Obstacles() {
 function List({ rows }: { rows: Row[] }) {
   const [dragged, drag] = useState(-1);
   const [over, goOver] = useState(-1);
+  const list = useRef<HTMLOListElement>(null);
+  useEffect(() => list.current?.querySelector(".selected")?.scrollIntoView({ block: "nearest" }), [selected.value]);
   const drop = () => {
     if (dragged >= 0 && over >= 0 && dragged !== over) void edit({ do: "move", row: dragged, to: over });
     drag(-1);
@@ -111,7 +113,7 @@ function List({ rows }: { rows: Row[] }) {
     setTimeout(() => list.querySelectorAll<HTMLElement>(".pick")[to]?.focus(), event.altKey ? 120 : 0);
   };
   return (
-    <ol class="rows" aria-label="Obstacles, in the order in which they are imposed">
+    <ol class="rows" ref={list} style={{ "--digits": String(rows.length).length }} aria-label="Obstacles, in the order in which they are imposed">
       {rows.map((row, at) => {
         const kind = kindOf(row.entry.kind);
         const wrong = [state.value?.problem?.where ?? ""].some((each) => each.startsWith(`obstacles[${at}]`));

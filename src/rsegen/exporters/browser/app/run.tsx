@@ -109,11 +109,13 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
       {job.lines.length > 0 && <pre tabindex={0} aria-label="Report" class={job.state === "failed" ? "bad" : ""}>{job.lines.join("\n")}</pre>}
       <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} />)}</div>
+      {job.files.filter((file) => file.kind === "table").slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
       <ul class="files">{job.files.filter((file) => file.kind !== "picture").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
             {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
           {file.kind === "recipe" && <button type="button" onClick={() => void leaveFor(file.path)}>Open</button>}
+          {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
           {file.kind !== "drive" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
         </li>))}</ul>
       <footer class="actions">
@@ -138,6 +140,33 @@ async function download(file: { path: string; name: string }): Promise<void> {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(bytes), download: file.name });
   link.click();
   URL.revokeObjectURL(link.href);
+}
+
+/* Show a PDF in a window of its own. */
+async function show(path: string): Promise<void> {
+  const bytes = await attempt(() => fileOf(path));
+  if (bytes) window.open(URL.createObjectURL(new Blob([bytes], { type: "application/pdf" })));
+}
+
+const MOST_ROWS = 30;
+
+/* The fields of a line of CSV. */
+const fieldsOf = (row: string): string[] =>
+  [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
+
+/* The beginning of a table that a run wrote. */
+function FileTable({ path, name }: { path: string; name: string }) {
+  const [rows, set] = useState<string[][]>([]);
+  useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
+  const [head, ...body] = rows;
+  if (!head) return null;
+  return (
+    <figure class="table" tabindex={0}>
+      <table class="csv"><thead><tr>{head.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
+        <tbody>{body.slice(0, MOST_ROWS).map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
+      <figcaption>{name}{body.length > MOST_ROWS && `, the first ${MOST_ROWS} of ${body.length} rows`}</figcaption>
+    </figure>
+  );
 }
 
 function FilePicture({ path, name }: { path: string; name: string }) {

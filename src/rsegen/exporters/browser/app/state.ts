@@ -25,6 +25,7 @@ export const hover = signal<Hover | null>(null);
 export const busy = signal(0); // calls under way that somebody waits for
 export const problem = signal<Failure | null>(null); // of the last call that failed
 export const said = signal(""); // what has been done, for the live region
+export const connected = signal(true); // the server answers
 export const jobs = signal<Job[]>([]);
 export const options = signal<Partial<Options>>({ look: "recipe", grid: true, axes: true });
 export const plan = signal<"inset" | "half" | "hidden">("inset");
@@ -157,7 +158,7 @@ async function load(id: string): Promise<boolean> {
   forgetRobot();
   take(next);
   history.replaceState(null, "", `#${id}`);
-  void listen(id, page, hear, ends.signal);
+  void listen(id, page, hear, (is) => (connected.value = is), ends.signal);
   return true;
 }
 
@@ -341,9 +342,11 @@ export async function start(): Promise<void> {
   const asked = new URLSearchParams(location.search);
   const [known, list] = [location.hash.slice(1) || asked.get("doc"), attempt(() => call<Hello>("hello"))];
   const loads = (known && (await load(known))) || (await open(asked.get("open") ?? ""));
+  const failure = loads ? null : problem.value;
   hello.value = await list;
-  jobs.value = (loads && (await call<Job[]>("jobs").catch(() => null))) || [];
-  problem.value = hello.value ? null : problem.value;
+  if (!loads && hello.value) await open(""); // a page without a recipe could do nothing
+  jobs.value = (hello.value && (await call<Job[]>("jobs").catch(() => null))) || [];
+  problem.value = hello.value ? failure : problem.value;
 }
 
 addEventListener("beforeunload", (event) => {
