@@ -85,6 +85,7 @@ class Trial:
     def open(self) -> None:
         resize(self.chrome, 1366, 768)
         self.chrome.get("about:blank")
+        complaints(self.chrome)  # of the page before
         self.chrome.get(f"{self.address}&open={self.file.name}")
         until(lambda: self.chrome.execute_script("return Boolean(window.rsegen?.state.scene.value)"))
         until(lambda: self.js("return Boolean(plan?.field && state.hello.value)"))
