@@ -366,8 +366,13 @@ def test_a_map_that_is_too_large_is_refused(host: Host) -> None:
     opened = host.open(Session.of(Recipe(seed=1, chunk_size=1000, chunks=(10**6, 10**6), obstacles=[Random(levels=3)])))
     with pytest.raises(rsegen.UserError, match="chunks: a map of"):
         scene(opened)
-    with pytest.raises(ParameterError, match="1 is outside 0"):
-        scene(opened, index=1)
+
+
+def test_instead_of_a_map_that_another_page_took_away_the_first_is_shown(host: Host) -> None:
+    opened = host.open(Session.of(Recipe(seed=1, first_map=4, maps=2)))
+    assert scene(opened, index=5, page="one")["index"] == 5
+    act(opened, {"do": "set", "name": "maps", "value": 1})
+    assert scene(opened, index=5, page="one")["index"] == 4
 
 
 def test_texts_say_the_same_in_three_languages(host: Host, opened: Opened) -> None:

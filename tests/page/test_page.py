@@ -262,6 +262,19 @@ def test_a_click_on_a_block_selects_the_obstacle_that_made_it_in_the_list(chrome
     assert chrome.find_element(By.CSS_SELECTOR, ".obstacle select").get_attribute("value") == "diagonal_barrier"
 
 
+def test_the_map_that_is_chosen_is_shown_also_if_it_is_the_first_again(chrome: Chrome, address: str) -> None:
+    page = Page(chrome, address, "mixed-course")
+    page.js("return state.ask('edit', { actions: [{ do: 'set', name: 'maps', value: 3 }], index: 1 })")
+    for button, index in (("Next map", 1), ("Previous map", 0), ("Next map", 1)):
+        page.button(button).click()
+        page.settled()
+        assert page.js("return [state.index.value, state.scene.value.index]") == [index, index]
+    page.js("return state.edit({ do: 'set', name: 'maps', value: 1 })")
+    page.js("return state.edit({ do: 'undo' })")
+    page.settled()
+    assert page.js("return [state.index.value, state.scene.value.index]") == [0, 0]
+
+
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
     page.choose("Add", "Peak")
     page.button("Run").click()

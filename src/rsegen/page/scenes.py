@@ -43,7 +43,7 @@ def scene(opened: Opened, *, index: int | None = None, page: str = "") -> dict[s
     with opened.lock:
         session = opened.session
         recipe, rows, revision = session.recipe, session.draft.rows, session.revision
-        index = opened.index_of(page, index)
+        index = opened.index_of(page, index, or_first=True)
     drawn = kept(opened, ("drawn", recipe, index), lambda: _drawn(scene_of(opened, recipe, index)))
     ends = ((row, ends_of(entry, recipe, index)) for row, entry in enumerate(rows) if is_enabled(entry))
     shown: dict[str, Any] = drawn["content"]

@@ -109,7 +109,7 @@ export const doc = () => state.value?.doc ?? "";
 /* Call a function of the server about the document. */
 export const ask = <T>(name: string, args: object = {}): Promise<T> => call<T>(name, { doc: doc(), page, ...args });
 
-const shownIndex = () => (index.value === state.value?.first_map ? {} : { index: index.value });
+const shownIndex = () => ({ index: index.value });
 
 const draw = newest(async () => {
   const wanted = doc();
