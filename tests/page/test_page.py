@@ -275,6 +275,24 @@ def test_the_map_that_is_chosen_is_shown_also_if_it_is_the_first_again(chrome: C
     assert page.js("return [state.index.value, state.scene.value.index]") == [0, 0]
 
 
+def test_a_change_that_another_page_undoes_while_it_is_answered_is_not_shown(page: Page) -> None:
+    page.choose("Add", "Peak")
+    before = page.settled()
+    # The answer to the change comes after the news of the other page's undo, as on a slow line.
+    page.js(
+        "const fetched = window.fetch; window.fetch = async (address, options) => {"
+        "  const answer = await fetched(address, options);"
+        "  if (String(address).endsWith('api/edit') && !String(options.body).includes('other'))"
+        "    await new Promise((go) => setTimeout(go, 800));"
+        "  return answer };"
+        "state.changeEntry(0, 'softness', 40);"
+        "setTimeout(() => state.ask('edit', { actions: [{ do: 'undo' }], page: 'other' }), 300)"
+    )
+    until(lambda: page.state()["revision"] >= before["revision"] + 2)
+    page.js("return state.edit()")
+    assert page.settled()["rows"] == before["rows"]
+
+
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
     page.choose("Add", "Peak")
     page.button("Run").click()

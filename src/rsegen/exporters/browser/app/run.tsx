@@ -1,6 +1,6 @@
 /* Commands as dialogs: a form, the same line for a shell, run; then progress, report and files. */
 
-import { useEffect, useId, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { Button, Icon, Labelled, Modal } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
@@ -72,11 +72,13 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
     }
   };
   const problems = (field: string) => (failure?.where === field ? failure.text : "");
+  const form = useRef<HTMLFormElement>(null);
+  useEffect(() => form.current?.querySelector(".field .problem")?.scrollIntoView({ block: "nearest" }), [failure]);
   const elsewhere = failure && !command.fields.some((field) => field.name === failure.where) && failure.where !== "output";
   return (
     <Modal title={`${name[0]!.toUpperCase()}${name.slice(1)}`} close={close} wide={Boolean(job)}>
       {job ? <JobReport job={job} again={() => follow(null)} /> : (
-        <form onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
+        <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}</p>
           <Form fields={command.fields} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
@@ -84,9 +86,11 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
           </Labelled>}
           <div class="shell"><code>{line(command, values, output)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output))} /></div>
-          {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
           {state.value?.problem && command.target === "recipe" && <p class="problem" role="alert">First correct the recipe: {state.value.problem.where}: {state.value.problem.text}</p>}
-          <footer class="actions"><button type="button" onClick={close}>Cancel</button>
+          <footer class="actions">
+            {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
+            {upload && name === "scan" && <button type="button" onClick={() => (dialog.value = { name: "run", command: "compare", upload })}>Compare it with this map …</button>}
+            <button type="button" onClick={close}>Cancel</button>
             <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace what is there" : "Run"}</button></footer>
         </form>
       )}
@@ -148,23 +152,23 @@ async function show(path: string): Promise<void> {
   if (bytes) window.open(URL.createObjectURL(new Blob([bytes], { type: "application/pdf" })));
 }
 
-const MOST_ROWS = 30;
+const MOST_ROWS = 60; // longer ones are for programs
 
 /* The fields of a line of CSV. */
 const fieldsOf = (row: string): string[] =>
   [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
 
-/* The beginning of a table that a run wrote. */
+/* A table that a run wrote, if it is one to be read: short, with a line of names. */
 function FileTable({ path, name }: { path: string; name: string }) {
   const [rows, set] = useState<string[][]>([]);
   useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
   const [head, ...body] = rows;
-  if (!head) return null;
+  if (!head || body.length > MOST_ROWS || head[0]?.startsWith("#")) return null;
   return (
     <figure class="table" tabindex={0}>
       <table class="csv"><thead><tr>{head.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
-        <tbody>{body.slice(0, MOST_ROWS).map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
-      <figcaption>{name}{body.length > MOST_ROWS && `, the first ${MOST_ROWS} of ${body.length} rows`}</figcaption>
+        <tbody>{body.map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
+      <figcaption>{name}</figcaption>
     </figure>
   );
 }

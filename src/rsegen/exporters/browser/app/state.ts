@@ -117,10 +117,14 @@ const draw = newest(async () => {
   if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
 });
 
-/* Take over a state of the document, unless it is older than the one that is known. */
-export function take(next: State): void {
+let held: State | null = null; // the newest state of the server, without changes that it has not answered yet
+
+/* Take over a state of the document, unless it is older than the one that is known: then only what was answered goes. */
+export function take(given: State): void {
   const known = state.value;
-  if (known && (next.doc !== known.doc || next.revision < known.revision)) return;
+  if (known && given.doc !== known.doc) return;
+  const next = known && held && given.revision < held.revision ? held : given;
+  held = next;
   state.value = [...flying, ...waiting].reduce(ahead, next);
   selected.value = Math.min(selected.value, next.rows.length - 1);
   const first = next.first_map ?? 0;
@@ -165,7 +169,7 @@ async function load(id: string): Promise<boolean> {
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
   if (event.event === "job") jobs.value = [event.job, ...jobs.value.filter((job) => job.id !== event.job.id)];
-  if (event.event === "file" && state.value) state.value = { ...state.value, changed_on_disk: event.changed_on_disk };
+  if (event.event === "file" && held) take({ ...held, changed_on_disk: event.changed_on_disk });
 }
 
 /* ---- changes */
@@ -198,8 +202,8 @@ async function send(): Promise<void> {
       actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
     } else {
       const failure = problem.value;
-      const held = await attempt(() => ask<State>("state"), false);
-      if (held) state.value = { ...held, problem: held.problem ?? failure };
+      const now = await attempt(() => ask<State>("state"), false);
+      if (now) take({ ...now, problem: now.problem ?? failure });
     }
   }
 }
