@@ -293,6 +293,26 @@ def test_a_change_that_another_page_undoes_while_it_is_answered_is_not_shown(pag
     assert page.settled()["rows"] == before["rows"]
 
 
+def test_an_obstacle_is_seen_on_the_map_before_it_is_added(page: Page) -> None:
+    page.button("Add").click()
+    until(lambda: page.js("return state.ghost.value?.row === 0"))
+    assert page.state()["rows"] == []
+    page.chrome.switch_to.active_element.send_keys(Keys.ESCAPE)
+    until(lambda: page.js("return state.ghost.value === null"))
+
+
+def test_the_kind_that_is_chosen_is_drawn_on_the_map(page: Page) -> None:
+    page.button("Draw").click()
+    Select(page.chrome.find_element(By.CSS_SELECTOR, ".paint select")).select_by_visible_text("Platform")
+    canvas = page.chrome.find_element(By.CSS_SELECTOR, ".plan canvas")
+    ActionChains(page.chrome).move_to_element_with_offset(canvas, -30, 20).click_and_hold().move_by_offset(
+        50, -30
+    ).release().perform()
+    (row,) = page.settled()["rows"]
+    assert row["entry"]["kind"] == "platform"
+    assert row["entry"]["first"] != row["entry"]["last"]
+
+
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
     page.choose("Add", "Peak")
     page.button("Run").click()

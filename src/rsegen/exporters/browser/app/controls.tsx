@@ -57,13 +57,13 @@ export function Button({ icon, children, pressed, class: name = "", ...rest }: B
 }
 
 /* A button that opens a list below it; a choice in it closes it. */
-export function Menu({ label, icon, title, children, class: name = "" }: {
-  label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string;
+export function Menu({ label, icon, title, children, class: name = "", onClose }: {
+  label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string; onClose?: () => void;
 }) {
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
   const place = (event: TargetedToggleEvent<HTMLDivElement>) => {
-    if (event.newState !== "open") return;
+    if (event.newState !== "open") return onClose?.();
     const menu = list.current!;
     const at = (menu.previousElementSibling as HTMLElement).getBoundingClientRect();
     menu.style.left = `${Math.max(8, Math.min(at.left, innerWidth - menu.offsetWidth - 8))}px`;

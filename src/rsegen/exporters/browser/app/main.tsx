@@ -2,7 +2,7 @@
 
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
-import { Bar, PaintOptions, Status, TOOLS, takeTool } from "./bar";
+import { Bar, Status, TOOLS, ToolOptions, takeTool } from "./bar";
 import { Modal, Segmented, Select } from "./controls";
 import { Banners, Open, SaveAs, dropped } from "./files";
 import { MapPanel } from "./map";
@@ -116,7 +116,7 @@ function Editor() {
     <div class={`page ${layout.value}`}>
       <Bar />
       <Banners />
-      {layout.value !== "wide" && <PaintOptions />}
+      {layout.value !== "wide" && <ToolOptions />}
       <Stage />
       <Panels />
       <Status />

@@ -6,7 +6,7 @@ import { shown, times } from "./exact";
 import { Form } from "./fields";
 import type { Cell, Entry, Json, Kind, Row } from "./protocol";
 import {
-  cells, changeEntry, edit, hello, index, newGesture, problemAt, rowAt, scene, selected, state, tool,
+  cells, changeEntry, edit, hello, index, newGesture, problemAt, rowAt, scene, selected, showGhost, state, tool,
 } from "./state";
 
 /* What a kind looks like from above or the side, for lists; kinds of plug-ins have a square. */
@@ -78,9 +78,9 @@ export function Obstacles() {
           <button type="button" disabled={selected.value < 0} onClick={() => void edit({ do: "duplicate", row: selected.value })}>Duplicate <kbd>Ctrl D</kbd></button>
           <button type="button" disabled={!rows.length} onClick={() => void edit({ do: "clear" })}>Remove all</button>
         </Menu>
-        <Menu icon="add" label="Add" class="tinted" title="Add an obstacle">
+        <Menu icon="add" label="Add" class="tinted" title="Add an obstacle" onClose={() => showGhost(null)}>
           {hello.value?.kinds.map((kind) => (
-            <button type="button" class="kind" key={kind.name} onClick={() => (kind.name === "matrix" ? (tool.value = { name: "paint", shape: "cells", level: 1 }) : add(kind))}>
+            <button type="button" class="kind" key={kind.name} onFocus={() => showGhost(kind.name === "matrix" ? null : fresh(kind))} onPointerEnter={(event) => event.currentTarget.focus()} onClick={() => (kind.name === "matrix" ? (tool.value = { name: "paint", shape: "cells", level: 1 }) : add(kind))}>
               <Shape kind={kind.name} /><span>{kind.title}<small>{kind.help.replaceAll("`", "")}</small></span>
             </button>
           ))}

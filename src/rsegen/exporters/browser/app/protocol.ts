@@ -102,6 +102,8 @@ export type Action =
 
 /* ---- what is drawn: scene {doc, index?} --> SceneData; a frozen page has it too, without what only an editor needs */
 
+/* ghost {doc, entry, index?} --> SceneData with one more obstacle, the last row: what would be if it were added */
+
 export interface SceneData {
   name: string;
   description: string;

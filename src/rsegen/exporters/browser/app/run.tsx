@@ -140,8 +140,12 @@ export async function leaveFor(what: string): Promise<void> {
 
 async function download(file: { path: string; name: string }): Promise<void> {
   const bytes = await attempt(() => fileOf(file.path));
-  if (!bytes) return;
-  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(bytes), download: file.name });
+  if (bytes) offer(bytes, file.name);
+}
+
+/* Let the browser save bytes as a file. */
+export function offer(bytes: Blob, name: string): void {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(bytes), download: name });
   link.click();
   URL.revokeObjectURL(link.href);
 }

@@ -18,9 +18,11 @@ export const frozen: Frozen | null = data && (JSON.parse(data.textContent!) as F
 export const hello = signal<Hello | null>(null);
 export const state = signal<State | null>(null);
 export const scene = signal<SceneData | null>(null);
+export const ghost = signal<{ scene: SceneData; row: number } | null>(null); // an obstacle that is not added yet
 export const index = signal(0); // of the map that is shown
 export const selected = signal(-1);
 export const tool = signal<Tool>({ name: "select" });
+export const drawnKind = signal("diagonal_barrier"); // of the obstacles that the tool draw makes
 export const hover = signal<Hover | null>(null);
 export const busy = signal(0); // calls under way that somebody waits for
 export const problem = signal<Failure | null>(null); // of the last call that failed
@@ -118,6 +120,12 @@ const draw = newest(async () => {
 });
 
 let held: State | null = null; // the newest state of the server, without changes that it has not answered yet
+
+/* Show an obstacle on the map before it is added; null: none. */
+export const showGhost = newest(async (entry: Entry | null) => {
+  const shown = entry && (await ask<SceneData>("ghost", { entry, ...shownIndex() }).catch(() => null)); // a draft may be invalid
+  ghost.value = shown && { scene: shown, row: state.value!.rows.length };
+});
 
 /* Take over a state of the document, unless it is older than the one that is known: then only what was answered goes. */
 export function take(given: State): void {
