@@ -98,7 +98,7 @@ BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "se
 _GROUPS = {
     "Shape": ("block_width_cm", "frame_height_cm", "difficulty"),
     "Constraints": ("max_step", "crossable_by", "inventory"),
-    "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile"),
+    "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile", "units"),
     "Friction": ("friction", "frame_friction", "level_friction"),
     "Look": ("look", "frame_colour", "level_colours", "shadows", "sky"),
 }

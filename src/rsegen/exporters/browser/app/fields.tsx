@@ -142,7 +142,7 @@ function Nested({ id, value, onChange, onWhy }: ControlProps) {
 const KINDS: { [type: string]: string } = { integer: "one", number: "one", string: "name", boolean: "yes or no" };
 
 function caption(schema: Schema): string {
-  if (schema.type !== "array") return schema.enum ? "one" : (KINDS[schema.type ?? ""] ?? "other");
+  if (schema.type !== "array") return schema.enum || schema.pattern?.startsWith("^#") ? "one" : (KINDS[schema.type ?? ""] ?? "other");
   const count = schema.prefixItems?.length ?? (schema.minItems === schema.maxItems ? schema.minItems : undefined);
   return count === undefined ? "list" : ["none", "one", "two", "three", "four"][count] ?? String(count);
 }
