@@ -23,7 +23,7 @@ from rsegen.page import host as calls
 from rsegen.page.calls import Question
 from rsegen.page.host import MOST_DOCUMENTS, Host, Opened
 from rsegen.page.model.session import Session
-from rsegen.page.scenes import scene
+from rsegen.page.scenes import ghost, scene
 from rsegen.recipe.building import build, owners
 
 PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
@@ -366,8 +366,26 @@ def test_a_map_that_is_too_large_is_refused(host: Host) -> None:
     opened = host.open(Session.of(Recipe(seed=1, chunk_size=1000, chunks=(10**6, 10**6), obstacles=[Random(levels=3)])))
     with pytest.raises(rsegen.UserError, match="chunks: a map of"):
         scene(opened)
-    with pytest.raises(ParameterError, match="1 is outside 0"):
-        scene(opened, index=1)
+
+
+def test_a_ghost_is_the_map_as_it_is_when_the_obstacle_is_added(host: Host) -> None:
+    opened = host.open(Session.of(Recipe(seed=1, chunk_size=12, obstacles=[Random(levels=3)])))
+    entry = {"kind": "peak", "levels": 5}
+    before = opened.session.draft
+    shown = ghost(opened, entry=entry)
+    assert opened.session.draft == before
+    act(opened, {"do": "add", "entry": entry})
+    added = scene(opened)
+    assert {name: shown[name] for name in ("content", "owners", "handles")} == {
+        name: added[name] for name in ("content", "owners", "handles")
+    }
+
+
+def test_instead_of_a_map_that_another_page_took_away_the_first_is_shown(host: Host) -> None:
+    opened = host.open(Session.of(Recipe(seed=1, first_map=4, maps=2)))
+    assert scene(opened, index=5, page="one")["index"] == 5
+    act(opened, {"do": "set", "name": "maps", "value": 1})
+    assert scene(opened, index=5, page="one")["index"] == 4
 
 
 def test_texts_say_the_same_in_three_languages(host: Host, opened: Opened) -> None:

@@ -126,6 +126,11 @@ def test_variants_are_the_recipe_at_other_seeds(host: Host, tmp_path: Path) -> N
     assert [(each["seed"], each["index"]) for each in own] == [(5, 1), (5, 2)]
     steps = rsegen.metrics(rsegen.build(recipe, 1)).steps.mean or 0
     assert dict(map(tuple, own[0]["difficulty"]))["mean step"] == f"{100 * steps:.3g} cm"
+    mean = {index: rsegen.metrics(rsegen.build(recipe, index)).steps.mean or 0 for index in recipe.indices}
+    by_step = variants.maps(host, doc=doc, first=0, count=6, by="mean step")
+    assert [each["index"] for each in by_step] == sorted(mean, key=lambda index: mean[index])
+    with pytest.raises(rsegen.UserError, match="'size'"):
+        variants.maps(host, doc=doc, first=0, count=6, by="size")
     for count in (0, 25):
         with pytest.raises(rsegen.UserError, match="count: "):
             variants.variants(host, doc=doc, count=count)

@@ -75,7 +75,6 @@ def test_hello_is_json_and_names_what_there_is(tmp_path: Path) -> None:
     assert known["folder"] == str(tmp_path.resolve())
     assert [command["name"] for command in known["commands"]] == list(COMMANDS)
     assert {robot["name"] for robot in known["robots"]} >= {"burger", "crawler", "jackal"}
-    assert {simulator["name"] for simulator in known["simulators"]} == {"sim", "classic"}
 
 
 def test_every_command_of_a_page_is_one_of_the_shell() -> None:

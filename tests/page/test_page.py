@@ -264,6 +264,138 @@ def test_a_click_on_a_block_selects_the_obstacle_that_made_it_in_the_list(chrome
     assert chrome.find_element(By.CSS_SELECTOR, ".obstacle select").get_attribute("value") == "diagonal_barrier"
 
 
+def test_the_map_that_is_chosen_is_shown_also_if_it_is_the_first_again(chrome: Chrome, address: str) -> None:
+    page = Page(chrome, address, "mixed-course")
+    page.js("return state.ask('edit', { actions: [{ do: 'set', name: 'maps', value: 3 }], index: 1 })")
+    for button, index in (("Next map", 1), ("Previous map", 0), ("Next map", 1)):
+        page.button(button).click()
+        page.settled()
+        assert page.js("return [state.index.value, state.scene.value.index]") == [index, index]
+    page.js("return state.edit({ do: 'set', name: 'maps', value: 1 })")
+    page.js("return state.edit({ do: 'undo' })")
+    page.settled()
+    assert page.js("return [state.index.value, state.scene.value.index]") == [0, 0]
+
+
+def test_a_change_that_another_page_undoes_while_it_is_answered_is_not_shown(page: Page) -> None:
+    page.choose("Add", "Peak")
+    before = page.settled()
+    # The answer to the change comes after the news of the other page's undo, as on a slow line.
+    page.js(
+        "const fetched = window.fetch; window.fetch = async (address, options) => {"
+        "  const answer = await fetched(address, options);"
+        "  if (String(address).endsWith('api/edit') && !String(options.body).includes('other'))"
+        "    await new Promise((go) => setTimeout(go, 800));"
+        "  return answer };"
+        "state.changeEntry(0, 'softness', 40);"
+        "setTimeout(() => state.ask('edit', { actions: [{ do: 'undo' }], page: 'other' }), 300)"
+    )
+    until(lambda: page.state()["revision"] >= before["revision"] + 2)
+    page.js("return state.edit()")
+    assert page.settled()["rows"] == before["rows"]
+
+
+def test_an_obstacle_is_seen_on_the_map_before_it_is_added(page: Page) -> None:
+    page.button("Add").click()
+    until(lambda: page.js("return state.ghost.value?.row === 0"))
+    assert page.state()["rows"] == []
+    page.chrome.switch_to.active_element.send_keys(Keys.ESCAPE)
+    until(lambda: page.js("return state.ghost.value === null"))
+
+
+def test_the_kind_that_is_chosen_is_drawn_on_the_map(page: Page) -> None:
+    page.button("Draw").click()
+    Select(page.chrome.find_element(By.CSS_SELECTOR, ".paint select")).select_by_visible_text("Platform")
+    canvas = page.chrome.find_element(By.CSS_SELECTOR, ".plan canvas")
+    ActionChains(page.chrome).move_to_element_with_offset(canvas, -30, 20).click_and_hold().move_by_offset(
+        50, -30
+    ).release().perform()
+    (row,) = page.settled()["rows"]
+    assert row["entry"]["kind"] == "platform"
+    assert row["entry"]["first"] != row["entry"]["last"]
+
+
+def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
+    page.choose("Add", "Peak")
+    page.button("Run").click()
+    until(lambda: page.js("return Boolean(document.activeElement.closest(':popover-open'))"))
+    page.chrome.switch_to.active_element.send_keys(Keys.ESCAPE)
+    assert not page.js("return document.querySelector(':popover-open')")
+    assert page.js("return state.selected.value") == 0
+
+
+def test_levels_are_typed_cell_by_cell_as_they_are_read_from_a_pallet(page: Page) -> None:
+    page.js("state.tool.value = { name: 'paint', shape: 'cells', level: 1 }")
+    page.js("document.querySelector('.plan canvas').focus()")
+    page.chrome.switch_to.active_element.send_keys(Keys.HOME, "012345678912", Keys.BACKSPACE)
+    (row,) = page.settled()["rows"]
+    assert row["entry"]["rows"] == ["0 1 2 3 4 5 6 7 8 9", "1 . . . . . . . . ."]
+    page.button("Undo").click()
+    assert page.settled()["rows"][0]["entry"]["rows"][1].startswith("1 2")
+
+
+def test_a_level_above_nine_is_painted(page: Page) -> None:
+    page.js("state.tool.value = { name: 'paint', shape: 'cells', level: 1 }")
+    until(lambda: page.chrome.find_elements(By.ID, "paint-level"))
+    page.chrome.find_element(By.ID, "paint-level").send_keys(Keys.CONTROL, "a", Keys.NULL, "14")
+    page.js("document.querySelector('.plan canvas').focus()")
+    page.chrome.switch_to.active_element.send_keys(Keys.HOME, Keys.ENTER)
+    assert page.settled()["rows"][0]["entry"]["rows"] == ["14"]
+
+
+def test_weights_follow_the_number_of_levels(page: Page) -> None:
+    page.choose("Add", "Random")
+    page.type("Weights", "1 2 1 1 3")
+    page.type("Height", "7")
+    made = page.settled()
+    assert made["rows"][0]["entry"]["weights"] == [1, 2, 1, 1, 3, 3, 3]
+    assert made["problem"] is None
+
+
+def test_a_parameter_is_found_by_a_word_of_its_help(page: Page) -> None:
+    assert not [each for each in page.chrome.find_elements(By.CSS_SELECTOR, "[data-field=Collision]") if each.text]
+    page.chrome.find_element(By.CSS_SELECTOR, ".filter").send_keys("merged boxes")
+    assert page.chrome.find_element(By.CSS_SELECTOR, "[data-field=Collision] .note").text.startswith("collision shape")
+
+
+def test_formats_are_chosen_by_their_names(page: Page) -> None:
+    page.js("state.dialog.value = { name: 'run', command: 'export' }")
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .words button"))
+    page.chrome.find_element(By.XPATH, "//dialog//button[normalize-space()='stl']").click()
+    assert page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text.endswith("--to stl -o export")
+
+
+def test_a_file_that_cannot_be_opened_is_said_and_the_page_works(chrome: Chrome, address: str, folder: Path) -> None:
+    (folder / "wrong.yaml").write_text("seed: 7\nobstacles:\n  - kind: randm\n")
+    page = Page(chrome, address, "wrong.yaml")
+    assert "unknown obstacle kind 'randm'" in chrome.find_element(By.CSS_SELECTOR, ".status .problem").text
+    page.choose("Add", "Peak")
+    assert len(page.settled()["rows"]) == 1
+
+
+def test_the_page_says_that_its_server_has_ended(chrome: Chrome, tmp_path: Path) -> None:
+    service = Service(host=Host(folder=tmp_path), port=0, keep=True)
+    service.start()
+    try:
+        Page(chrome, service.url())
+    finally:
+        service.close()
+    until(lambda: "does not answer" in chrome.find_element(By.CSS_SELECTOR, ".banners").text)
+
+
+def test_the_form_of_an_obstacle_is_in_sight_below_a_list_of_hundreds(
+    chrome: Chrome, address: str, folder: Path
+) -> None:
+    row = "  - {kind: platform, levels: 3, first: [1, 1], last: [2, 2]}\n"
+    (folder / "many.yaml").write_text("seed: 7\nobstacles:\n" + row * 200)
+    page = Page(chrome, address, "many.yaml")
+    page.js("state.selected.value = 150")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, ".form.obstacle"))
+    for selector in (".rows .selected", ".form.obstacle [data-field=Height]"):
+        box = chrome.find_element(By.CSS_SELECTOR, selector).rect
+        assert 0 <= box["y"] <= 768 - box["height"]
+
+
 def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
     here, first = page.chrome.current_url, page.chrome.current_window_handle
     page.chrome.switch_to.new_window("tab")

@@ -82,6 +82,13 @@ TITLES = {
     "plan": "Plan",
     "names": "Models",
     "paths": "Scans, or a map",
+    "csv": "CSV file",
+    "fit": "Picture of the fit",
+    "errors": "Picture of the rounding",
+    "from_": "First difficulty",
+    "to": "Last difficulty",
+    "best": "Best way",
+    "at": "Place",
 }
 """Titles in the paper's words, and those that a name does not give."""
 
@@ -91,7 +98,7 @@ BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "se
 _GROUPS = {
     "Shape": ("block_width_cm", "frame_height_cm", "difficulty"),
     "Constraints": ("max_step", "crossable_by", "inventory"),
-    "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile"),
+    "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile", "units"),
     "Friction": ("friction", "frame_friction", "level_friction"),
     "Look": ("look", "frame_colour", "level_colours", "shadows", "sky"),
 }
@@ -163,6 +170,7 @@ def kinds() -> list[dict[str, Json]]:
             "name": name,
             "title": title_of(name),
             "help": summary(cls),
+            "default_place": cls.default_place,
             "fields": [field(declared(cls)[each]) for each in sorted(own_parameters(cls), key=_levels_first)],
             "place": [field(declared(cls)[each], basic=each != "key") for each in PLACING],
         }
@@ -237,6 +245,8 @@ class CommandForm:
             "target": "recipe" if self.takes_recipe else "none",
             "fields": [self._described(action) for action in self.fields.values()],
             "output": self._output,
+            "output_help": (self.output.help or "").removesuffix(" (required)") if self.output else "",
+            "output_required": self.needs_output,
         }
 
     @property
@@ -252,7 +262,9 @@ class CommandForm:
         basic = action.dest not in _RARE and (action.dest not in declared(Recipe) or action.dest in BASIC)
         made = field(parameter, basic=basic)
         if action.nargs == 0:
-            made |= {"schema": {"type": "boolean"}, "default": bool(made["default"])}
+            # The help of a flag such as --no-contacts is that of switching it off.
+            text = str(made["help"]).removeprefix("do not ") if made["default"] else made["help"]
+            made |= {"schema": {"type": "boolean"}, "default": bool(made["default"]), "help": text}
         if action.nargs == "+":
             made |= {"schema": {"type": "array", "items": made["schema"], "minItems": 1}}
         flag = {"flag": action.option_strings[-1]} if action.option_strings else {}
@@ -362,16 +374,9 @@ def command_form(name: str) -> CommandForm:
     return command_forms()[name]
 
 
-@cache
-def simulators() -> list[dict[str, Json]]:
-    """Return the simulators and their versions, None for one that is not installed; this runs their programs once."""
-    found = import_module("rsegen.cli.sim").found_simulators()
-    return [{name: each.summary[name] for name in ("name", "title", "version")} for each in found]
-
-
 @call_of_host
 def hello(host: Host) -> dict[str, Any]:
-    """Return what is the same for all documents: forms, kinds, robots, formats, simulators."""
+    """Return what is the same for all documents: forms, kinds, robots, formats."""
     return {
         "version": __version__,
         "folder": str(host.folder.resolve()),
@@ -381,5 +386,4 @@ def hello(host: Host) -> dict[str, Any]:
         "robots": [{"name": name, "title": robot.title} for name, robot in ROBOTS.items()],
         "commands": [form.described() for form in command_forms().values()],
         "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],
-        "simulators": simulators(),
     }

@@ -43,7 +43,21 @@ def scene(opened: Opened, *, index: int | None = None, page: str = "") -> dict[s
     with opened.lock:
         session = opened.session
         recipe, rows, revision = session.recipe, session.draft.rows, session.revision
-        index = opened.index_of(page, index)
+        index = opened.index_of(page, index, or_first=True)
+    return _shown(opened, recipe, rows, revision, index)
+
+
+@call_at_once
+def ghost(opened: Opened, *, entry: dict[str, Any], index: int | None = None, page: str = "") -> dict[str, Any]:
+    """Return a map of a document as it would be with another obstacle at the end of the list, drawn as it will be."""
+    with opened.lock:
+        draft, revision = opened.session.with_row(entry), opened.session.revision
+        index = opened.index_of(page, index, or_first=True)
+    return _shown(opened, draft.recipe(), draft.rows, revision, index)
+
+
+def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int, index: int) -> dict[str, Any]:
+    """Return a map of a recipe as it is drawn, with what an editor knows of the rows of a list."""
     drawn = kept(opened, ("drawn", recipe, index), lambda: _drawn(scene_of(opened, recipe, index)))
     ends = ((row, ends_of(entry, recipe, index)) for row, entry in enumerate(rows) if is_enabled(entry))
     shown: dict[str, Any] = drawn["content"]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, UnknownName
 from rsegen.exporters.browser.page import ShownMap, content
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import compose
@@ -15,11 +15,13 @@ from rsegen.field.metrics.traversability import percolation
 from rsegen.field.stepfield import StepField, coarse, coarseness
 from rsegen.io.resources import refuse_too_large
 from rsegen.page.calls import call_of_host
-from rsegen.page.host import Host
+from rsegen.page.host import Host, Opened
 from rsegen.page.robots import recipe_of
+from rsegen.page.scenes import kept
 from rsegen.page.turns import newest_turn
 from rsegen.params.sorts import Integer
 from rsegen.params.streams import fresh_seed
+from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
 _COUNT = Integer(1, 24, unit="maps")
@@ -45,15 +47,50 @@ def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
 
 
 @call_of_host
-def maps(host: Host, *, doc: str, first: int, count: int) -> list[dict[str, Any]]:
-    """Return maps of a document's recipe from an index on, as many as there are."""
+def maps(host: Host, *, doc: str, first: int, count: int, by: str = "") -> list[dict[str, Any]]:
+    """Return `count` maps of a document's recipe from the place `first` on in their order, or as many as there are.
+
+    by: a measure by which they are sorted, so that the roughest are last; of many maps some are taken, evenly spaced
+    """
     count = _COUNT.check("count", count)
+    if by and by not in _MEASURES:
+        raise UnknownName.among("by", "measure", by, _MEASURES)
     with newest_turn(doc, "variants"):
         recipe = recipe_of(host, doc)
-        if first not in recipe.indices:
-            raise ParameterError("first", f"{first} is not a map of this recipe")
-        indices = range(first, min(first + count, recipe.indices.stop))
-        return [_variant(recipe, index) for index in indices]
+        indices = _sorted(host.opened(doc), recipe, by) if by else recipe.indices
+        if not 0 <= first < len(indices):
+            raise ParameterError("first", f"{first} is outside 0..{len(indices) - 1}")
+        return [_variant(recipe, index) for index in indices[first : first + count]]
+
+
+_MOST_SORTED = 200
+"""Maps that are measured to be sorted: some milliseconds each."""
+
+
+def _sorted(opened: Opened, recipe: Recipe, by: str) -> Sequence[int]:
+    """Return indices of maps by a measure of them, kept for the next pictures of the same order."""
+
+    def made() -> Sequence[int]:
+        refuse_too_large(recipe)
+        all_maps = recipe.indices
+        taken = [all_maps[at * len(all_maps) // _MOST_SORTED] for at in range(_MOST_SORTED)]
+        return sorted(dict.fromkeys(taken), key=lambda index: _MEASURES[by](build(recipe, index)))
+
+    return kept(opened, ("sorted", recipe, by), made)
+
+
+def _smallest_step(field: StepField) -> float:
+    """Return the step in metres with which a field is crossed in both directions."""
+    opens = percolation(field, 0.0)
+    return max(opens.west_east, opens.south_north)
+
+
+_MEASURES: Mapping[str, Callable[[StepField], float]] = {
+    "opens": _smallest_step,
+    "mean step": lambda field: steps(field).mean or 0.0,
+    "TRI": lambda field: ruggedness(field).tri or 0.0,
+}
+"""What maps can be sorted by, by the names on their pictures."""
 
 
 def _variant(recipe: Recipe, index: int) -> dict[str, Any]:

@@ -94,9 +94,14 @@ class Session:
     def add(self, entry: Entry, at: int | None = None, *, gesture: object = None) -> int:
         """Add an obstacle, at the end by default; return its row."""
         at = len(self.draft.rows) if at is None else at
-        row = MappingProxyType({**entry, "key": self._free_key()})
-        self._put_rows((*self.draft.rows[:at], row, *self.draft.rows[at:]), gesture)
+        self._put(self.with_row(entry, at), gesture)
         return at
+
+    def with_row(self, entry: Entry, at: int | None = None) -> Draft:
+        """Return the draft with another obstacle, at the end by default."""
+        at = len(self.draft.rows) if at is None else at
+        row = MappingProxyType({**entry, "key": self._free_key()})
+        return replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:]))
 
     def duplicate(self, row: int) -> int:
         """Copy a row to the row below it; return that row."""

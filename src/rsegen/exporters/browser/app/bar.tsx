@@ -1,13 +1,13 @@
 /* The bar on top: the file, undo, tools, and what may be run; and the line of status below. */
 
-import { Button, Icon, Menu, Segmented } from "./controls";
+import { Button, Icon, Menu, NumberInput, Segmented, Select } from "./controls";
 import { times } from "./exact";
 import type { Command } from "./protocol";
-import { leaveFor, Progress } from "./run";
+import { leaveFor, offer, Progress } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
 import {
-  busy, chooseRobot, dialog, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, state, tab, tool,
+  busy, chooseRobot, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, tab, tool,
 } from "./state";
 import type { Tool } from "./views";
 
@@ -26,6 +26,7 @@ export function takeTool(name: Tool["name"]): void {
     if (!robot.value && first) void chooseRobot(first.name);
     tab.value = "robot";
   }
+  if (name === "draw") drawnKind.value = drawable().find((kind) => kind.name === rowAt(selected.value)?.entry.kind)?.name ?? drawnKind.value;
   tool.value = TOOLS.find((each) => each.name === name)!.make();
 }
 
@@ -40,9 +41,15 @@ function Tools() {
   );
 }
 
-/* What the paint tool paints with. */
-export function PaintOptions() {
+/* Kinds that lie between two cells; a matrix is painted. */
+const drawable = () => hello.value?.kinds.filter((kind) => kind.name !== "matrix") ?? [];
+
+/* What the tools paint and draw with. */
+export function ToolOptions() {
   const now = tool.value;
+  if (now.name === "draw")
+    return <div class="paint" role="group" aria-label="Draw"><Select name="Type to draw" value={drawnKind.value} onChange={(kind) => (drawnKind.value = kind)}
+      choices={drawable().map((kind) => [kind.name, kind.title, kind.help] as const)} /></div>;
   if (now.name !== "paint") return null;
   const highest = Math.max(5, now.level, ...(scene.value?.palette.map((each) => each.level ?? 0) ?? []));
   const unit = Number(state.value?.values.unit_cm ?? 10);
@@ -52,8 +59,17 @@ export function PaintOptions() {
         choices={[["cells", "Cells", "cell by cell"], ["rectangle", "Rectangle", "a rectangle"], ["fill", "Fill", "connected cells of one level"], ["pick", "Pick", "take the level of a cell"]]} />
       <Segmented name="Level" value={String(now.level)} onChange={(level) => (tool.value = { ...now, level: Number(level) })}
         choices={[["-1", "erase", "erase paint"], ...Array.from({ length: Math.min(10, highest + 1) }, (_, level) => [String(level), String(level), `${times(unit, level)} cm`] as const)]} />
+      <label class="number">level <NumberInput id="paint-level" value={now.level < 0 ? undefined : now.level} whole placeholder="erase" minimum={0}
+        onChange={(level) => Number(level) >= 0 && (tool.value = { ...now, level: Number(level) })} /></label>
     </div>
   );
+}
+
+/* Download the 3D view in twice the size in which it is shown. */
+async function savePicture(): Promise<void> {
+  const { clientWidth, clientHeight } = document.querySelector(".solid .view")!;
+  const picture = await window.rsegen.solid?.picture(2 * clientWidth, 2 * clientHeight);
+  if (picture) offer(picture, `${scene.value?.name}.png`);
 }
 
 function RunMenu() {
@@ -81,6 +97,7 @@ export function Bar() {
         <button type="button" onClick={() => (dialog.value = { name: "open" })}>Open … <kbd>Ctrl O</kbd></button>
         <button type="button" onClick={() => void save()}>Save <kbd>Ctrl S</kbd></button>
         <button type="button" onClick={() => (dialog.value = { name: "save" })}>Save as …</button>
+        <button type="button" disabled={!scene.value} onClick={() => void savePicture()}>Download a picture of the view</button>
         <button type="button" onClick={() => void copy(location.href)}>Copy the address of this page</button>
         <button type="button" onClick={() => (dialog.value = { name: "help" })}>Help <kbd>?</kbd></button>
       </Menu>
@@ -89,7 +106,7 @@ export function Bar() {
         <Button icon="redo" class="quiet" title="Redo (Ctrl+Y)" disabled={!now?.can_redo} onClick={() => void edit({ do: "redo" })} />
       </div>
       <Tools />
-      {layout.value === "wide" && <PaintOptions />}
+      {layout.value === "wide" && <ToolOptions />}
       <span class="gap" />
       {layout.value !== "phone" && <Button class="quiet" title="Save the recipe (Ctrl+S)" disabled={!now?.unsaved && Boolean(now?.path)} onClick={() => void save()}>Save</Button>}
       {layout.value !== "phone" && <Button icon="help" class="quiet" title="Help (?)" onClick={() => (dialog.value = { name: "help" })} />}

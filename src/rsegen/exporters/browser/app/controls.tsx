@@ -57,13 +57,13 @@ export function Button({ icon, children, pressed, class: name = "", ...rest }: B
 }
 
 /* A button that opens a list below it; a choice in it closes it. */
-export function Menu({ label, icon, title, children, class: name = "" }: {
-  label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string;
+export function Menu({ label, icon, title, children, class: name = "", onClose }: {
+  label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string; onClose?: () => void;
 }) {
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
   const place = (event: TargetedToggleEvent<HTMLDivElement>) => {
-    if (event.newState !== "open") return;
+    if (event.newState !== "open") return onClose?.();
     const menu = list.current!;
     const at = (menu.previousElementSibling as HTMLElement).getBoundingClientRect();
     menu.style.left = `${Math.max(8, Math.min(at.left, innerWidth - menu.offsetWidth - 8))}px`;
@@ -117,12 +117,12 @@ export function Modal({ title, close, children, wide = false }: {
 /* What a control has around it. */
 export interface Labelled { label: string; help?: string; unit?: string; problem?: string }
 
-export function Labelled({ label, help, unit, problem, id, wide, note, children }: Labelled & {
-  id: string; wide?: boolean; note?: ComponentChildren; children: ComponentChildren;
+export function Labelled({ label, help, unit, problem, id, wide, long, note, children }: Labelled & {
+  id: string; wide?: boolean; long?: boolean; note?: ComponentChildren; children: ComponentChildren;
 }) {
   return (
-    <div class={`field ${wide ? "tall" : ""}`} data-field={label}>
-      <label for={id} title={help}>{label}{unit && <small> {unit}</small>}</label>
+    <div class={`field ${wide ? "tall" : ""} ${long ? "long" : ""}`} data-field={label}>
+      <label for={id} title={help}>{label}{unit && <small>, {unit}</small>}</label>
       <div class="control">{children}</div>
       {note && <p class="note">{note}</p>}
       {problem && <p class="problem" id={`${id}-problem`} role="alert">{problem}</p>}

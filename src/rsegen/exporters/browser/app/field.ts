@@ -38,6 +38,14 @@ export class Field {
     [this.columns, this.rows] = [cellsOf(this.blockX), cellsOf(this.blockY)];
   }
 
+  private inOrder: Place[] | null = null;
+
+  /* All blocks in the order in which one reads them: row by row from the north, each from the west. */
+  get blocks(): Place[] {
+    return (this.inOrder ??= [...this.rows].reverse().flatMap((j) => this.columns.map((i): Place => [i, j]))
+      .filter((cell) => this.block(cell) !== null));
+  }
+
   /* Whether another map has the same size, so that the camera may stay. */
   isLike(other: Field | null): boolean {
     return other !== null && this.nX === other.nX && this.nY === other.nY && this.width === other.width;

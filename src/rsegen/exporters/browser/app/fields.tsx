@@ -10,8 +10,8 @@ type Change = (value: Json | undefined, gesture: string) => void;
 /* The largest number for which a slider still has a step for each value. */
 const SLIDER = 1000;
 
-export function FieldControl({ field, value, problem, onChange }: {
-  field: Field; value: Json | undefined; problem?: string; onChange: Change;
+export function FieldControl({ field, value, problem, onChange, explained }: {
+  field: Field; value: Json | undefined; problem?: string; onChange: Change; explained?: boolean;
 }) {
   const id = useId();
   const [why, setWhy] = useState("");
@@ -19,7 +19,8 @@ export function FieldControl({ field, value, problem, onChange }: {
   const given = value ?? field.default ?? undefined;
   const wide = Boolean(schema.anyOf) || isWordy(schema) || (isNumber(schema) && hasSlider(schema));
   return (
-    <Labelled id={id} label={title} help={help} unit={unit} problem={why || problem} wide={wide}>
+    <Labelled id={id} label={title} help={help} unit={unit} problem={why || problem} wide={wide} note={explained && help}
+      long={Number(schema.maximum ?? 0) > Number.MAX_SAFE_INTEGER}>
       <Control id={id} schema={schema} name={title} value={given} empty={field.default === null} problem={problem}
         onChange={onChange} onWhy={setWhy} />
     </Labelled>
@@ -104,14 +105,30 @@ function ArrayControl(props: ControlProps) {
   }
   if (schema.items && isNumber(schema.items))
     return <ListInput id={id} name={name} whole={whole} value={value} onChange={onChange} onWhy={onWhy} placeholder="numbers, separated by spaces" />;
+  if (schema.items?.anyOf?.some((each) => each.enum)) return <Words {...props} />;
   if (schema.items?.enum || schema.items?.type === "string") return <LinesControl {...props} />;
   return <Nested {...props} />;
 }
 
+/* Known words to switch on and off, and other texts: formats, some with options. */
+function Words(props: ControlProps) {
+  const { id, name, schema, value, onChange } = props;
+  const texts = Array.isArray(value) ? value.map(shown) : [];
+  const isOf = (word: string) => (text: string) => text.split(" ")[0] === word;
+  const turn = (word: string) => onChange(texts.some(isOf(word)) ? texts.filter((text) => !isOf(word)(text)) : [...texts, word], "");
+  return (
+    <div class="words" role="group" aria-label={name}>
+      {schema.items!.anyOf!.flatMap((each) => each.enum ?? []).map((word, at) => (
+        <button type="button" key={word} id={at === 0 ? id : undefined} aria-pressed={texts.some(isOf(word))} onClick={() => turn(word)}>{word}</button>))}
+      {texts.length > 0 && <LinesControl {...props} id={`${id}-texts`} name={`${name}, one per line, with options after the name`} />}
+    </div>
+  );
+}
+
 /* Texts, one on a line: the rows of a matrix, names. */
-function LinesControl({ id, value, onChange }: ControlProps) {
+function LinesControl({ id, name, value, onChange }: ControlProps) {
   const text = Array.isArray(value) ? value.map(shown).join("\n") : shown(value);
-  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text} placeholder="one per line"
+  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text} placeholder="one per line" aria-label={name}
     onChange={(event) => onChange(event.currentTarget.value.split("\n").map((line) => line.trimEnd()).filter(Boolean), "")} />;
 }
 
@@ -125,7 +142,7 @@ function Nested({ id, value, onChange, onWhy }: ControlProps) {
 const KINDS: { [type: string]: string } = { integer: "one", number: "one", string: "name", boolean: "yes or no" };
 
 function caption(schema: Schema): string {
-  if (schema.type !== "array") return schema.enum ? "one" : (KINDS[schema.type ?? ""] ?? "other");
+  if (schema.type !== "array") return schema.enum || schema.pattern?.startsWith("^#") ? "one" : (KINDS[schema.type ?? ""] ?? "other");
   const count = schema.prefixItems?.length ?? (schema.minItems === schema.maxItems ? schema.minItems : undefined);
   return count === undefined ? "list" : ["none", "one", "two", "three", "four"][count] ?? String(count);
 }
@@ -161,12 +178,12 @@ function AnyOf(props: ControlProps) {
 }
 
 /* A form: basic parameters, and the others under More. */
-export function Form({ fields, values, problems, onChange, more = "More" }: {
-  fields: Field[]; values: { [name: string]: Json | undefined }; problems: (name: string) => string; more?: string;
+export function Form({ fields, values, problems, onChange, more = "More", explained }: {
+  fields: Field[]; values: { [name: string]: Json | undefined }; problems: (name: string) => string; more?: string; explained?: boolean;
   onChange: (name: string, value: Json | undefined, gesture: string) => void;
 }) {
   const control = (field: Field) => (
-    <FieldControl key={field.name} field={field} value={values[field.name]} problem={problems(field.name)}
+    <FieldControl key={field.name} field={field} value={values[field.name]} problem={problems(field.name)} explained={explained}
       onChange={(value, gesture) => onChange(field.name, value, gesture)} />
   );
   const [basic, others] = [fields.filter((field) => field.basic), fields.filter((field) => !field.basic)];

@@ -5,7 +5,7 @@ import { Button, Icon, Modal } from "./controls";
 import { play } from "./playback";
 import { leaveFor } from "./run";
 import { call, upload } from "./server";
-import { attempt, busy, dialog, hello, problem, reload, save, state } from "./state";
+import { attempt, busy, connected, dialog, hello, problem, reload, save, state } from "./state";
 
 interface Entry { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }
 const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
@@ -88,6 +88,9 @@ export function Banners() {
   if (!now) return null;
   return (
     <div class="banners" aria-live="polite">
+      {!connected.value && (
+        <div class="banner"><Icon name="warn" /><p><b>rsegen gui</b> does not answer: it has ended, or the connection is lost.
+          {now.unsaved ? " Your changes up to then are kept: start it again in the same folder, and open the address that it prints." : " Start it again, and open the address that it prints."}</p></div>)}
       {now.changed_on_disk && kept !== now.revision && (
         <div class="banner"><Icon name="warn" /><p>Another program changed <b>{now.title}</b>.</p>
           <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>

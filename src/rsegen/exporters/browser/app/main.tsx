@@ -2,7 +2,7 @@
 
 import { render } from "preact";
 import { useEffect } from "preact/hooks";
-import { Bar, PaintOptions, Status, TOOLS, takeTool } from "./bar";
+import { Bar, Status, TOOLS, ToolOptions, takeTool } from "./bar";
 import { Modal, Segmented, Select } from "./controls";
 import { Banners, Open, SaveAs, dropped } from "./files";
 import { MapPanel } from "./map";
@@ -47,7 +47,7 @@ function Help() {
       <p class="lead">A map is a field of wooden blocks. <b>Add</b> puts an obstacle on it; where obstacles overlap, the later one replaces the earlier one. <b>Generate</b> writes its world for Gazebo.</p>
       <dl class="keys">
         {TOOLS.map((each) => <div key={each.key}><dt><kbd>{each.key.toUpperCase()}</kbd></dt><dd>{each.label}: {each.title.toLowerCase()}</dd></div>)}
-        <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level of the paint</dd></div>
+        <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level of the paint; after an arrow key on the view or plan, levels cell by cell, as read from a real pallet, row after row; Backspace goes back</dd></div>
         <div><dt><kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd></dt><dd>undo and redo anything</dd></div>
         <div><dt><kbd>Ctrl S</kbd> <kbd>Ctrl O</kbd></dt><dd>save, open</dd></div>
         <div><dt><kbd>Ctrl Enter</kbd></dt><dd>generate the maps</dd></div>
@@ -79,7 +79,7 @@ function isTyping(target: EventTarget | null): boolean {
 }
 
 function keys(event: KeyboardEvent): void {
-  if (document.querySelector("dialog[open]")) return;
+  if (document.querySelector("dialog[open], :popover-open")) return; // they close by Escape
   const key = event.key.toLowerCase();
   const does = (work: () => unknown) => { event.preventDefault(); work(); };
   if (event.ctrlKey || event.metaKey) {
@@ -116,7 +116,7 @@ function Editor() {
     <div class={`page ${layout.value}`}>
       <Bar />
       <Banners />
-      {layout.value !== "wide" && <PaintOptions />}
+      {layout.value !== "wide" && <ToolOptions />}
       <Stage />
       <Panels />
       <Status />

@@ -1,8 +1,10 @@
 /* The parameters of the whole map, and which of the recipe's maps is shown. */
 
+import { signal } from "@preact/signals";
 import { Button } from "./controls";
 import { Form } from "./fields";
-import type { Json } from "./protocol";
+import type { Field, Json } from "./protocol";
+import { leaveFor } from "./run";
 import { dialog, edit, hello, index, problemAt, showMap, state } from "./state";
 import { Difficulty } from "./results";
 
@@ -15,6 +17,8 @@ export function MapPanel() {
     .filter((group) => group.fields.length);
   const change = (name: string, value: Json | undefined, gesture: string) =>
     void edit({ do: "set", name, value: value ?? null, gesture: gesture || undefined });
+  const all = groups.flatMap((group) => group.fields);
+  const isFound = (field: Field) => `${field.title} ${field.name} ${field.help}`.toLowerCase().includes(wanted.value.trim().toLowerCase());
   return (
     <section class="panel" aria-label="Map">
       <Form fields={basic} values={now.values} problems={problemAt} onChange={change} />
@@ -23,7 +27,11 @@ export function MapPanel() {
         <Button title="Twelve other seeds as pictures; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show twelve …</Button>
         <Button class="primary" title="Write worlds and models (Ctrl+Enter)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
       </div>
-      {others.map((group) => (
+      <input type="search" class="filter" aria-label="Find a parameter" placeholder="Find a parameter" value={wanted.value}
+        onInput={(event) => (wanted.value = event.currentTarget.value)} />
+      {wanted.value.trim() ? (all.some(isFound)
+        ? <Form fields={all.filter(isFound).map((field) => ({ ...field, basic: true }))} values={now.values} problems={problemAt} onChange={change} explained />
+        : <p class="empty">No parameter has “{wanted.value.trim()}” in its name or help.</p>) : others.map((group) => (
         <details key={group.title} open={group.fields.some((field) => problemAt(field.name)) || undefined}>
           <summary>{group.title}</summary>
           <Form fields={group.fields} values={now.values} problems={problemAt} onChange={change} />
@@ -33,9 +41,23 @@ export function MapPanel() {
   );
 }
 
-/* Steps through the maps of the recipe. */
+/* What parameters are filtered by. */
+const wanted = signal("");
+
+/* Steps through the maps of the recipe, or of the data set that it is from. */
 export function MapChooser() {
   const now = state.value;
+  const [, data, number] = /^(.+)#(\d+)$/.exec(now?.path ? "" : (now?.title ?? "")) ?? [];
+  if (data) {
+    const at = Number(number);
+    return (
+      <div class="chooser" role="group" aria-label="Map of the data set">
+        <Button icon="left" class="quiet" title="Previous map of the data set" disabled={at === 0} onClick={() => void leaveFor(`${data}#${at - 1}`)} />
+        <output aria-live="polite">map {at} <small>of {data}</small></output>
+        <Button icon="right" class="quiet" title="Next map of the data set" onClick={() => void leaveFor(`${data}#${at + 1}`)} />
+      </div>
+    );
+  }
   if (!now || now.maps < 2) return null;
   const first = now.first_map ?? 0;
   return (

@@ -1,12 +1,12 @@
 /* The obstacles of the recipe: the list, in the order in which they are imposed, and the form of the selected one. */
 
-import { useId, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { Button, Icon, Labelled, Menu, Segmented, Select, Slider, Switch } from "./controls";
 import { shown, times } from "./exact";
 import { Form } from "./fields";
 import type { Cell, Entry, Json, Kind, Row } from "./protocol";
 import {
-  cells, changeEntry, edit, hello, index, newGesture, problemAt, rowAt, scene, selected, state, tool,
+  cells, changeEntry, edit, hello, index, newGesture, problemAt, rowAt, scene, selected, showGhost, state, tool,
 } from "./state";
 
 /* What a kind looks like from above or the side, for lists; kinds of plug-ins have a square. */
@@ -50,18 +50,18 @@ function heights(levels: Json | undefined): string {
   return `${text.join(", ")} cm`;
 }
 
+const capitalized = (text: string) => text[0]!.toUpperCase() + text.slice(1);
 const pair = (place: Json | undefined): Json[] => (Array.isArray(place) ? place : ["random", "random"]);
 
 const isFree = ({ entry }: Row) => entry.first === undefined && entry.last === undefined;
 
-/* Whether an obstacle without ends lies on the whole map, as random kinds do; others are then placed at random. */
-function coversAll({ ends }: Row): boolean {
-  return Boolean(ends) && ends!.first.every((at) => at === 0) && ends!.last.every((at, axis) => at === cells.value[axis]! - 1);
-}
+/* Where an obstacle without ends lies, by its kind: "on the whole map". */
+const usualPlace = ({ entry }: Row): string => kindOf(entry.kind)?.default_place ?? "at a random position";
+const isRandom = (row: Row) => usualPlace(row).includes("random");
 
 function where(row: Row): string {
   const { entry } = row;
-  if (isFree(row)) return coversAll(row) ? "whole map" : "random";
+  if (isFree(row)) return isRandom(row) ? "random" : usualPlace(row).replace(/^on |^in |the /g, "");
   const text = (place: Json | undefined) => pair(place).map((at) => (at === "random" ? "?" : shown(at))).join(",");
   const [first, last] = [text(entry.first), text(entry.last)];
   return first === "?,?" && last === "?,?" ? "random" : `${first} → ${last}`;
@@ -78,9 +78,9 @@ export function Obstacles() {
           <button type="button" disabled={selected.value < 0} onClick={() => void edit({ do: "duplicate", row: selected.value })}>Duplicate <kbd>Ctrl D</kbd></button>
           <button type="button" disabled={!rows.length} onClick={() => void edit({ do: "clear" })}>Remove all</button>
         </Menu>
-        <Menu icon="add" label="Add" class="tinted" title="Add an obstacle">
+        <Menu icon="add" label="Add" class="tinted" title="Add an obstacle" onClose={() => showGhost(null)}>
           {hello.value?.kinds.map((kind) => (
-            <button type="button" class="kind" key={kind.name} onClick={() => (kind.name === "matrix" ? (tool.value = { name: "paint", shape: "cells", level: 1 }) : add(kind))}>
+            <button type="button" class="kind" key={kind.name} onFocus={() => showGhost(kind.name === "matrix" ? null : fresh(kind))} onPointerEnter={(event) => event.currentTarget.focus()} onClick={() => (kind.name === "matrix" ? (tool.value = { name: "paint", shape: "cells", level: 1 }) : add(kind))}>
               <Shape kind={kind.name} /><span>{kind.title}<small>{kind.help.replaceAll("`", "")}</small></span>
             </button>
           ))}
@@ -95,6 +95,8 @@ export function Obstacles() {
 function List({ rows }: { rows: Row[] }) {
   const [dragged, drag] = useState(-1);
   const [over, goOver] = useState(-1);
+  const list = useRef<HTMLOListElement>(null);
+  useEffect(() => list.current?.querySelector(".selected")?.scrollIntoView({ block: "nearest" }), [selected.value]);
   const drop = () => {
     if (dragged >= 0 && over >= 0 && dragged !== over) void edit({ do: "move", row: dragged, to: over });
     drag(-1);
@@ -111,7 +113,7 @@ function List({ rows }: { rows: Row[] }) {
     setTimeout(() => list.querySelectorAll<HTMLElement>(".pick")[to]?.focus(), event.altKey ? 120 : 0);
   };
   return (
-    <ol class="rows" aria-label="Obstacles, in the order in which they are imposed">
+    <ol class="rows" ref={list} style={{ "--digits": String(rows.length).length }} aria-label="Obstacles, in the order in which they are imposed">
       {rows.map((row, at) => {
         const kind = kindOf(row.entry.kind);
         const wrong = [state.value?.problem?.where ?? ""].some((each) => each.startsWith(`obstacles[${at}]`));
@@ -213,7 +215,7 @@ function Place({ row }: { row: number }) {
   return (
     <>
       <div class="field" data-field="Position">
-        <label for={`random-${row}`} title="Drawn anew for every map; random kinds cover the whole map">{free && coversAll(rowAt(row)!) ? "On the whole map" : "Random position"}</label>
+        <label for={`random-${row}`} title={isRandom(rowAt(row)!) ? "Drawn anew for every map; off: give its ends" : "Off: give its ends"}>{isRandom(rowAt(row)!) ? "Random position" : capitalized(usualPlace(rowAt(row)!))}</label>
         <div class="control"><Switch id={`random-${row}`} value={free} onChange={(value) => fix(!value)} /></div>
       </div>
       {!free && (

@@ -26,7 +26,6 @@ export interface Hello {
   robots: { name: string; title: string }[];
   commands: Command[]; // what may be run
   formats: { name: string; description: string }[];
-  simulators: { name: string; title: string; version: string | null }[]; // null: not installed
 }
 
 /* A parameter in a form: a JSON Schema property with what a form needs besides. */
@@ -47,9 +46,12 @@ export interface Schema {
   anyOf?: Schema[]; items?: Schema; prefixItems?: Schema[]; minItems?: number; maxItems?: number;
 }
 export interface Group { title: string; fields: Field[] }
-export interface Kind { name: string; title: string; help: string; fields: Field[]; place: Field[] }
-/* fields: its own, levels and softness first; place: first, last, blend, key */
-export interface Command { name: string; help: string; group: string; target: "recipe" | "none"; fields: Field[]; output: "folder" | "file" | "none" }
+export interface Kind { name: string; title: string; help: string; default_place: string; fields: Field[]; place: Field[] }
+/* default_place: where it lies without ends; fields: its own, levels and softness first; place: first, last, blend, key */
+export interface Command {
+  name: string; help: string; group: string; target: "recipe" | "none"; fields: Field[];
+  output: "folder" | "file" | "none"; output_help: string; output_required: boolean;
+}
 
 /* ---- documents: open {what} --> {doc}; what: "" new, a path, the name of an example, DIR#17 */
 
@@ -100,6 +102,8 @@ export type Action =
 
 /* ---- what is drawn: scene {doc, index?} --> SceneData; a frozen page has it too, without what only an editor needs */
 
+/* ghost {doc, entry, index?} --> SceneData with one more obstacle, the last row: what would be if it were added */
+
 export interface SceneData {
   name: string;
   description: string;
@@ -135,7 +139,8 @@ export interface Material {
   count: number;
 }
 
-/* variants {doc, count} --> Variant[];  maps {doc, first, count} --> Variant[] (of the recipe's own maps) */
+/* variants {doc, count} --> Variant[];  maps {doc, first, count, by?} --> Variant[] (of the
+   recipe's own maps, from the place first on; by: sorted by "opens", "mean step" or "TRI") */
 export interface Variant { seed: number; index: number; scene: SceneData; difficulty: [string, string][] }
 
 /* measure {doc, index, robot?} --> {rows: [name, value, meaning, key][]}: all metrics, also those of a robot */

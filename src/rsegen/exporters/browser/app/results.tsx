@@ -1,7 +1,7 @@
 /* What the map is: its heights, metrics and costs, its recipe as text; and other maps like it. */
 
 import { useEffect, useId, useState } from "preact/hooks";
-import { Button, Modal, Segmented, Slider } from "./controls";
+import { Button, Modal, Segmented, Select, Slider } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Variant } from "./protocol";
 import { thumbnail } from "./solid";
@@ -145,30 +145,37 @@ export function Picture({ map, label }: { map: SceneData; label: string }) {
   return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
 }
 
+const MOST_SORTED = 200; // maps, by the server
+const ORDERS = [["", "by number"], ["opens", "by the smallest step across"], ["mean step", "by mean step"], ["TRI", "by ruggedness (TRI)"]] as const;
+
 /* Twelve other seeds of the recipe, or its own maps, as pictures. */
 export function Variants() {
   const [of, choose] = useState<"seeds" | "maps">("seeds");
-  const [from, setFrom] = useState(state.value?.first_map ?? 0);
+  const [from, setFrom] = useState(0); // the place of the first picture in the order of the maps
+  const [by, sort] = useState<"" | "opens" | "mean step" | "TRI">("");
   const [found, setFound] = useState<Variant[] | null>(null);
   const close = () => (dialog.value = null);
   const look = async () => {
     setFound(null);
-    setFound(await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12 }))));
+    setFound(await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12, by }))));
   };
-  useEffect(() => void look(), [of, from]);
+  useEffect(() => void look(), [of, from, by]);
   const keep = (variant: Variant) => {
     if (of === "seeds") void edit({ do: "set", name: "seed", value: variant.seed });
     else void showMap(variant.index);
     close();
   };
-  const [first, count] = [state.value?.first_map ?? 0, state.value?.maps ?? 1];
+  const maps = state.value?.maps ?? 1;
+  const count = by ? Math.min(maps, MOST_SORTED) : maps;
   return (
     <Modal title="Variants" close={close} wide>
       <div class="actions">
         <Segmented name="Of" value={of} choices={[["seeds", "other seeds"], ["maps", "maps of this recipe"]]} onChange={choose} />
         {of === "seeds" ? <Button icon="dice" title="Draw twelve other seeds" onClick={() => void look()}>Twelve others</Button> : <>
-          <Button icon="left" title="Previous twelve" disabled={from <= first} onClick={() => setFrom(Math.max(first, from - 12))} />
-          <Button icon="right" title="Next twelve" disabled={from + 12 >= first + count} onClick={() => setFrom(from + 12)} /></>}
+          <Button icon="left" title="Previous twelve" disabled={from <= 0} onClick={() => setFrom(Math.max(0, from - 12))} />
+          <Button icon="right" title="Next twelve" disabled={from + 12 >= count} onClick={() => setFrom(from + 12)} />
+          <Select name="Sorted by" value={by} choices={ORDERS} onChange={(next) => { sort(next); setFrom(0); }} />
+          {by && <span class="note">the roughest last{maps > MOST_SORTED && `; ${MOST_SORTED} of ${maps} maps, evenly spaced`}</span>}</>}
       </div>
       <ul class="gallery">
         {(found ?? []).map((variant) => (

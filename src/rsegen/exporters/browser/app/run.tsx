@@ -1,13 +1,13 @@
 /* Commands as dialogs: a form, the same line for a shell, run; then progress, report and files. */
 
-import { useEffect, useId, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import { Button, Icon, Labelled, Modal } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
 import type { Command, Job, Json } from "./protocol";
 import { call, fileOf, Failed } from "./server";
-import { ask, attempt, dialog, hello, jobs, open, playbacks, robot, state } from "./state";
+import { ask, attempt, dialog, hello, index, jobs, open, playbacks, robot, state } from "./state";
 import { copy } from "./results";
 
 type Values = { [name: string]: Json | undefined };
@@ -29,14 +29,20 @@ const OUTPUTS: { [command: string]: string } = {
   generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain",
 };
 
+const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" };
+
 /* What was chosen last for each command, until the page is left. */
 const remembered = new Map<string, { values: Values; output: string }>();
 
 function usual(command: Command, upload?: string): { values: Values; output: string } {
-  const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? `${state.value?.name}.${command.name === "view" ? "html" : command.name === "preview" ? "png" : "pdf"}` : command.name) };
+  const file = command.output_required ? `${state.value?.name}.${SUFFIXES[command.name] ?? "pdf"}` : "";
+  const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? file : command.name) };
   const values: Values = { ...known.values };
-  const file = command.fields.find((field) => /cloud|file|heights|scan|source|target|path/.test(field.name));
-  if (upload && file) values[file.name] = upload;
+  const input = command.fields.find((field) => field.required && /cloud|file|path/.test(field.name));
+  if (upload && input) values[input.name] = input.schema.type === "array" ? [upload] : upload;
+  // The map that is shown is meant by what is about one map.
+  const one = command.fields.find((field) => field.name === "map" && !field.help.includes("all"));
+  if (one && (state.value?.maps ?? 1) > 1) values.map = String(index.value);
   if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
   return { values, output: command.output === "none" ? "" : known.output };
 }
@@ -66,21 +72,25 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
     }
   };
   const problems = (field: string) => (failure?.where === field ? failure.text : "");
+  const form = useRef<HTMLFormElement>(null);
+  useEffect(() => form.current?.querySelector(".field .problem")?.scrollIntoView({ block: "nearest" }), [failure]);
   const elsewhere = failure && !command.fields.some((field) => field.name === failure.where) && failure.where !== "output";
   return (
     <Modal title={`${name[0]!.toUpperCase()}${name.slice(1)}`} close={close} wide={Boolean(job)}>
       {job ? <JobReport job={job} again={() => follow(null)} /> : (
-        <form onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
+        <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}</p>
-          <Form fields={command.fields} values={values} problems={problems}
+          <Form fields={command.fields} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
-          {command.output !== "none" && <Labelled id={`${id}-output`} label={command.output === "folder" ? "Output folder" : "Output file"} help={`in ${hello.value!.folder}`} problem={problems("output")} wide>
+          {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : ", if any"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
           </Labelled>}
           <div class="shell"><code>{line(command, values, output)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output))} /></div>
-          {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
           {state.value?.problem && command.target === "recipe" && <p class="problem" role="alert">First correct the recipe: {state.value.problem.where}: {state.value.problem.text}</p>}
-          <footer class="actions"><button type="button" onClick={close}>Cancel</button>
+          <footer class="actions">
+            {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
+            {upload && name === "scan" && <button type="button" onClick={() => (dialog.value = { name: "run", command: "compare", upload })}>Compare it with this map …</button>}
+            <button type="button" onClick={close}>Cancel</button>
             <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace what is there" : "Run"}</button></footer>
         </form>
       )}
@@ -103,11 +113,13 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
       {job.lines.length > 0 && <pre tabindex={0} aria-label="Report" class={job.state === "failed" ? "bad" : ""}>{job.lines.join("\n")}</pre>}
       <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} />)}</div>
+      {job.files.filter((file) => file.kind === "table").slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
       <ul class="files">{job.files.filter((file) => file.kind !== "picture").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
             {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
           {file.kind === "recipe" && <button type="button" onClick={() => void leaveFor(file.path)}>Open</button>}
+          {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
           {file.kind !== "drive" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
         </li>))}</ul>
       <footer class="actions">
@@ -130,10 +142,41 @@ export async function leaveFor(what: string): Promise<boolean> {
 
 async function download(file: { path: string; name: string }): Promise<void> {
   const bytes = await attempt(() => fileOf(file.path));
-  if (!bytes) return;
-  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(bytes), download: file.name });
+  if (bytes) offer(bytes, file.name);
+}
+
+/* Let the browser save bytes as a file. */
+export function offer(bytes: Blob, name: string): void {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(bytes), download: name });
   link.click();
   URL.revokeObjectURL(link.href);
+}
+
+/* Show a PDF in a window of its own. */
+async function show(path: string): Promise<void> {
+  const bytes = await attempt(() => fileOf(path));
+  if (bytes) window.open(URL.createObjectURL(new Blob([bytes], { type: "application/pdf" })));
+}
+
+const MOST_ROWS = 60; // longer ones are for programs
+
+/* The fields of a line of CSV. */
+const fieldsOf = (row: string): string[] =>
+  [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
+
+/* A table that a run wrote, if it is one to be read: short, with a line of names. */
+function FileTable({ path, name }: { path: string; name: string }) {
+  const [rows, set] = useState<string[][]>([]);
+  useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
+  const [head, ...body] = rows;
+  if (!head || body.length > MOST_ROWS || head[0]?.startsWith("#")) return null;
+  return (
+    <figure class="table" tabindex={0}>
+      <table class="csv"><thead><tr>{head.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
+        <tbody>{body.map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
+      <figcaption>{name}</figcaption>
+    </figure>
+  );
 }
 
 function FilePicture({ path, name }: { path: string; name: string }) {

@@ -43,12 +43,15 @@ export async function fileOf(path: string): Promise<Blob> {
   return (await answer(response)).blob();
 }
 
-/* Hear the events of a document, until the signal ends it; after a break it is tried again. */
-export async function listen(doc: string, page: string, heard: (event: Event) => void, ends: AbortSignal): Promise<void> {
+/* Hear the events of a document, until the signal ends it; after a break, which is said, it is tried again. */
+export async function listen(
+  doc: string, page: string, heard: (event: Event) => void, connected: (is: boolean) => void, ends: AbortSignal,
+): Promise<void> {
   while (!ends.aborted) {
     try {
       const response = await fetch("api/events", { method: "POST", headers, body: written({ doc, page }), signal: ends });
       const lines = (await answer(response)).body!.pipeThrough(new TextDecoderStream()).getReader();
+      connected(true);
       let rest = "";
       for (let part = await lines.read(); !part.done; part = await lines.read()) {
         const whole = (rest + part.value).split("\n");
@@ -58,6 +61,7 @@ export async function listen(doc: string, page: string, heard: (event: Event) =>
     } catch {
       if (ends.aborted) return;
     }
+    connected(false);
     await new Promise((resume) => setTimeout(resume, 1500));
   }
 }

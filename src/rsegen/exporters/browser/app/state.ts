@@ -18,13 +18,16 @@ export const frozen: Frozen | null = data && (JSON.parse(data.textContent!) as F
 export const hello = signal<Hello | null>(null);
 export const state = signal<State | null>(null);
 export const scene = signal<SceneData | null>(null);
+export const ghost = signal<{ scene: SceneData; row: number } | null>(null); // an obstacle that is not added yet
 export const index = signal(0); // of the map that is shown
 export const selected = signal(-1);
 export const tool = signal<Tool>({ name: "select" });
+export const drawnKind = signal("diagonal_barrier"); // of the obstacles that the tool draw makes
 export const hover = signal<Hover | null>(null);
 export const busy = signal(0); // calls under way that somebody waits for
 export const problem = signal<Failure | null>(null); // of the last call that failed
 export const said = signal(""); // what has been done, for the live region
+export const connected = signal(true); // the server answers
 export const jobs = signal<Job[]>([]);
 export const options = signal<Partial<Options>>({ look: "recipe", grid: true, axes: true });
 export const plan = signal<"inset" | "half" | "hidden">("inset");
@@ -108,7 +111,7 @@ export const doc = () => state.value?.doc ?? "";
 /* Call a function of the server about the document. */
 export const ask = <T>(name: string, args: object = {}): Promise<T> => call<T>(name, { doc: doc(), page, ...args });
 
-const shownIndex = () => (index.value === state.value?.first_map ? {} : { index: index.value });
+const shownIndex = () => ({ index: index.value });
 
 const draw = newest(async () => {
   const wanted = doc();
@@ -116,10 +119,20 @@ const draw = newest(async () => {
   if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
 });
 
-/* Take over a state of the document, unless it is older than the one that is known. */
-export function take(next: State): void {
+let held: State | null = null; // the newest state of the server, without changes that it has not answered yet
+
+/* Show an obstacle on the map before it is added; null: none. */
+export const showGhost = newest(async (entry: Entry | null) => {
+  const shown = entry && (await ask<SceneData>("ghost", { entry, ...shownIndex() }).catch(() => null)); // a draft may be invalid
+  ghost.value = shown && { scene: shown, row: state.value!.rows.length };
+});
+
+/* Take over a state of the document, unless it is older than the one that is known: then only what was answered goes. */
+export function take(given: State): void {
   const known = state.value;
-  if (known && (next.doc !== known.doc || next.revision < known.revision)) return;
+  if (known && given.doc !== known.doc) return;
+  const next = known && held && given.revision < held.revision ? held : given;
+  held = next;
   state.value = [...flying, ...waiting].reduce(ahead, next);
   selected.value = Math.min(selected.value, next.rows.length - 1);
   const first = next.first_map ?? 0;
@@ -157,14 +170,14 @@ async function load(id: string): Promise<boolean> {
   forgetRobot();
   take(next);
   history.replaceState(null, "", `#${id}`);
-  void listen(id, page, hear, ends.signal);
+  void listen(id, page, hear, (is) => (connected.value = is), ends.signal);
   return true;
 }
 
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
   if (event.event === "job") jobs.value = [event.job, ...jobs.value.filter((job) => job.id !== event.job.id)];
-  if (event.event === "file" && state.value) state.value = { ...state.value, changed_on_disk: event.changed_on_disk };
+  if (event.event === "file" && held) take({ ...held, changed_on_disk: event.changed_on_disk });
 }
 
 /* ---- changes */
@@ -186,33 +199,32 @@ export function edit(...actions: Action[]): Promise<void> {
 
 async function send(): Promise<void> {
   while (waiting.length) {
-    const actions = waiting.map(intoItsMatrix);
-    waiting = [];
+    // Paint that makes a matrix is answered before what comes after it, which belongs into that matrix too.
+    const makes = waiting.findIndex((action) => action.do === "paint" && intoItsMatrix(action).row < 0);
+    const actions = waiting.splice(0, makes < 0 ? waiting.length : makes + 1).map(intoItsMatrix);
     flying = actions;
     const next = await attempt(() => ask<State>("edit", { actions, ...shownIndex() }));
     flying = [];
     if (next) {
       take(next);
       actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
-      const stroke = actions.find((action) => action.do === "paint" && action.row < 0);
-      if (stroke?.do === "paint" && stroke.gesture) made = { gesture: stroke.gesture, row: next.rows.length - 1 };
     } else {
       const failure = problem.value;
-      const held = await attempt(() => ask<State>("state"), false);
-      if (held) state.value = { ...held, problem: held.problem ?? failure };
+      const now = await attempt(() => ask<State>("state"), false);
+      if (now) take({ ...now, problem: now.problem ?? failure });
     }
   }
 }
 
-/* The matrix that the beginning of a stroke has made: the rest of the stroke, sent later, belongs into it too. */
-let made = { gesture: "", row: -1 };
-
-function intoItsMatrix(action: Action): Action {
-  return action.do === "paint" && action.row < 0 && action.gesture === made.gesture ? { ...action, row: made.row } : action;
+/* Paint for a new matrix, in the one that is selected meanwhile, as earlier paint has made it. */
+function intoItsMatrix<A extends Action>(action: A): A {
+  const isMade = action.do === "paint" && action.row < 0 && rowAt(selected.value)?.entry.kind === "matrix";
+  return isMade ? { ...action, row: selected.value } : action;
 }
 
 function isSameGesture(one: Action, other: Action): boolean {
   if (one.do !== other.do || !("gesture" in one && one.gesture) || !("gesture" in other)) return false;
+  if (one.do === "paint" && other.do === "paint" && (one.level !== other.level || one.row !== other.row)) return false;
   return one.gesture === other.gesture && (one.do !== "set" || (other.do === "set" && one.name === other.name));
 }
 
@@ -255,10 +267,20 @@ export function problemAt(where: string): string {
 
 export const rowAt = (row: number): Row | undefined => state.value?.rows[row];
 
+/* The parameters that have a number for each level, for another number of levels: new levels are as likely as the last. */
+function fitted({ weights, counts }: Entry, levels: number): Partial<Entry> {
+  const to = (list: Json[], filling: Json) => Array.from({ length: levels }, (_, level) => list[level] ?? filling);
+  return {
+    ...(Array.isArray(weights) && weights.length && { weights: to(weights, weights.at(-1)!) }),
+    ...(Array.isArray(counts) && counts.length && { counts: to(counts, 0) }),
+  };
+}
+
 export function changeEntry(row: number, name: string, value: Json | undefined, gesture?: string): void {
   const entry: Entry = { ...rowAt(row)!.entry };
   if (value === undefined || value === null) delete entry[name];
   else entry[name] = value;
+  if (name === "levels" && typeof value === "number") Object.assign(entry, fitted(entry, value));
   void edit({ do: "change", row, entry, gesture });
 }
 
@@ -332,9 +354,11 @@ export async function start(): Promise<void> {
   const asked = new URLSearchParams(location.search);
   const [known, list] = [location.hash.slice(1) || asked.get("doc"), attempt(() => call<Hello>("hello"))];
   const loads = (known && (await load(known))) || (await open(asked.get("open") ?? ""));
+  const failure = loads ? null : problem.value;
   hello.value = await list;
-  jobs.value = (loads && (await call<Job[]>("jobs").catch(() => null))) || [];
-  problem.value = hello.value ? null : problem.value;
+  if (!loads && hello.value) await open(""); // a page without a recipe could do nothing
+  jobs.value = (hello.value && (await call<Job[]>("jobs").catch(() => null))) || [];
+  problem.value = hello.value ? failure : problem.value;
 }
 
 addEventListener("beforeunload", (event) => {

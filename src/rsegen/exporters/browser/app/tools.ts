@@ -263,6 +263,9 @@ export class Tools {
     else if (nearer) board.zoom(nearer);
     else if (event.key === "Escape" && this.drag && this.drag.kind !== "click") this.cancel();
     else if ((event.key === "Enter" || event.key === " ") && this.cursor) this.paintCursor(board.field, this.cursor);
+    else if (event.key === "Home" && tool.name === "paint") this.putCursor(board.field, board.field.blocks[0] ?? null);
+    else if (this.cursor && /^[0-9]$/.test(event.key)) this.typeLevel(board.field, this.cursor, Number(event.key), 1);
+    else if (this.cursor && event.key === "Backspace") this.typeLevel(board.field, this.nextTo(board.field, this.cursor, -1), -1, 0);
     else return;
     event.preventDefault();
     event.stopPropagation();
@@ -270,10 +273,28 @@ export class Tools {
 
   private moveCursor(field: Field, [di, dj]: Place): void {
     const [i, j] = this.cursor ?? [Math.floor(field.nX / 2) - di, Math.floor(field.nY / 2) - dj];
-    this.cursor = [Math.min(field.nX - 1, Math.max(0, i + di)), Math.min(field.nY - 1, Math.max(0, j + dj))];
-    const spot = { cell: this.cursor, point: field.top(...this.cursor) };
+    this.putCursor(field, [Math.min(field.nX - 1, Math.max(0, i + di)), Math.min(field.nY - 1, Math.max(0, j + dj))]);
+  }
+
+  private putCursor(field: Field, cell: Place | null): void {
+    this.cursor = cell;
+    if (!cell) return;
+    const spot = { cell, point: field.top(...cell) };
     this.board.mark(spot);
     this.on.hover?.(field.hover(spot.cell, spot.point));
+  }
+
+  /* The block after or before a cell, as one reads: from the west to the east, row by row from the north. */
+  private nextTo(field: Field, cell: Place, by: 1 | -1): Place {
+    const at = field.blocks.findIndex(([i, j]) => j < cell[1] || (j === cell[1] && i >= cell[0]));
+    const isBlock = field.block(cell) !== null;
+    return field.blocks[at < 0 ? field.blocks.length - 1 : at + (by > 0 && !isBlock ? 0 : by)] ?? cell;
+  }
+
+  /* Give a cell a level, as it is typed, and go on with the next one; -1 erases it. */
+  private typeLevel(field: Field, cell: Place, level: number, by: 0 | 1): void {
+    if (field.block(cell)) this.on.paint?.(blocksOf(field, [cell]), level, `key ${Date.now().toString(36)} ${++gestures}`);
+    this.putCursor(field, by ? this.nextTo(field, cell, by) : cell);
   }
 
   private paintCursor(field: Field, cell: Place): void {

@@ -7,7 +7,7 @@ import { add, kindOf } from "./obstacles";
 import { createPlan } from "./plan";
 import { createSolid } from "./solid";
 import {
-  changeEntry, dark, drawing, edit, frozen, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
+  changeEntry, dark, drawing, drawnKind, edit, frozen, ghost, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
   second, selected, settle, state, tool, way, wayPoint, wayStart,
 } from "./state";
 import { best } from "./robot";
@@ -24,7 +24,7 @@ const editing: ViewEvents = {
   paint: (painted, level, gesture) => void edit({ do: "paint", row: paintedRow(), cells: painted, level, gesture }),
   picked: (level) => (tool.value = { name: "paint", shape: "cells", level }),
   draw: (first, last) => {
-    const kind = kindOf(rowAt(selected.value)?.entry.kind) ?? kindOf("diagonal_barrier") ?? hello.value?.kinds[0];
+    const kind = kindOf(drawnKind.value) ?? hello.value?.kinds[0];
     if (kind) add(kind, { first, last });
     tool.value = { name: "select" };
   },
@@ -49,6 +49,7 @@ function follow(view: View, player: number): () => void {
     effect(() => view.set({ ...options.value, dark: dark.value })),
     effect(() => view.tool(frozen || playbacks.value.length ? never : tool.value)),
     effect(() => view.select(selected.value)),
+    effect(() => view.ghost(ghost.value?.scene ?? null, ghost.value?.row ?? -1)),
     effect(() => view.robot(drawing.value, playbacks.value.length ? null : pose.value)),
     effect(() => view.poseMap(poseMap.value, mapShown.value)),
     effect(() => view.reach(reach.value)),
