@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +114,8 @@ class Settled:
 def joined(parts: Sequence[_Rows]) -> _Rows:
     """Return robots at rest, or poses, one after the other."""
     names = [each.name for each in fields(parts[0])]
-    return type(parts[0])(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
+    values = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return cast("_Rows", type(parts[0])(**values))
 
 
 def reach_of(body: Body) -> float:
@@ -156,10 +157,10 @@ def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tupl
     number, rounds = 0, _ROUNDS
     while number < rounds and len(live):
         start = contacts[live] if near is None else _positions(near, contacts[live], samples)
-        narrows = number + 1 == _FULL and samples > 2 * _NEAR
-        found = _round(ground, relative, near, x[live], y[live], axes(slope[live], yaw[live]), start, narrows=narrows)
-        three, a, b, height[live], chosen = found
+        u, v, g = _demands(ground, relative, near, x[live], y[live], axes(slope[live], yaw[live]))
+        three, a, b, c = _plane(u, v, g, start)
         contacts[live] = three if near is None else np.take_along_axis(near, three, axis=1)
+        height[live] = c
         turn[live] = steep = np.hypot(a, b)
         still = (steep < _STILL) | (np.hypot(*slope[live].T) > _LOST)
         share = np.minimum(1.0 if number == 0 else _DAMPED, _MOST_TURN / np.maximum(steep, 1e-12))
@@ -167,10 +168,11 @@ def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tupl
             slope[live] + np.where(still, 1.0, share)[:, None] * np.stack([a, b], 1), -_STEEPEST, _STEEPEST
         )
         number += 1
-        if narrows:
+        if number == _FULL and samples > 2 * _NEAR:
             # Those in contact and the three far ones are always among them.
             far = np.tile(np.arange(samples, samples + 3), (len(live), 1))
-            near, of_few = np.concatenate([chosen, contacts[live], far], axis=1)[~still], live[~still]
+            near = np.concatenate([_nearest(u, v, g, a, b, c), contacts[live], far], axis=1)[~still]
+            of_few = live[~still]
         elif near is not None:
             near = near[~still]
         live = live[~still]
@@ -179,31 +181,16 @@ def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tupl
     return slope, height, contacts, turn
 
 
-def _round(  # noqa: PLR0913  # one round of one loop
-    ground: Ground,
-    relative: Singles,
-    near: Ints | None,
-    x: Array,
-    y: Array,
-    turned: Array,
-    start: Ints,
-    *,
-    narrows: bool,
-) -> tuple[Ints, Array, Array, Array, Ints]:
-    """Return three samples, and a, b, c of the plane through them, of each robot; if it narrows, also those near it.
-
-    Some rows at a time, whose samples stay in the cache of a core while the plane is found.
-    """
-    u, v, g = _demands(ground, relative, near, x, y, turned)
-    three, a, b, c = _plane(u, v, g, start)
-    chosen = np.empty((len(x), _NEAR if narrows else 0), np.int64)
-    for part in _blocks(*u.shape) if narrows else ():
+def _nearest(u: Singles, v: Singles, g: Singles, a: Array, b: Array, c: Array) -> Ints:
+    """Return the samples nearest to the plane of each row, (n, 96), but for the three far ones."""
+    chosen = np.empty((len(u), _NEAR), np.int64)
+    for part in _blocks(*u.shape):
         slack = a[part, None] * u[part]
         slack += b[part, None] * v[part]
         slack += c[part, None]
         slack -= g[part]
         chosen[part] = np.argpartition(slack[:, :-3], _NEAR, axis=1)[:, :_NEAR]
-    return three, a, b, c, chosen
+    return chosen
 
 
 def _blocks(rows: int, samples: int) -> Iterator[slice]:

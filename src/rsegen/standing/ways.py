@@ -99,8 +99,8 @@ _NEXT = 24
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
-_PLACES_AT_ONCE = 1024
-"""Places whose moves are found together in a search that needs all: half a second of work."""
+_PLACES_AT_ONCE = 512
+"""Places whose moves are found together in a search that needs all: a second of work."""
 
 Watch = Callable[[float], object]
 """Called now and then with the share of a search that is done; what it raises ends the search."""
@@ -146,7 +146,8 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
-        places, i, j, k, on_i, on_j = (each[inside] for each in (places, i, j, k, on_i, on_j))
+        places, on_i, on_j = places[inside], on_i[inside], on_j[inside]
+        i, j, k = np.unravel_index(places, self.moves.shape)
         # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
         ahead = np.ravel_multi_index((on_i, on_j, k), self.moves.shape)
         self._settle_at(np.concatenate([places, ahead]))
@@ -170,7 +171,8 @@ class Lattice:
         after = np.ravel_multi_index((i, j, (k + 1) % HEADINGS), self.moves.shape)
         self._settle_at(np.concatenate([places, after]))
         able = self._stands.ravel()[places] & self._stands.ravel()[after]
-        places, after, i, j, k = (each[able] for each in (places, after, i, j, k))
+        places, after = places[able], after[able]
+        i, j, k = np.unravel_index(places, self.turns.shape)
         rest = settle(self.ground, self.body, self.x[i], self.y[j], (k + 0.5) * np.pi / 4)
         self.turns.ravel()[places] = has_stood(rest)
         ends = self._worst_of_places.ravel()
@@ -502,6 +504,7 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     lattice = Lattice(field, body, watch=watch)
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
+        watch(1.0)  # the lanes below are a tenth of the work
         lanes = straight(field, body, axis)
         ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
     cover = float(region.sum() / blocks) if blocks else 0.0
