@@ -12,7 +12,7 @@ from math import degrees, radians
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
+from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds, share_bar
 from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
@@ -86,7 +86,6 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Measure and draw."""
     from rsegen.exporters.pictures.preview import image_format
-    from rsegen.field.metrics import metrics
     from rsegen.run.store import write_file
 
     if arguments.json and arguments.csv:
@@ -100,11 +99,11 @@ def run(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--heading", "is for a picture; give -o too")
     scenes = scenes_of(arguments, "measure")
     first = next(scenes)
-    measured = metrics(first.field, robot)
+    measured = _measured(first, robot)
     if path and robot:
         picture = _picture(first, robot, measured, heading, image_format(path))
         write_file([picture], path, force=arguments.force)
-    rows: Iterable[Measured] = chain([(first, measured)], ((scene, metrics(scene.field, robot)) for scene in scenes))
+    rows: Iterable[Measured] = chain([(first, measured)], ((scene, _measured(scene, robot)) for scene in scenes))
     if arguments.json:
         rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too
     lines = _csv(rows) if arguments.csv else _report(rows, _title(robot))
@@ -123,6 +122,17 @@ def _crosser(arguments: argparse.Namespace) -> Crosser | None:
     if said and "climb_cm" not in said:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
     return StepLimits(**said) if said else None
+
+
+def _measured(scene: Scene, crosser: Crosser | None) -> Metrics:
+    """The metrics of a map; the search of a robot, which may take a minute, is a bar."""
+    from rsegen.field.metrics import metrics
+    from rsegen.standing.kinds import Standing, Watched
+
+    if not isinstance(crosser, Standing):
+        return metrics(scene.field, crosser)
+    with share_bar(scene.name) as watch:
+        return metrics(scene.field, Watched(body=crosser.body, watch=watch))
 
 
 def _picture(scene: Scene, crosser: Crosser, measured: Metrics, heading: float | None, form: str) -> bytes:

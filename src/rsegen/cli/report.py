@@ -231,6 +231,19 @@ def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
 
 
 @contextmanager
+def share_bar(what: str) -> Iterator[Callable[[float], None]]:
+    """Yield a function for the share of a search that is done, 0..1."""
+    style = {"bar_format": "{desc} {percentage:3.0f}%|{bar}| [{elapsed}]", "desc": what, "leave": False}
+    with _watched(100, "%", **style) as bar:
+
+        def progress(share: float) -> None:
+            if bar is not None:
+                bar.update(100 * share - bar.n)
+
+        yield progress
+
+
+@contextmanager
 def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
     """Yield a function for the trials of an experiment; without a terminal each is a line, unless nothing is wanted."""
     trials = len(plan.cells) * plan.repeats

@@ -25,6 +25,7 @@ from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.io.recipe_file import load
 from rsegen.page.calls import call_of_host
+from rsegen.page.files import names_in
 from rsegen.page.host import Host
 from rsegen.page.places import Places
 from rsegen.params.command import Declared, declared
@@ -374,6 +375,15 @@ def command_form(name: str) -> CommandForm:
     return command_forms()[name]
 
 
+def _robot_files(host: Host) -> list[dict[str, Json]]:
+    """Return the files in the folder of pages that may hold a robot."""
+    names = [each.name for each in names_in(host.folder) if each.name.endswith(_ROBOT_FILES)]
+    return [{"name": name, "title": name} for name in names]
+
+
+_ROBOT_FILES = (".sdf", ".urdf", ".xacro")
+
+
 @call_of_host
 def hello(host: Host) -> dict[str, Any]:
     """Return what is the same for all documents: forms, kinds, robots, formats."""
@@ -383,7 +393,7 @@ def hello(host: Host) -> dict[str, Any]:
         "globals": global_groups(),
         "kinds": kinds(),
         "examples": [{"name": name, "description": load(path).description} for name, path in EXAMPLES.items()],
-        "robots": [{"name": name, "title": robot.title} for name, robot in ROBOTS.items()],
+        "robots": [*({"name": name, "title": robot.title} for name, robot in ROBOTS.items()), *_robot_files(host)],
         "commands": [form.described() for form in command_forms().values()],
         "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],
     }

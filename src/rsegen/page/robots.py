@@ -9,8 +9,9 @@ seconds is done once at a time for a document, and of several that wait only the
 from __future__ import annotations
 
 import threading
+import time
 from base64 import b64encode
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from math import ceil, degrees, isfinite
 from typing import Any, Literal
@@ -23,6 +24,7 @@ from rsegen.field.metrics import metrics
 from rsegen.field.metrics.catalogue import METRICS, UNITS, custom, flattened, nested
 from rsegen.field.stepfield import Array, StepField
 from rsegen.io.resources import refuse_too_large
+from rsegen.page import turns
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import title_of
 from rsegen.page.host import Host
@@ -36,6 +38,7 @@ from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import followed
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
+from rsegen.standing.kinds import Watched
 from rsegen.standing.resting import REASONS, Poses, has_stood, of_settled
 from rsegen.standing.settling import Ground, reach_of, settle
 from rsegen.standing.spots import Spot
@@ -98,6 +101,31 @@ def _map(host: Host, doc: str, index: int) -> tuple[Recipe, StepField]:
 def _robot(host: Host, robot: str) -> DrivableRobot:
     """Return a robot by its kind, or of a file in the folder of pages."""
     return robot_of(host.places.refuse_outside("robot", robot), "robot")
+
+
+_SECONDS = 0.2
+"""Seconds between two tellings of how far a search is."""
+
+
+def _telling(host: Host, doc: str, name: str, check: Callable[[], None]) -> Callable[[float], None]:
+    """Return what tells pages of a document how far a search is, and ends it when it is stopped."""
+    opened, told = host.opened(doc), 0.0
+
+    def watch(share: float) -> None:
+        nonlocal told
+        check()
+        if time.monotonic() - told > _SECONDS:
+            told = time.monotonic()
+            opened.tell({"event": "progress", "of": name, "share": share})
+
+    return watch
+
+
+@call_of_host
+def stop(host: Host, *, doc: str, of: Literal["tilt", "reach", "way", "measure"]) -> None:
+    """Stop a search that is done for a document."""
+    host.opened(doc)
+    turns.stop(doc, of)
 
 
 @call_of_host
@@ -171,10 +199,14 @@ def _refuse_unplaced(**numbers: float) -> None:
 def pose(  # noqa: PLR0913  # each is named by the page
     host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
 ) -> dict[str, Any]:
-    """Return how a robot rests that is put down level at x, y with a heading; also beside the map."""
+    """Return how a robot rests that is put down level at x, y with a heading; also beside the map.
+
+    One that does not stand is where it was put: level, on the highest block below it.
+    """
     _refuse_unplaced(x=x, y=y, heading=heading)
     _, field = _map(host, doc, index)
-    found = _settled(field, _robot(host, robot).body, *(np.array([each]) for each in (x, y, heading)))
+    body = _robot(host, robot).body
+    found = _settled(field, body, *(np.array([each]) for each in (x, y, heading)))
     stands, clearance = bool(found.stands[0]), float(found.clearance[0])
     corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)]
     return {
@@ -182,12 +214,25 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "holds": bool(found.holds[0]),
         "pushes": bool(found.pushes[0]),
         "reason": REASONS[int(found.reason[0])],
-        **{name: float(getattr(found, name)[0]) for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt")},
+        **(
+            {name: float(getattr(found, name)[0]) for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt")}
+            if stands
+            else _level(field, body, x, y, heading)
+        ),
         "margin": float(found.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": found.contacts[0].tolist() if stands else [],
         "polygon": _in_order(corners).tolist() if stands else [],
     }
+
+
+def _level(field: StepField, body: Body, x: float, y: float, heading: float) -> dict[str, float]:
+    """Return the pose of a robot that is held level, so high that it touches the highest block below it."""
+    c, s = np.cos(heading), np.sin(heading)
+    along, across, up = body.points.T
+    below = Ground.of(field, 0.0).below(x + c * along - s * across, y + s * along + c * across)
+    z = float((below - up).max())
+    return {"x": x, "y": y, "z": z, "roll": 0.0, "pitch": 0.0, "yaw": heading, "tilt": 0.0}
 
 
 def _in_order(corners: Array) -> Array:
@@ -236,10 +281,10 @@ def _encoded(values: Any, kind: str) -> str:
 @call_of_host
 def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
     """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
-    with newest_turn(doc, "reach"):
+    with newest_turn(doc, "reach") as check:
         recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
-        found = reached(field, body)
+        found = reached(field, body, _telling(host, doc, "reach", check))
         spots = _spots(field, body, recipe.seed)
     crossings = {"west to east": found.west_east, "south to north": found.south_north}
     across = [name for name, way in crossings.items() if way.crosses]
@@ -284,11 +329,12 @@ def way(  # noqa: PLR0913  # each is named by the page
     """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
     for place in (start, goal):
         _refuse_unplaced(x=place[0], y=place[1])
-    with newest_turn(doc, "way"):
+    with newest_turn(doc, "way") as check:
         recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
         key = (index, robot, best)
         lattice: Lattice = _LATTICES.get(recipe, key) or _LATTICES.put(recipe, key, Lattice(field, body, best))
+        lattice.watch = _telling(host, doc, "way", check)
         found = lattice.between(start, goal)
     if found is None:
         none = {"found": False, "text": f"no way for {robot} between these places", "poses": [], "events": []}
@@ -313,9 +359,10 @@ def way(  # noqa: PLR0913  # each is named by the page
 def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> dict[str, Any]:
     """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
     crosser = _robot(host, robot) if robot else None
-    with newest_turn(doc, "measure"):
+    with newest_turn(doc, "measure") as check:
         _, field = _map(host, doc, index)
-        entries = nested(metrics(field, crosser)) | custom(field)
+        watched = crosser and Watched(body=crosser.body, watch=lambda _: check())
+        entries = nested(metrics(field, watched)) | custom(field)
     rows = [(_named(key), _shown(value), _meaning(key), key) for key, value in flattened(entries)]
     return {"rows": [list(row) for row in rows if row[1]]}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -23,13 +23,29 @@ _LOCK = threading.Lock()
 
 
 @contextmanager
-def newest_turn(doc: str, name: str) -> Iterator[None]:
-    """Wait until nothing of this name is done for a document; a UserError for a request that a newer one replaced."""
+def newest_turn(doc: str, name: str) -> Iterator[Callable[[], None]]:
+    """Wait until nothing of this name is done for a document; a UserError for a request that a newer one replaced.
+
+    Yields a function that raises it too, for what takes seconds to call now and then.
+    """
+    queue, number = _ask(doc, name)
+
+    def check() -> None:
+        if queue.asked != number:
+            raise UserError("a newer request took its place, or it was stopped")
+
+    with queue.works:
+        check()
+        yield check
+
+
+def stop(doc: str, name: str) -> None:
+    """Stop what is done, or waits, of this name for a document."""
+    _ask(doc, name)
+
+
+def _ask(doc: str, name: str) -> tuple[_Queue, int]:
     with _LOCK:
         queue = _QUEUES.setdefault((doc, name), _Queue())
         queue.asked += 1
-        number = queue.asked
-    with queue.works:
-        if queue.asked != number:
-            raise UserError("a newer request took its place")
-        yield
+        return queue, queue.asked

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Contract, Registry
 from rsegen.standing.body import Body
-from rsegen.standing.ways import Reach, Way, crossing, reach
+from rsegen.standing.ways import Reach, Watch, Way, crossing, reach
 
 DRIVING_SPEED = 0.4
 """Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
@@ -59,6 +60,27 @@ class Standing(ABC):
     def reach(self, field: StepField) -> Reach:
         """Return where it gets on a field, and its ways across."""
         return reach(field, self.body)
+
+    def crossing(self, field: StepField, axis: int) -> Way:
+        """Return its way across a field, along x for axis 0, along y for axis 1."""
+        return crossing(field, self.body, axis)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Watched:
+    """What stands and drives, and tells how far its search of a map is; `watch` may end the search."""
+
+    body: Body
+    watch: Watch
+
+    @property
+    def width(self) -> float:
+        """Its width, metres."""
+        return self.body.width
+
+    def reach(self, field: StepField) -> Reach:
+        """Return where it gets on a field, and its ways across."""
+        return reach(field, self.body, self.watch)
 
     def crossing(self, field: StepField, axis: int) -> Way:
         """Return its way across a field, along x for axis 0, along y for axis 1."""

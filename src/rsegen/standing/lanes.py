@@ -24,7 +24,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.pushing import SLIDING, surplus
 from rsegen.standing.resting import GRAVITY, has_stood
-from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.settling import Ground, Settled, joined, reach_of, settle
 
 _STEPS = 100
 """Steps per length of a robot."""
@@ -122,8 +122,15 @@ def drive(ground: Ground, body: Body, x: Array, y: Array, yaw: Array, length: fl
     looked = settle(ground, body, every_x[:, some].ravel(), every_y[:, some].ravel(), np.repeat(yaw, len(some)))
     tipped = ~has_stood(looked).reshape(lanes, len(some))
     until = np.where(tipped.any(axis=1), some[tipped.argmax(axis=1)], count - 1)
-    needed = np.arange(count) <= until[:, None]
-    found = settle(ground, body, every_x[needed], every_y[needed], np.repeat(yaw, until + 1))
+    # The poses up to there that were not looked at are found too, and all of them put in their order.
+    is_new = np.arange(count) <= until[:, None]
+    needed = is_new.copy()
+    is_new[:, some] = False
+    settled = settle(ground, body, every_x[is_new], every_y[is_new], np.repeat(yaw, is_new.sum(axis=1)))
+    place = np.empty((lanes, count), np.int64)
+    place[:, some] = np.arange(lanes * len(some)).reshape(lanes, -1)
+    place[is_new] = lanes * len(some) + np.arange(len(settled.x))
+    found = joined([looked, settled]).some(place[needed])
     number = (np.cumsum(until + 1) - until - 1)[:, None] + np.minimum(np.arange(count), until[:, None])
     rest = found.some(number.ravel())
     force = surplus(ground, body, found)[number]

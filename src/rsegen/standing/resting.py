@@ -8,8 +8,7 @@ its outermost contacts. Cost: 100 microseconds a pose. What breaks it: nothing m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -106,11 +105,7 @@ def _numbers(name: str, values: ArrayLike) -> Array:
 
 def of_settled(ground: Ground, body: Body, rest: Settled) -> Poses:
     """Return the poses of robots at rest, with all that follows from them."""
-    parts = [
-        _measured(ground, body, rest, np.arange(i, min(i + _ROWS, len(rest.x)))) for i in range(0, len(rest.x), _ROWS)
-    ]
-    joined = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)] if parts else _nothing()
-    contacts, loads, support, clearance, angle, energy = joined
+    contacts, loads, support, clearance, angle, energy = _all_measured(ground, body, rest)
     origin = -np.einsum("nij,j->ni", rest.axes, body.centre)
     forward, left, up = (rest.axes[:, :, axis] for axis in range(3))
     stands = has_stood(rest)
@@ -133,14 +128,20 @@ def of_settled(ground: Ground, body: Body, rest: Settled) -> Poses:
     )
 
 
-def joined(parts: Sequence[Poses]) -> Poses:
-    """Return poses one after the other."""
-    return Poses(**{each.name: np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Poses)})
+def margins(ground: Ground, body: Body, rest: Settled) -> Array:
+    """Return the least turn that tips each robot over, radians, (n,); 0 for one that does not stand."""
+    return np.where(has_stood(rest), _all_measured(ground, body, rest)[4], 0.0)
 
 
 def has_stood(rest: Settled) -> Mask:
     """Return which robots stand: on three contacts around the centre of mass, and not tipped over, (n,)."""
     return np.asarray((rest.contacts >= 0).all(axis=1) & (np.hypot(*rest.slope.T) < TIPPED))
+
+
+def _all_measured(ground: Ground, body: Body, rest: Settled) -> list[Array]:
+    count = len(rest.x)
+    parts = [_measured(ground, body, rest, np.arange(i, min(i + _ROWS, count))) for i in range(0, count, _ROWS)]
+    return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)] if parts else _nothing()
 
 
 def _nothing() -> list[Array]:

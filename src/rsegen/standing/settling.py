@@ -16,7 +16,9 @@ diagonal; it takes one of them. And a part against the side of a block: it never
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +47,12 @@ _FAR, _DEEP = 1e3, -5e4
 _CHUNK = 1_000_000
 """Samples of all poses of a chunk: the calls of numpy then cost little beside their work."""
 
-_ROWS = 100
-"""Poses that are turned at once: of more, BLAS would use a second core, and win nothing."""
+_BLOCK = 100_000
+"""Samples of poses that are looked at together: their arrays of 0.4 MB stay in the cache of a core."""
 
 SINGLE = np.float32
 Singles = NDArray[np.float32]
+_Rows = TypeVar("_Rows", bound=Any)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +111,13 @@ class Settled:
         return Settled(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
+def joined(parts: Sequence[_Rows]) -> _Rows:
+    """Return robots at rest, or poses, one after the other."""
+    names = [each.name for each in fields(parts[0])]
+    values = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return cast("_Rows", type(parts[0])(**values))
+
+
 def reach_of(body: Body) -> float:
     """Return how far a robot reaches from its centre of mass, metres."""
     return float(np.linalg.norm(body.points - body.centre, axis=1).max())
@@ -146,12 +156,12 @@ def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tupl
     live, near, of_few = np.arange(count), None, np.empty(0, np.int64)
     number, rounds = 0, _ROUNDS
     while number < rounds and len(live):
-        u, v, g = _demands(ground, relative, near, x[live], y[live], axes(slope[live], yaw[live]))
         start = contacts[live] if near is None else _positions(near, contacts[live], samples)
+        u, v, g = _demands(ground, relative, near, x[live], y[live], axes(slope[live], yaw[live]))
         three, a, b, c = _plane(u, v, g, start)
         contacts[live] = three if near is None else np.take_along_axis(near, three, axis=1)
-        height[live], steep = c, np.hypot(a, b)
-        turn[live] = steep
+        height[live] = c
+        turn[live] = steep = np.hypot(a, b)
         still = (steep < _STILL) | (np.hypot(*slope[live].T) > _LOST)
         share = np.minimum(1.0 if number == 0 else _DAMPED, _MOST_TURN / np.maximum(steep, 1e-12))
         slope[live] = np.clip(
@@ -159,14 +169,9 @@ def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tupl
         )
         number += 1
         if number == _FULL and samples > 2 * _NEAR:
-            # Samples by their distance to the plane; those in contact and the three far ones are always among them.
-            slack = a[:, None] * u + b[:, None] * v
-            slack += c[:, None]
-            slack -= g
-            chosen = np.argpartition(slack[:, :samples], _NEAR, axis=1)[:, :_NEAR][~still]
-            near = np.concatenate(
-                [chosen, contacts[live][~still], np.tile(np.arange(samples, samples + 3), (len(chosen), 1))], axis=1
-            )
+            # Those in contact and the three far ones are always among them.
+            far = np.tile(np.arange(samples, samples + 3), (len(live), 1))
+            near = np.concatenate([_nearest(u, v, g, a, b, c), contacts[live], far], axis=1)[~still]
             of_few = live[~still]
         elif near is not None:
             near = near[~still]
@@ -174,6 +179,24 @@ def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tupl
         if near is not None and (number == rounds or not len(live)):
             live, near, rounds = of_few, None, number + _LAST
     return slope, height, contacts, turn
+
+
+def _nearest(u: Singles, v: Singles, g: Singles, a: Array, b: Array, c: Array) -> Ints:
+    """Return the samples nearest to the plane of each row, (n, 96), but for the three far ones."""
+    chosen = np.empty((len(u), _NEAR), np.int64)
+    for part in _blocks(*u.shape):
+        slack = a[part, None] * u[part]
+        slack += b[part, None] * v[part]
+        slack += c[part, None]
+        slack -= g[part]
+        chosen[part] = np.argpartition(slack[:, :-3], _NEAR, axis=1)[:, :_NEAR]
+    return chosen
+
+
+def _blocks(rows: int, samples: int) -> Iterator[slice]:
+    """Yield slices of some rows each, whose samples stay in the cache of a core."""
+    step = max(_BLOCK // samples, 1)
+    yield from (slice(begin, begin + step) for begin in range(0, rows, step))
 
 
 def _positions(near: Ints, contacts: Ints, samples: int) -> Ints:
@@ -186,35 +209,32 @@ def _demands(
 ) -> tuple[Singles, Singles, Singles]:
     """Return u, v and g of samples, (n, m), three far ones last: of all samples, or of the rows of `near`."""
     count, samples = len(x), relative.shape[1]
-    single = turned.astype(SINGLE)
-    if near is None:
-        width = samples + 3
-        u, v, g = (np.empty((count, width), SINGLE) for _ in range(3))
-        for begin in range(0, count, _ROWS):
-            part = slice(begin, begin + _ROWS)
-            for array, row in zip((u, v, g), range(3), strict=True):
-                np.matmul(single[part, row], relative, out=array[part, :samples])
-        inner = slice(0, samples)
-    else:
-        width = near.shape[1]
-        own = np.concatenate([relative, np.zeros((3, 3), SINGLE)], axis=1)[:, near]  # (3, n, m)
-        u, v, g = (np.einsum("ni,inm->nm", single[:, row], own) for row in range(3))
-        inner = slice(0, width - 3)
-    i = u[:, inner] * SINGLE(1 / ground.width)
-    i += (x / ground.width + ground.half[0])[:, None].astype(SINGLE)
-    j = v[:, inner] * SINGLE(1 / ground.width)
-    j += (y / ground.width + ground.half[1])[:, None].astype(SINGLE)
-    np.clip(i, 0, ground.shape[0] - 1, out=i)
-    np.clip(j, 0, ground.shape[1] - 1, out=j)
-    cells = i.astype(np.int32)
-    cells *= ground.shape[1]
-    cells += j.astype(np.int32)
-    np.subtract(ground.heights.take(cells), g[:, inner], out=g[:, inner])
-    last = slice(width - 3, width)
-    u[:, last] = np.array([_FAR, -_FAR / 2, -_FAR / 2], SINGLE)
-    v[:, last] = np.array([0, 0.866 * _FAR, -0.866 * _FAR], SINGLE)
-    g[:, last] = _DEEP
+    width = samples + 3 if near is None else near.shape[1]
+    u, v, g = (np.empty((count, width), SINGLE) for _ in range(3))
+    inner, far = slice(0, width - 3), slice(width - 3, width)
+    single, (rows, columns) = turned.astype(SINGLE), ground.shape
+    i, j = (x / ground.width + ground.half[0])[:, None], (y / ground.width + ground.half[1])[:, None]
+    for part in _blocks(*u.shape):
+        for array, row in zip((u, v, g), range(3), strict=True):
+            if near is None:
+                np.matmul(single[part, row], relative, out=array[part, inner])
+            else:
+                np.einsum("ni,inm->nm", single[part, row], relative[:, near[part, inner]], out=array[part, inner])
+        cells = _along(u[part, inner], i[part].astype(SINGLE), ground.width, rows) * np.int32(columns)
+        cells += _along(v[part, inner], j[part].astype(SINGLE), ground.width, columns)
+        below = ground.heights.take(cells.astype(np.intp), mode="clip")
+        np.subtract(below, g[part, inner], out=g[part, inner])
+    u[:, far] = np.array([_FAR, -_FAR / 2, -_FAR / 2], SINGLE)
+    v[:, far] = np.array([0, 0.866 * _FAR, -0.866 * _FAR], SINGLE)
+    g[:, far] = _DEEP
     return u, v, g
+
+
+def _along(offset: Singles, middle: Singles, width: float, cells: int) -> NDArray[np.int32]:
+    """Return the cells along an axis in which samples are, offset from a middle; the nearest ones outside."""
+    place = offset * SINGLE(1 / width)
+    place += middle
+    return np.clip(place, 0, cells - 1, out=place).astype(np.int32)
 
 
 def _plane(u: Singles, v: Singles, g: Singles, three: Ints) -> tuple[Ints, Array, Array, Array]:
@@ -226,28 +246,37 @@ def _plane(u: Singles, v: Singles, g: Singles, three: Ints) -> tuple[Ints, Array
     three[~_surrounds(u[rows, three], v[rows, three])] = np.arange(u.shape[1] - 3, u.shape[1])
     live = np.arange(count)
     for _ in range(_EXCHANGES):
-        rows = np.arange(len(live))[:, None]
         own = three[live]
-        at_u, at_v, at_g = (array[rows, own].astype(np.float64) for array in (u, v, g))
+        at_u, at_v, at_g = (array[live[:, None], own].astype(np.float64) for array in (u, v, g))
         a[live], b[live], c[live] = _through(at_u, at_v, at_g)
-        above = u * (-a[live])[:, None].astype(SINGLE)
-        above -= v * b[live][:, None].astype(SINGLE)
-        above += g
-        highest = above.argmax(axis=1)
-        still = above[rows[:, 0], highest] - c[live] <= _ABOVE
-        if still.all():
+        highest, above = _highest(u, v, g, a, b, live)
+        # One of the three is above their plane by rounding alone: far ones by millimetres.
+        rises = (above - c[live] > _ABOVE) & (own != highest[:, None]).all(axis=1)
+        live, own, at_u, at_v, highest = live[rises], own[rises], at_u[rises], at_v[rises], highest[rises]
+        if not len(live):
             break
         # The origin is between the new sample and two of the three: exactly one pair, but for rounding.
-        new_u, new_v = (array[rows[:, 0], highest].astype(np.float64) for array in (u, v))
-        pair = _least_share(new_u[:, None], new_v[:, None], at_u, at_v).argmax(axis=1)
-        kept = _PAIRS[pair]
-        own = np.where(
-            still[:, None], own, np.concatenate([highest[:, None], np.take_along_axis(own, kept, axis=1)], axis=1)
-        )
-        three[live] = own
-        if still.mean() > 0.4 and len(live) > 16:  # fewer rows, as copying them costs less than carrying them on
-            live, u, v, g = live[~still], u[~still], v[~still], g[~still]
+        new_u, new_v = (array[live, highest].astype(np.float64)[:, None] for array in (u, v))
+        kept = _PAIRS[_least_share(new_u, new_v, at_u, at_v).argmax(axis=1)]
+        three[live, 0] = highest
+        three[live, 1:] = np.take_along_axis(own, kept, axis=1)
     return three, a, b, c
+
+
+def _highest(u: Singles, v: Singles, g: Singles, a: Array, b: Array, rows: Ints) -> tuple[Ints, Singles]:
+    """Return the sample that is highest above the plane a u + b v in each of some rows, and its height above it."""
+    highest, above = np.empty(len(rows), np.intp), np.empty(len(rows), SINGLE)
+    for part in _blocks(len(rows), u.shape[1]):
+        at = rows[part]
+        over = u.take(at, axis=0)
+        over *= -a[at, None].astype(SINGLE)
+        term = v.take(at, axis=0)
+        term *= b[at, None].astype(SINGLE)
+        over -= term
+        over += g.take(at, axis=0)
+        over.argmax(axis=1, out=highest[part])
+        above[part] = over[np.arange(len(at)), highest[part]]
+    return highest, above
 
 
 def _through(u: Array, v: Array, g: Array) -> tuple[Array, Array, Array]:

@@ -22,8 +22,8 @@ from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
-from rsegen.standing.resting import Poses, has_stood, joined, of_settled
-from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.resting import Poses, has_stood, margins, of_settled
+from rsegen.standing.settling import Ground, Settled, joined, reach_of, settle
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -99,6 +99,16 @@ _NEXT = 24
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
+_PLACES_AT_ONCE = 512
+"""Places whose moves are found together in a search that needs all: a second of work."""
+
+Watch = Callable[[float], object]
+"""Called now and then with the share of a search that is done; what it raises ends the search."""
+
+
+def _unwatched(_: float) -> None:
+    """Take what nobody watches."""
+
 
 class Lattice:
     """The moves of a robot between the centres of a field's cells in eight headings, and those that it can make.
@@ -109,31 +119,44 @@ class Lattice:
     radians, or the least margin with a minus
     moves, turns: (n_x, n_y, 8) whether it can drive on to the next cell, and turn to the next heading and back
     worst_of_moves, worst_of_turns: the worst on each; False and 0 where not yet found
+    watch: called after each step of what takes long
     """
 
-    def __init__(self, field: StepField, body: Body, best: str = "length") -> None:
-        self.field, self.body, self.best = field, body, best
+    def __init__(self, field: StepField, body: Body, best: str = "length", watch: Watch = _unwatched) -> None:
+        self.field, self.body, self.best, self.watch = field, body, best, watch
         self.ground = Ground.of(field, reach_of(body))
         self.x, self.y = middles_of(field, 0), middles_of(field, 1)
         shape = (*field.shape, HEADINGS)
-        self.moves, self.turns, self._is_driven, self._is_turned = (np.zeros(shape, bool) for _ in range(4))
-        self.worst_of_moves, self.worst_of_turns = np.zeros(shape), np.zeros(shape)
+        self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
+        self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
+        self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
+
+    def _settle_at(self, places: Ints) -> None:
+        """Find whether the robot stands at places, numbers in `moves`, and how bad that is."""
+        places = np.unique(places[~self._is_settled.ravel()[places]])
+        self._is_settled.ravel()[places] = True
+        i, j, k = np.unravel_index(places, self.moves.shape)
+        rest = settle(self.ground, self.body, self.x[i], self.y[j], k * np.pi / 4)
+        self._stands.ravel()[places], self._worst_of_places.ravel()[places] = has_stood(rest), self._badness(rest)
 
     def _drive_from(self, places: Ints) -> None:
-        """Find the moves from places, numbers in `moves`."""
+        """Find the moves from places."""
         places = places[~self._is_driven.ravel()[places]]
         self._is_driven.ravel()[places] = True
         i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
+        places, on_i, on_j = places[inside], on_i[inside], on_j[inside]
+        i, j, k = np.unravel_index(places, self.moves.shape)
         # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
-        for share in (0.0, 0.5, 1.0):
-            left = np.flatnonzero(inside)
-            ahead = (share * self.field.block_width * _MOVES[k[left]]).T
-            x, y = self.x[i[left]] + ahead[0], self.y[j[left]] + ahead[1]
-            inside[left] = has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))
+        ahead = np.ravel_multi_index((on_i, on_j, k), self.moves.shape)
+        self._settle_at(np.concatenate([places, ahead]))
+        left = np.flatnonzero(self._stands.ravel()[places] & self._stands.ravel()[ahead])
+        middle = self.field.block_width / 2 * _MOVES[k[left]].T
+        x, y = self.x[i[left]] + middle[0], self.y[j[left]] + middle[1]
+        left = left[has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))]
         for is_diagonal in (0, 1):
-            chosen = np.flatnonzero(inside & (k % 2 == is_diagonal))
+            chosen = left[k[left] % 2 == is_diagonal]
             if len(chosen):
                 length = self.field.block_width * (2**0.5 if is_diagonal else 1.0)
                 starts = self.x[i[chosen]], self.y[j[chosen]], k[chosen] * np.pi / 4
@@ -141,15 +164,19 @@ class Lattice:
                 self.moves.ravel()[places[chosen]], self.worst_of_moves.ravel()[places[chosen]] = passed, worst
 
     def _turn_at(self, places: Ints) -> None:
-        """Find whether the robot can turn from places to their next headings, and back."""
+        """Find whether the robot can turn from places to their next headings, and back: at both, and half-way."""
         places = places[~self._is_turned.ravel()[places]]
         self._is_turned.ravel()[places] = True
         i, j, k = np.unravel_index(places, self.turns.shape)
-        # At both headings, and half-way between.
-        turn = np.add.outer((0.0, 0.5, 1.0), k).ravel()
-        rest = settle(self.ground, self.body, np.tile(self.x[i], 3), np.tile(self.y[j], 3), turn * np.pi / 4)
-        self.turns.ravel()[places] = has_stood(rest).reshape(3, -1).all(axis=0)
-        self.worst_of_turns.ravel()[places] = self._badness(rest).reshape(3, -1).max(axis=0)
+        after = np.ravel_multi_index((i, j, (k + 1) % HEADINGS), self.moves.shape)
+        self._settle_at(np.concatenate([places, after]))
+        able = self._stands.ravel()[places] & self._stands.ravel()[after]
+        places, after = places[able], after[able]
+        i, j, k = np.unravel_index(places, self.turns.shape)
+        rest = settle(self.ground, self.body, self.x[i], self.y[j], (k + 0.5) * np.pi / 4)
+        self.turns.ravel()[places] = has_stood(rest)
+        ends = self._worst_of_places.ravel()
+        self.worst_of_turns.ravel()[places] = np.maximum.reduce([ends[places], ends[after], self._badness(rest)])
 
     def _explore(self, front: Ints) -> None:
         """Find all that the robot can do from places on: wave by wave, each of the places that the last one reached."""
@@ -175,6 +202,7 @@ class Lattice:
         before = np.ravel_multi_index((i, j, (k - 1) % HEADINGS), self.moves.shape)
         self._drive_from(places)
         self._turn_at(np.unique(np.concatenate([places, before])))
+        self.watch(float(self._is_driven.mean()))
         return before
 
     def _driven(self, x: Array, y: Array, yaw: Array, length: float) -> tuple[Mask, Array]:
@@ -184,20 +212,23 @@ class Lattice:
             part = slice(begin, begin + _LANES)
             lanes = drive(self.ground, self.body, x[part], y[part], yaw[part], length)
             passed.append(lanes.passed)
-            worst.append(self._badness(lanes.poses).reshape(len(lanes.end), -1).max(axis=1))
+            count = len(lanes.poses.x) // len(lanes.end)
+            badness = self._badness(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
+            worst.append(np.zeros(len(lanes.end)))
+            worst[-1][lanes.passed] = badness.reshape(-1, count).max(axis=1)
         return np.concatenate(passed), np.concatenate(worst)
 
     def _badness(self, rest: Settled) -> Array:
         """Return the tilt of each robot, radians, or its margin with a minus."""
         if self.best == "margin":
-            return -of_settled(self.ground, self.body, rest).tip_angle
+            return -margins(self.ground, self.body, rest)
         return rest.tilt
 
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
         places = np.arange(self.moves.size).reshape(self.moves.shape)
-        self._drive_from(places.ravel())
-        self._turn_at(places.ravel())
+        for begin in range(0, places.size, _PLACES_AT_ONCE):
+            self._find_from(places.ravel()[begin : begin + _PLACES_AT_ONCE])
         low: list[Any] = []
         high, onward, back = list[Any](), list[Any](), list[Any]()
         for k, (along_x, along_y) in enumerate(_MOVES):
@@ -468,11 +499,12 @@ def _shifted(values: Any, along_x: int, along_y: int) -> Any:
     ]
 
 
-def reach(field: StepField, body: Body) -> Reach:
+def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     """Return where a robot gets on a field, and its shortest ways across."""
-    lattice = Lattice(field, body)
+    lattice = Lattice(field, body, watch=watch)
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
+        watch(1.0)  # the lanes below are a tenth of the work
         lanes = straight(field, body, axis)
         ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
     cover = float(region.sum() / blocks) if blocks else 0.0

@@ -257,3 +257,17 @@ export function onRay(field: Field, origin: Point, direction: Point): { cell: Pl
 export function metres(value: number): string {
   return (Math.round(value * 1000) / 1000 + 0).toString().replace("-", "−");
 }
+
+/* A letter on a disc: start and goal of a robot, in both views. */
+export function lettered(
+  pen: CanvasRenderingContext2D, [x, y]: [number, number], radius: number, text: string, colour: string,
+): void {
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  Object.assign(pen, { fillStyle: colour, strokeStyle: "#ffffff", lineWidth: Math.max(1.5, radius / 8) });
+  pen.fill();
+  pen.stroke();
+  Object.assign(pen, { fillStyle: "#ffffff", textAlign: "center", textBaseline: "middle" });
+  pen.font = `bold ${1.25 * radius}px system-ui, sans-serif`;
+  pen.fillText(text, x, y + 0.06 * radius);
+}

@@ -1,17 +1,19 @@
 /* Robots in the 3D view: their parts, how they rest on blocks, and drives that are played again. */
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DoubleSide, Euler, Group, Matrix4, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3, type Object3D,
+  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DoubleSide, Euler, Group,
+  Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, SRGBColorSpace, SphereGeometry, Sprite,
+  SpriteMaterial, Vector3, type Object3D,
 } from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { BAD, GOOD, TRAILS } from "./colours";
-import type { Point } from "./field";
+import { lettered, type Point } from "./field";
 import type { Playback, Pose, RobotDrawing } from "./protocol";
 
 const RED = new Color(BAD);
+const LETTER = 0.019; // of a distance: 24 pixels in a view of 700
 
 export interface Pen { colour: string; width: number; opacity?: number; hidden?: boolean; dash?: number }
 
@@ -36,8 +38,9 @@ export function pairs(points: Point[]): Point[] {
 /* Free what an object and its parts hold on the graphics card, and take it out of its scene. */
 export function drop(object: Object3D | null): void {
   object?.traverse((part) => {
-    if (!(part instanceof Mesh)) return;
-    part.geometry.dispose();
+    if (part instanceof Sprite) part.material.map?.dispose();
+    if (!(part instanceof Mesh || part instanceof Sprite)) return;
+    if (part instanceof Mesh) part.geometry.dispose(); // that of sprites is one for all
     [part.material].flat().forEach((material) => material.dispose());
   });
   object?.removeFromParent();
@@ -141,6 +144,20 @@ export function dot(point: Point, radius: number, colour: string, opacity = 1): 
   mesh.position.set(...point);
   mesh.renderOrder = 4;
   return mesh;
+}
+
+/* A letter on a disc of a colour, as large however far it is, and seen through blocks. */
+export function letter(point: Point, text: string, colour: string): Sprite {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 64;
+  lettered(canvas.getContext("2d")!, [32, 32], 29, text, colour);
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, sizeAttenuation: false }));
+  sprite.position.set(...point);
+  sprite.scale.setScalar(LETTER);
+  sprite.renderOrder = 5;
+  return sprite;
 }
 
 interface Track {

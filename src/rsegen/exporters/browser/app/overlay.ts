@@ -19,6 +19,19 @@ export function scaleOf(map: PoseMap, shown: "tilt" | "margin"): Scale {
   return { low: 0, high, colours: shown === "tilt" ? colours : colours.reverse() };
 }
 
+/* What the colours of the reasons mean, those that are on the map; "" for a good pose. */
+export function reasonsOf(map: PoseMap): { reason: string; colour: string }[] {
+  const seen = new Set(bytesOf(map.reason));
+  return map.reasons.flatMap((reason, k) =>
+    seen.has(k) ? [{ reason, colour: `rgb(${colourOfReason(map, reason).join(" ")})` }] : [],
+  );
+}
+
+function colourOfReason(map: PoseMap, reason: string): number[] {
+  const bad = map.reasons.filter((each) => each !== "");
+  return reason ? REASONS[1 + (bad.indexOf(reason) % (REASONS.length - 1))] : REASONS[0];
+}
+
 export function ofPoses(map: PoseMap, shown: "tilt" | "margin" | "reason"): Overlay {
   const [nx, ny] = map.shape;
   const colour = shown === "reason" ? byReason(map) : byValue(map, shown);
@@ -57,10 +70,9 @@ function byValue(map: PoseMap, shown: "tilt" | "margin"): Colour {
 
 function byReason(map: PoseMap): Colour {
   const reasons = bytesOf(map.reason);
-  const bad = map.reasons.filter((reason) => reason !== "");
   return (at) => {
     const reason = map.reasons[reasons[at]] ?? "";
-    return reason ? [...REASONS[1 + (bad.indexOf(reason) % (REASONS.length - 1))], SEEN] : [...REASONS[0], 90];
+    return [...colourOfReason(map, reason), reason ? SEEN : 90];
   };
 }
 

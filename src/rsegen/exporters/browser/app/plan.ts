@@ -1,7 +1,7 @@
 /* The plan: north up; cells are counted below and on the left, metres above and on the right. Tools work as in 3D. */
 
 import { ACCENT, BAD, GOOD, START, TRAILS, TROUBLE } from "./colours";
-import { Field, metres, outline, rgb, type Place, type Point } from "./field";
+import { Field, lettered, metres, outline, rgb, type Place, type Point } from "./field";
 import { boundsOf, poseAt } from "./models";
 import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
@@ -460,17 +460,19 @@ export class Plan implements View, Board {
     const { shownReach, shownWay, start, field } = this;
     const size = Math.max(3, Math.min(7, 0.3 * field!.width * this.scale));
     shownReach?.ways.forEach(({ points, crosses }) => this.strokeLine(pen, at, points, crosses ? START : TROUBLE, 3));
-    shownReach?.spots.forEach(({ x, y, name }) => disc(pen, at([x, y]), size, name === "S" ? START : ACCENT));
-    if (start) disc(pen, at(start), size, START);
+    const named = (place: readonly number[], name: "S" | "G") =>
+      lettered(pen, at([place[0], place[1]]), Math.max(8, 1.3 * size), name, name === "S" ? START : ACCENT);
+    shownReach?.spots.forEach(({ x, y, name }) => named([x, y], name));
+    if (start && !shownWay?.poses.length) named(start, "S");
     const poses = shownWay?.poses ?? [];
     if (!poses.length) return;
     this.strokeLine(pen, at, poses, "#ffffff", 6);
     this.strokeLine(pen, at, poses, START, 3.5);
     const mark = (k: number, radius: number, colour: string) =>
       poses[k] && disc(pen, at([poses[k][0], poses[k][1]]), radius, colour);
-    mark(0, size, START);
-    mark(poses.length - 1, size, ACCENT);
     shownWay!.events.forEach((event) => mark(event.at, 0.8 * size, TROUBLE));
+    named(poses[0], "S");
+    named(poses[poses.length - 1], "G");
   }
 
   private strokeLine(pen: Pen, at: At, points: readonly (readonly number[])[], colour: string, width: number): void {

@@ -154,7 +154,7 @@ export interface RobotDrawing {
            vertices?: number[]; faces?: number[] }[];
   /* size: box x y z; cylinder radius, length along z; sphere radius. pose: 4x4, row by row, in the robot's frame */
 }
-/* pose {doc, index, robot, x, y, heading} --> Pose */
+/* pose {doc, index, robot, x, y, heading} --> Pose; of a robot that does not stand: level, where it was put */
 export interface Pose {
   stands: boolean; holds: boolean; pushes: boolean;
   reason: string; // "" or why it is bad: "tips over", "slips", "cannot drive on", "hangs up"
@@ -179,6 +179,8 @@ export interface Reach {
   spots: { x: number; y: number; z: number; yaw: number; name: "S" | "G" }[];
 }
 /* way {doc, index, robot, start, goal, best} --> Way; start, goal: [x, y] */
+/* stop {doc, of}: end a search that is under way; its call fails */
+export type Search = "tilt" | "reach" | "way";
 export interface Way {
   found: boolean; text: string;
   poses: [number, number, number, number, number, number][]; // x y z roll pitch yaw of the robot's origin
@@ -214,4 +216,5 @@ export type Event =
   | { event: "state"; state: State; page: string } // page: that changed it
   | { event: "job"; job: Job }
   | { event: "file"; changed_on_disk: boolean }
+  | { event: "progress"; of: Search; share: number } // of a search of a robot, 0 to 1
   | { event: "alive" };

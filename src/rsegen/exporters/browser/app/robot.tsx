@@ -3,8 +3,10 @@
 import { signal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { Button, Labelled, Segmented, Select, Slider } from "./controls";
+import { reasonsOf, scaleOf } from "./overlay";
+import type { PoseMap } from "./protocol";
 import {
-  chooseRobot, heading, hello, mapShown, pose, poseMap, reach, robot, settle, showReach, showTilt, tool, way, wayStart,
+  chooseRobot, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showReach, showTilt, stopSearch, tool, way, wayStart,
 } from "./state";
 
 /* By what the best way is chosen. */
@@ -17,13 +19,39 @@ function Facts({ rows }: { rows: [string, string][] }) {
   return <dl class="facts">{rows.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>;
 }
 
+/* What the colours on the map mean. */
+function Legend({ map, shown }: { map: PoseMap; shown: "tilt" | "margin" | "reason" }) {
+  if (shown === "reason") return <ul class="legend">{reasonsOf(map).map(({ reason, colour }) => <li key={reason}><i style={{ background: colour }} />{reason || "stands, and can drive on"}</li>)}</ul>;
+  const { low, high, colours } = scaleOf(map, shown);
+  return (
+    <div class="legend">
+      <div class="ramp" style={{ background: `linear-gradient(90deg, ${colours.join(", ")})` }} />
+      <p><span>{degrees(low)}°</span><span>{shown === "tilt" ? "tilt" : "margin to tipping over"}</span><span>{degrees(high)}°</span></p>
+      <p><i class="hatched" /> does not stand</p>
+    </div>
+  );
+}
+
+const WORDS = { tilt: "Settling it at every place", reach: "Searching where it gets", way: "Searching the best way" };
+
+/* The search that is under way, and a way to stop it. */
+function Searching() {
+  const now = searching.value;
+  if (!now) return null;
+  return (
+    <div class="searching" role="status">
+      <p class="note">{WORDS[now.of]} …</p>
+      <progress max={1} value={now.share || undefined} aria-label={WORDS[now.of]} />
+      <Button icon="close" class="quiet" title="Stop the search" onClick={stopSearch} />
+    </div>
+  );
+}
+
 export function RobotPanel() {
   const id = useId();
   const robots = hello.value?.robots ?? [];
   const turn = (angle: number) => {
-    heading.value = (angle * Math.PI) / 180;
-    if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
-    if (pose.value) settle(pose.value.x, pose.value.y);
+    face((angle * Math.PI) / 180);
     if (poseMap.value) void showTilt();
   };
   const stands = pose.value;
@@ -32,7 +60,7 @@ export function RobotPanel() {
       <div class="form">
         <Labelled id={`${id}-robot`} label="Robot" wide>
           <Select id={`${id}-robot`} value={robot.value} onChange={(name) => void chooseRobot(name)}
-            choices={[["", "none"], ...robots.map((each) => [each.name, `${each.name}, ${each.title}`] as const)]} />
+            choices={[["", "none"], ...robots.map(({ name, title }) => [name, title === name ? name : `${name}: ${title}`] as const)]} />
         </Labelled>
         {!robot.value && <p class="empty">Choose a robot: it settles on the blocks under the mouse, and shows where it can drive.</p>}
         {robot.value && <>
@@ -45,6 +73,8 @@ export function RobotPanel() {
             <Button pressed={Boolean(reach.value)} title="Where it gets to, and its ways across" onClick={() => (reach.value ? (reach.value = null) : void showReach())}>Reach</Button>
           </div>
           {poseMap.value && <Segmented name="Shown at each place" value={mapShown.value} choices={[["tilt", "tilt"], ["margin", "margin"], ["reason", "why not"]]} onChange={(next) => (mapShown.value = next)} />}
+          {poseMap.value && <Legend map={poseMap.value} shown={mapShown.value} />}
+          <Searching />
           {reach.value && <p class="note">{reach.value.text}</p>}
           {stands && <div aria-live="polite">
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
@@ -54,7 +84,7 @@ export function RobotPanel() {
           <h3>Best way</h3>
           <Segmented name="Best by" value={best.value} choices={[["length", "shortest"], ["tilt", "least tilt"], ["margin", "safest"]]} onChange={(next) => (best.value = next)} />
           <div class="actions"><Button icon="way" pressed={tool.value.name === "way"} title="Two clicks on the map: start and goal (W)" onClick={() => (tool.value = { name: "way" })}>Click start and goal</Button></div>
-          {wayStart.value && !way.value && <p class="note" role="status">Now click the goal.</p>}
+          {wayStart.value && !way.value && searching.value?.of !== "way" && <p class="note" role="status">Now click the goal.</p>}
           {way.value && <div aria-live="polite"><p class="note">{way.value.text}</p>
             {way.value.found && <Facts rows={[["length", `${way.value.length.toFixed(2)} m`], ["largest tilt", `${degrees(way.value.worst_tilt)}°`],
               ["least margin", `${degrees(way.value.least_margin)}°`], ["drops and slips", String(way.value.events.length)]]} />}</div>}

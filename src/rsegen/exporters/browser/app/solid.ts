@@ -8,7 +8,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { blocksOf } from "./blocks";
 import { ACCENT, BAD, START, TROUBLE } from "./colours";
 import { Field, onRay, outline, type Place, type Point } from "./field";
-import { Player, Robot, dot, drop, linesOf, pairs, restOf, rotationOf } from "./models";
+import { Player, Robot, dot, drop, letter, linesOf, pairs, restOf, rotationOf } from "./models";
 import { ofPoses, ofReach, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
 import { Stage, rendererOf, type From } from "./stage";
@@ -47,6 +47,7 @@ export class Solid implements View, Board {
   private ends: Point[] = [];
   private marked: Spot | null = null;
   private markedIn: Field | null = null;
+  private isSized = false;
   private frame = 0;
   private isWanted = false; // another picture
   private isBusy = false; // one is being drawn
@@ -168,12 +169,11 @@ export class Solid implements View, Board {
 
   reach(reach: Reach | null): void {
     this.shownReach = reach;
-    const width = this.field?.width ?? 0.1;
     const ways = (reach?.ways ?? []).map(({ points, crosses }) =>
       linesOf(pairs(points), { colour: crosses ? START : TROUBLE, width: 4, hidden: true }),
     );
     const spots = (reach?.spots ?? []).map(({ x, y, z, name }) =>
-      dot([x, y, z], 0.22 * width, name === "S" ? START : ACCENT),
+      letter([x, y, z], name, name === "S" ? START : ACCENT),
     );
     this.part("reach", [...ways, ...spots]);
     this.lay();
@@ -184,12 +184,12 @@ export class Solid implements View, Board {
     const size = 0.22 * (field?.width ?? 0.1);
     const parts: Object3D[] = [];
     const ground = ([x, y]: [number, number]): Point => [x, y, field ? field.height(...field.place(x, y)) : 0];
-    if (start) parts.push(dot(ground(start), size, START));
+    if (start && !way?.poses.length) parts.push(letter(ground(start), "S", START));
     if (way?.poses.length) {
       const points = way.poses.map(([x, y, z]): Point => [x, y, z + 0.1 * size]);
       parts.push(linesOf(pairs(points), { colour: "#ffffff", width: 7, opacity: 0.8, hidden: true }));
       parts.push(linesOf(pairs(points), { colour: START, width: 4, hidden: true }));
-      parts.push(dot(points[0], size, START), dot(points[points.length - 1], size, ACCENT));
+      parts.push(letter(points[0], "S", START), letter(points[points.length - 1], "G", ACCENT));
       for (const { at } of way.events) if (points[at]) parts.push(dot(points[at], 0.8 * size, TROUBLE));
     }
     this.part("way", parts);
@@ -427,6 +427,8 @@ export class Solid implements View, Board {
   private resize(): void {
     if (!this.host.clientWidth || !this.host.clientHeight) return;
     this.size(this.host.clientWidth, this.host.clientHeight);
+    if (!this.isSized && this.field) this.look(this.from); // all of the map, which was shown before there was a size
+    this.isSized = true;
     this.draw(1);
   }
 

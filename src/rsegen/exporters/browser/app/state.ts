@@ -6,7 +6,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Failed, call, listen } from "./server";
 import type {
-  Action, Entry, Event, Failure, Hello, Job, Json, Playback, Pose, PoseMap, Reach, Row, RobotDrawing, SceneData, State, Way,
+  Action, Entry, Event, Failure, Hello, Job, Json, Playback, Pose, PoseMap, Reach, Row, RobotDrawing, SceneData, Search, State, Way,
 } from "./protocol";
 import type { Hover, Options, Tool } from "./views";
 
@@ -45,6 +45,7 @@ export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
 export const reach = signal<Reach | null>(null);
 export const wayStart = signal<[number, number] | null>(null);
 export const way = signal<Way | null>(null);
+export const searching = signal<{ of: Search; share: number } | null>(null); // of the robot on the map
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
 export const second = signal(0);
 
@@ -177,6 +178,7 @@ async function load(id: string): Promise<boolean> {
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
   if (event.event === "job") jobs.value = [event.job, ...jobs.value.filter((job) => job.id !== event.job.id)];
+  if (event.event === "progress" && event.of === searching.value?.of) searching.value = event;
   if (event.event === "file" && held) take({ ...held, changed_on_disk: event.changed_on_disk });
 }
 
@@ -304,7 +306,8 @@ export async function reload(): Promise<void> {
 /* ---- the robot */
 
 export function forgetRobot(): void {
-  pose.value = poseMap.value = reach.value = way.value = wayStart.value = null;
+  stopSearch();
+  pose.value = poseMap.value = reach.value = way.value = wayStart.value = put = null;
 }
 
 export async function chooseRobot(name: string): Promise<void> {
@@ -312,20 +315,58 @@ export async function chooseRobot(name: string): Promise<void> {
   drawing.value = null;
   forgetRobot();
   if (name) drawing.value = await attempt(() => call<RobotDrawing>("robot", { robot: name }));
+  if (name && drawing.value) tool.value = { name: "robot", heading: heading.value };
 }
 
 const ofRobot = () => ({ index: index.value, robot: robot.value });
 
+let put: [number, number] | null = null; // where the robot was put: tilted, its origin is a little aside
+
 export const settle = newest(async (x: number, y: number) => {
-  if (robot.value) pose.value = await ask<Pose>("pose", { ...ofRobot(), x, y, heading: heading.value });
+  if (!robot.value) return;
+  put = [x, y];
+  pose.value = await ask<Pose>("pose", { ...ofRobot(), x, y, heading: heading.value });
 });
 
+/* Turn the robot where it is. */
+export function face(angle: number): void {
+  heading.value = Math.atan2(Math.sin(angle), Math.cos(angle));
+  if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
+  if (put) settle(...put);
+}
+
+let searches = 0;
+
+/* Search the map with the robot. A newer search takes the place of one that is under way, whose answer is null. */
+async function search<T>(of: Search, args: object): Promise<T | null> {
+  const own = ++searches;
+  searching.value = { of, share: 0 };
+  try {
+    const found = await ask<T>(of, { ...ofRobot(), ...args });
+    return own === searches ? found : null;
+  } catch (error) {
+    if (!(error instanceof Failed)) throw error;
+    if (own === searches) problem.value = error.failure;
+    return null;
+  } finally {
+    if (own === searches) searching.value = null;
+  }
+}
+
+export function stopSearch(): void {
+  const now = searching.peek();
+  if (!now) return;
+  searches++;
+  searching.value = null;
+  void attempt(() => ask("stop", { of: now.of }), false);
+}
+
 export async function showTilt(): Promise<void> {
-  poseMap.value = await attempt(() => ask<PoseMap>("tilt", { ...ofRobot(), heading: heading.value }));
+  poseMap.value = (await search<PoseMap>("tilt", { heading: heading.value })) ?? poseMap.value;
 }
 
 export async function showReach(): Promise<void> {
-  reach.value = await attempt(() => ask<Reach>("reach", ofRobot()));
+  reach.value = (await search<Reach>("reach", {})) ?? reach.value;
 }
 
 export async function wayPoint(x: number, y: number, best: string): Promise<void> {
@@ -333,8 +374,7 @@ export async function wayPoint(x: number, y: number, best: string): Promise<void
     way.value = null;
     wayStart.value = [x, y];
   } else {
-    const start = wayStart.value;
-    way.value = await attempt(() => ask<Way>("way", { ...ofRobot(), start, goal: [x, y], best }));
+    way.value = await search<Way>("way", { start: wayStart.value, goal: [x, y], best });
   }
 }
 

@@ -7,7 +7,7 @@ import { add, kindOf } from "./obstacles";
 import { createPlan } from "./plan";
 import { createSolid } from "./solid";
 import {
-  changeEntry, dark, drawing, drawnKind, edit, frozen, ghost, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
+  changeEntry, dark, drawing, drawnKind, edit, face, frozen, ghost, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
   second, selected, settle, state, tool, way, wayPoint, wayStart,
 } from "./state";
 import { best } from "./robot";
@@ -30,11 +30,7 @@ const editing: ViewEvents = {
   },
   robotAt: (x, y) => settle(x, y),
   robotPut: (x, y) => settle(x, y),
-  turn: (by) => {
-    heading.value += by;
-    if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
-    if (pose.value) settle(pose.value.x, pose.value.y);
-  },
+  turn: (by) => face(heading.value + by),
   wayPoint: (x, y) => void wayPoint(x, y, best.value),
 };
 const looking: ViewEvents = { hover: editing.hover };
