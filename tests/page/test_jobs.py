@@ -29,10 +29,10 @@ MAP = "peak"
 
 @pytest.fixture
 def host(tmp_path: Path) -> Iterator[Host]:
-    made = Host(folder=tmp_path)
+    made, before = Host(folder=tmp_path), set(psutil.Process().children(recursive=True))  # of tests before
     yield made
     made.jobs.close()
-    assert not psutil.Process().children(recursive=True)
+    assert not set(psutil.Process().children(recursive=True)) - before
 
 
 @pytest.fixture
@@ -123,12 +123,13 @@ def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, 
 
 def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, start: Start, doc: str) -> None:
     host.opened(doc).document.session.set("maps", 10**6)
+    before = set(psutil.Process().children(recursive=True))
     jobs = [start("dataset", f"data{number}", workers=1) for number in range(6)]
     until(lambda: sum(each["step"] == "" for each in host.jobs.listed()) == 4)
     waiting = [each["step"] for each in host.jobs.listed()]
     assert waiting.count("waits for other commands") == 2
     host.jobs.close()
-    assert not psutil.Process().children(recursive=True)
+    assert not set(psutil.Process().children(recursive=True)) - before
     assert {each["state"] for each in host.jobs.listed()[: len(jobs)]} <= {"cancelled", "running"}
 
 
