@@ -465,14 +465,27 @@ def test_every_control_is_inside_the_window(chrome: Chrome, address: str, width:
     assert not [each for each in complaints(chrome) if "frame-ancestors" not in each]
 
 
-@pytest.mark.parametrize("dark", [False, True])
-def test_axe_finds_no_error(chrome: Chrome, address: str, dark: bool) -> None:
+@pytest.fixture(scope="module")
+def axe() -> str:
+    """The script that looks for what people with a screen reader, or the keyboard alone, could not use."""
     if not _AXE.is_file():
         pytest.skip(f"no {_AXE.name}: run npm ci in src/rsegen/exporters/browser/app")
+    return _AXE.read_text("utf-8")
+
+
+@pytest.mark.parametrize(("width", "dark"), [(1366, True), (360, False)])
+def test_axe_finds_no_error(chrome: Chrome, address: str, axe: str, width: int, dark: bool) -> None:
     page = Page(chrome, address, "mixed-course")
-    resize(chrome, 1366, 768, dark=dark)
+    resize(chrome, width, 720, dark=dark)
     page.js("state.selected.value = 1")
-    chrome.execute_script(_AXE.read_text("utf-8"))
+    chrome.execute_script(axe)
+    for tool in ("{ name: 'paint', shape: 'cells', level: 1 }", "{ name: 'draw' }", "{ name: 'select' }"):
+        page.js(f"state.tool.value = {tool}")
+        page.settled()
+        assert _violations(chrome) == []
+    page.button("Commands").click()
+    assert _violations(chrome) == []
+    chrome.switch_to.active_element.send_keys(Keys.ESCAPE)
     for tab in ("map", "robot", "results"):
         page.js("state.tab.value = arguments[0]", tab)
         page.settled()
@@ -482,6 +495,14 @@ def test_axe_finds_no_error(chrome: Chrome, address: str, dark: bool) -> None:
         page.settled()
         assert _violations(chrome) == []
         page.js("state.dialog.value = null")
+
+
+def test_axe_finds_no_error_on_a_frozen_page(chrome: Chrome, axe: str, tmp_path: Path) -> None:
+    file = tmp_path / "map.html"
+    file.write_bytes(frozen_page([ShownMap.of(compose(load(EXAMPLES["peak"]), 0), "name: peak", ".yaml")]))
+    chrome.get(file.as_uri())
+    chrome.execute_script(axe)
+    assert _violations(chrome) == []
 
 
 def _violations(chrome: Chrome) -> list[str]:

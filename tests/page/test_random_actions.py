@@ -67,6 +67,10 @@ const field = (label) => all(`[data-field="${label}"] input[type=text]`)[0];
 """
 
 
+FEW, MANY = 15, 120
+REASON = "trials take a minute"  # seeds 5 and 7 once showed another map than the chosen one, and an undone change
+
+
 @dataclass(kw_only=True)
 class Trial:
     """A page, its server as another page sees it, and the file of the document."""
@@ -286,7 +290,7 @@ def chrome() -> Iterator[Chrome]:
 @pytest.mark.parametrize(
     ("seed", "actions"),
     long_unless(
-        lambda case: case[0] < 2, [(seed, 25 if seed < 2 else 120) for seed in range(12)], reason="trials take minutes"
+        lambda case: case[1] == FEW, [(0, FEW), (1, FEW), *((seed, MANY) for seed in (4, 5, 7))], reason=REASON
     ),
 )
 def test_every_invariant_holds_after_random_actions(chrome: Chrome, tmp_path: Path, seed: int, actions: int) -> None:

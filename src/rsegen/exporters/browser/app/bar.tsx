@@ -48,20 +48,20 @@ const drawable = () => hello.value?.kinds.filter((kind) => kind.name !== "matrix
 export function ToolOptions() {
   const now = tool.value;
   if (now.name === "draw")
-    return <div class="paint" role="group" aria-label="Draw"><Select name="Type to draw" value={drawnKind.value} onChange={(kind) => (drawnKind.value = kind)}
-      choices={drawable().map((kind) => [kind.name, kind.title, kind.help] as const)} /></div>;
+    return <section class="paint" aria-label="Draw"><Select name="Type to draw" value={drawnKind.value} onChange={(kind) => (drawnKind.value = kind)}
+      choices={drawable().map((kind) => [kind.name, kind.title, kind.help] as const)} /></section>;
   if (now.name !== "paint") return null;
   const highest = Math.max(5, now.level, ...(scene.value?.palette.map((each) => each.level ?? 0) ?? []));
   const unit = Number(state.value?.values.unit_cm ?? 10);
   return (
-    <div class="paint" role="group" aria-label="Paint">
+    <section class="paint" aria-label="Paint">
       <Segmented name="Brush" value={now.shape} onChange={(shape) => (tool.value = { ...now, shape })}
         choices={[["cells", "Cells", "cell by cell"], ["rectangle", "Rectangle", "a rectangle"], ["fill", "Fill", "connected cells of one level"], ["pick", "Pick", "take the level of a cell"]]} />
       <Segmented name="Level" value={String(now.level)} onChange={(level) => (tool.value = { ...now, level: Number(level) })}
         choices={[["-1", "erase", "erase paint"], ...Array.from({ length: Math.min(10, highest + 1) }, (_, level) => [String(level), String(level), `${times(unit, level)} cm`] as const)]} />
       <label class="number">level <NumberInput id="paint-level" value={now.level < 0 ? undefined : now.level} whole placeholder="erase" minimum={0}
         onChange={(level) => Number(level) >= 0 && (tool.value = { ...now, level: Number(level) })} /></label>
-    </div>
+    </section>
   );
 }
 
@@ -79,7 +79,7 @@ function RunMenu() {
     <Menu label="Run" icon="play" title="Commands for this map" class="run">
       {[...groups].map(([group, commands]) => (
         <div role="group" aria-label={group} key={group}>
-          <h3>{group}</h3>
+          <h2>{group}</h2>
           {commands.map((command) => <button type="button" key={command.name} onClick={() => (dialog.value = { name: "run", command: command.name })}><span>{command.name}<small>{command.help}</small></span></button>)}
         </div>
       ))}

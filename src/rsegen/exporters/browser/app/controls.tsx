@@ -103,7 +103,9 @@ export function Modal({ title, close, children, wide = false }: {
   const id = useId();
   useEffect(() => {
     box.current!.showModal();
-    box.current!.querySelector<HTMLElement>(".body :is(input, select, textarea, button):not(:disabled)")?.focus();
+    const first = box.current!.querySelector<HTMLElement>(".body :is(input, select, textarea, button):not(:disabled)");
+    first?.focus();
+    if (!first) box.current!.querySelector<HTMLElement>(".body")!.tabIndex = 0; // to scroll it by keys
   }, []);
   return (
     <dialog ref={box} class={wide ? "wide" : ""} aria-labelledby={id} onClose={close}

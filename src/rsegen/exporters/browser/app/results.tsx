@@ -42,6 +42,7 @@ export function Results() {
   if (!map) return <section class="panel" aria-label="Results"><p class="empty">No map yet.</p></section>;
   return (
     <section class="panel" aria-label="Results">
+      <h2 class="hidden">Results</h2>
       {map.warnings?.map((warning) => <p class="problem" key={warning}>{warning}</p>)}
       {map.constraints?.length ? <><h3>Constraints</h3><ul class="lines">{map.constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
       <h3>Heights</h3>

@@ -57,6 +57,7 @@ export function RobotPanel() {
   const stands = pose.value;
   return (
     <section class="panel" aria-label="Robot">
+      <h2 class="hidden">Robot</h2>
       <div class="form">
         <Labelled id={`${id}-robot`} label="Robot" wide>
           <Select id={`${id}-robot`} value={robot.value} onChange={(name) => void chooseRobot(name)}
