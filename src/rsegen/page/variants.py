@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from rsegen.errors import ParameterError, UnknownName
+from rsegen.errors import ParameterError, TooLarge, UnknownName
 from rsegen.exporters.browser.page import ShownMap, content
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import compose
@@ -71,7 +71,9 @@ def _sorted(opened: Opened, recipe: Recipe, by: str) -> Sequence[int]:
     """Return indices of maps by a measure of them, kept for the next pictures of the same order."""
 
     def made() -> Sequence[int]:
-        refuse_too_large(recipe)
+        n_x, n_y = recipe.grid.shape
+        if n_x * n_y > _OPENED:
+            raise TooLarge(f"maps of more than {_OPENED:,} blocks take too long to be sorted")
         all_maps = recipe.indices
         taken = [all_maps[at * len(all_maps) // _MOST_SORTED] for at in range(_MOST_SORTED)]
         return sorted(dict.fromkeys(taken), key=lambda index: _MEASURES[by](build(recipe, index)))

@@ -344,8 +344,8 @@ def is_empty(folder: Path) -> bool:
 
 def _is_own(name: str, path: str) -> bool:
     """Return whether a folder is a hidden one of a run, and does not only have such a name."""
-    if name == f"{HIDDEN}.next":
-        return os.path.lexists(os.path.join(path, JOURNAL))
+    if name == f"{HIDDEN}.next":  # without a journal, if the run was killed before it wrote the first one
+        return os.path.lexists(os.path.join(path, JOURNAL)) or is_empty(Path(path))
     return name in (f"{HIDDEN}/new", f"{HIDDEN}/old") or (name == HIDDEN and not os.listdir(path))
 
 

@@ -4,6 +4,7 @@ import { useId, useState } from "preact/hooks";
 import { Labelled, ListInput, NumberInput, Segmented, Select, Slider, Switch, Unreadable, useTyped } from "./controls";
 import { shown } from "./exact";
 import type { Field, Json, Schema } from "./protocol";
+import { hello } from "./state";
 
 type Change = (value: Json | undefined, gesture: string) => void;
 
@@ -119,7 +120,7 @@ function Words(props: ControlProps) {
   return (
     <div class="words" role="group" aria-label={name}>
       {schema.items!.anyOf!.flatMap((each) => each.enum ?? []).map((word, at) => (
-        <button type="button" key={word} id={at === 0 ? id : undefined} aria-pressed={texts.some(isOf(word))} onClick={() => turn(word)}>{word}</button>))}
+        <button type="button" key={word} title={hello.value?.formats.find((format) => format.name === word)?.description} id={at === 0 ? id : undefined} aria-pressed={texts.some(isOf(word))} onClick={() => turn(word)}>{word}</button>))}
       {texts.length > 0 && <LinesControl {...props} id={`${id}-texts`} name={`${name}, one per line, with options after the name`} />}
     </div>
   );

@@ -5,7 +5,7 @@ import { Button, Modal, Segmented, Select, Slider } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Variant } from "./protocol";
 import { thumbnail } from "./solid";
-import { ask, attempt, dark, dialog, edit, frozen, hello, index, newGesture, problemAt, robot, say, scene, showMap, state } from "./state";
+import { ask, attempt, dark, dialog, edit, frozen, hello, index, newGesture, problem, problemAt, robot, say, scene, showMap, state } from "./state";
 
 export function Heights({ map }: { map: SceneData }) {
   const most = Math.max(1, ...map.palette.map((each) => each.count));
@@ -158,7 +158,7 @@ export function Variants() {
   const close = () => (dialog.value = null);
   const look = async () => {
     setFound(null);
-    setFound(await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12, by }))));
+    setFound((await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12, by })))) ?? []);
   };
   useEffect(() => void look(), [of, from, by]);
   const keep = (variant: Variant) => {
@@ -189,6 +189,7 @@ export function Variants() {
           </li>
         ))}
       </ul>
+      {problem.value && <p class="problem" role="alert">{problem.value.text}</p>}
       {found === null && <p class="empty" role="status">Drawing twelve maps …</p>}
     </Modal>
   );

@@ -120,13 +120,13 @@ const draw = newest(async () => {
   if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
 });
 
-let held: State | null = null; // the newest state of the server, without changes that it has not answered yet
-
 /* Show an obstacle on the map before it is added; null: none. */
 export const showGhost = newest(async (entry: Entry | null) => {
   const shown = entry && (await ask<SceneData>("ghost", { entry, ...shownIndex() }).catch(() => null)); // a draft may be invalid
   ghost.value = shown && { scene: shown, row: state.value!.rows.length };
 });
+
+let held: State | null = null; // the newest state of the server, without changes that it has not answered yet
 
 /* Take over a state of the document, unless it is older than the one that is known: then only what was answered goes. */
 export function take(given: State): void {
@@ -269,7 +269,8 @@ export function problemAt(where: string): string {
 
 export const rowAt = (row: number): Row | undefined => state.value?.rows[row];
 
-/* The parameters that have a number for each level, for another number of levels: new levels are as likely as the last. */
+/* The parameters that have a number for each level, for another number of levels: new levels are as likely as the last,
+   and none of their blocks are counted. */
 function fitted({ weights, counts }: Entry, levels: number): Partial<Entry> {
   const to = (list: Json[], filling: Json) => Array.from({ length: levels }, (_, level) => list[level] ?? filling);
   return {
