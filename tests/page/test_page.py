@@ -67,6 +67,7 @@ class Page:
         self.chrome = chrome
         resize(chrome, *size)
         chrome.get("about:blank")
+        complaints(chrome)  # of the page before
         chrome.get(f"{address}&open={what}")
         until(lambda: self.js("return Boolean(state?.hello.value && state.scene.value)"))
 
@@ -313,6 +314,22 @@ def test_the_kind_that_is_chosen_is_drawn_on_the_map(page: Page) -> None:
     (row,) = page.settled()["rows"]
     assert row["entry"]["kind"] == "platform"
     assert row["entry"]["first"] != row["entry"]["last"]
+
+
+def test_what_somebody_else_wrote_is_overwritten_after_a_question(chrome: Chrome, address: str, folder: Path) -> None:
+    file = folder / "shared.yaml"
+    file.write_text("seed: 7\nobstacles: []\n")
+    page = Page(chrome, address, "shared.yaml")
+    page.choose("Add", "Peak")
+    file.write_text("# theirs\nseed: 8\nobstacles: []\n")
+    page.button("Save the recipe").click()
+    until(lambda: len(chrome.find_elements(By.CSS_SELECTOR, ".banner")) == 1)
+    assert file.read_text().startswith("# theirs")
+    assert not chrome.find_elements(By.CSS_SELECTOR, ".status .problem")  # it is asked once
+    chrome.find_element(By.XPATH, "//button[starts-with(., 'Keep mine')]").click()
+    until(lambda: not page.settled()["unsaved"])
+    assert "kind: peak" in file.read_text()
+    assert not chrome.find_elements(By.CSS_SELECTOR, ".banner")
 
 
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:

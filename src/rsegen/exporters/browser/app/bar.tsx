@@ -129,7 +129,7 @@ export function Status({ note }: { note?: string }) {
       <span class="gap" />
       {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{running[0].command} {running[0].step} <Progress job={running[0]} /></button>}
       {!running[0] && jobs.value[0] && <button type="button" class="quiet" onClick={() => (dialog.value = { name: "jobs" })}>{jobs.value[0].command} {jobs.value[0].state}</button>}
-      {problem.value && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
+      {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
         <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
       <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>
     </footer>
