@@ -276,6 +276,37 @@ def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
     until(lambda: len(page.state()["rows"]) == 1)
 
 
+def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(page: Page) -> None:
+    page.js("state.tab.value = 'robot'")
+    Select(page.chrome.find_element(By.CSS_SELECTOR, '[data-field="Robot"] select')).select_by_value("burger")
+    page.settled()
+    view = page.chrome.find_element(By.CSS_SELECTOR, ".solid canvas")
+    ActionChains(page.chrome).move_to_element(view).perform()
+    until(lambda: page.js("return state.pose.value?.stands"))
+    page.js(
+        "arguments[0].dispatchEvent("
+        "new WheelEvent('wheel', { deltaY: 100, shiftKey: true, bubbles: true, cancelable: true }))",
+        view,
+    )
+    heading = page.js("return state.heading.value")
+    assert heading
+    until(lambda: abs(page.js("return state.pose.value.yaw") - heading) < 1e-6)
+    facts = page.chrome.find_element(By.CSS_SELECTOR, '[aria-label="Robot"] .facts')
+    assert "margin to tipping over" in facts.text
+    page.button("Tilt map").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, ".legend .ramp"))
+    page.button("Reach").click()
+    page.button("Stop the search").click()
+    assert page.js("return [state.searching.value, state.reach.value]") == [None, None]
+    page.button("Click start and goal").click()
+    for aside in (-80, 80):
+        ActionChains(page.chrome).move_to_element_with_offset(view, aside, 0).click().perform()
+    until(lambda: page.js("return state.way.value?.found"))
+    text = page.chrome.find_element(By.CSS_SELECTOR, "aside.right").text
+    assert "largest tilt\n0°" in text
+    assert not page.chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
+
+
 def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(chrome: Chrome, tmp_path: Path) -> None:
     recipe = load(EXAMPLES["mixed-course"])
     maps = [ShownMap.of(compose(recipe, index), "name: mixed-course", ".yaml") for index in recipe.indices]

@@ -148,7 +148,7 @@ def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytes
 
 @pytest.mark.parametrize("by", ["a stop", "a newer request"])
 def test_a_search_ends_soon_by(by: str, host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
-    large = rsegen.Recipe(chunk_size=30, chunks=2, unit_cm=2, obstacles=[rsegen.Random(levels=4)])
+    large = rsegen.Recipe(chunk_size=30, chunks=(2, 2), unit_cm=2, obstacles=[rsegen.Random(levels=4)])
     rsegen.save(large, host.folder / "large.yaml", force=True)
     doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
     begun, ended = threading.Event(), list[str]()
