@@ -21,6 +21,7 @@ from rsegen.io.recipe_file import load
 from rsegen.page.host import Host
 from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
+from tests.page.test_files import drive
 from tests.support.browser import chromium, complaints, resize
 from tests.support.patience import until
 
@@ -305,6 +306,26 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     text = page.chrome.find_element(By.CSS_SELECTOR, "aside.right").text
     assert "largest tilt\n0°" in text
     assert not page.chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
+
+
+def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Path) -> None:
+    for name, speed, crossed in (("slow", 0.1, 1.8), ("fast", 0.4, 1.0)):
+        poses = [[second, speed * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 0.5, 1.0, 1.5, 2.0)]
+        drive(folder / name, poses, crossed=crossed)
+    for number, name in enumerate(("slow", "fast"), 1):
+        page.js("state.dialog.value = { name: 'open' }")
+        path = f"//dialog//button[starts-with(normalize-space(), '{name}')]"
+        until(lambda path=path: page.chrome.find_elements(By.XPATH, path))
+        page.chrome.find_element(By.XPATH, path).click()
+        until(lambda number=number: page.js("return state.playbacks.value.length") == number)
+    assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 2
+    events = page.chrome.find_elements(By.CSS_SELECTOR, ".timeline .event")
+    told = [each.get_attribute("title") for each in events]
+    assert told == ["0:01.8 burger_0: has crossed the map", "0:01.0 burger_0: has crossed the map"]
+    events[1].click()
+    assert page.js("return state.second.value") == 1.0
+    page.button("End the playback").click()
+    assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 1
 
 
 def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(chrome: Chrome, tmp_path: Path) -> None:

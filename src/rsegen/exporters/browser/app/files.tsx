@@ -2,11 +2,14 @@
 
 import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Icon, Modal } from "./controls";
+import { play } from "./playback";
 import { leaveFor } from "./run";
 import { call, upload } from "./server";
-import { attempt, busy, dialog, hello, problem, reload, save, state } from "./state";
+import { attempt, busy, dialog, hello, playbacks, problem, reload, save, state } from "./state";
 
 interface Listing { folder: string; entries: { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }[] }
+
+const NAMED: { [kind: string]: string } = { dataset: "data set", drive: "a drive: plays over the blocks" };
 
 const close = () => (dialog.value = null);
 
@@ -16,6 +19,11 @@ export function Open() {
   const id = useId();
   const [path, setPath] = useState("");
   useEffect(() => void attempt(() => call<Listing>("files", folder === undefined ? {} : { folder }), false).then(list), [folder]);
+  const choose = ({ kind, path: chosen }: Listing["entries"][number]) => {
+    if (kind === "folder") go(chosen);
+    else if (kind === "drive") void (close(), play(chosen, true));
+    else void leaveFor(kind === "dataset" ? `${chosen}#0` : chosen);
+  };
   return (
     <Modal title="Open" close={close} wide>
       <div class="columns">
@@ -28,8 +36,8 @@ export function Open() {
           <h3 id={`${id}-files`}>Files in {listing?.folder || hello.value?.folder}</h3>
           {folder && <Button icon="left" class="quiet" title="The folder above" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>the folder above</Button>}
           <ul class="choices">{listing?.entries.map((each) => (
-            <li key={each.path}><button type="button" disabled={each.kind === "other" || each.kind === "drive"} onClick={() => (each.kind === "folder" ? go(each.path) : void leaveFor(each.kind === "dataset" ? `${each.path}#0` : each.path))}>
-              <span><Icon name={each.kind === "recipe" ? "file" : "folder"} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}</button></li>))}</ul>
+            <li key={each.path}><button type="button" disabled={each.kind === "other"} onClick={() => choose(each)}>
+              <span><Icon name={each.kind === "recipe" ? "file" : each.kind === "drive" ? "play" : "folder"} /> {each.name}</span>{NAMED[each.kind] && <small>{each.kind === "drive" && playbacks.value.length ? "a drive: plays beside the other" : NAMED[each.kind]}</small>}</button></li>))}</ul>
           {listing && !listing.entries.length && <p class="empty">No recipe here yet.</p>}
           <form class="actions" onSubmit={(event) => { event.preventDefault(); void leaveFor(path); }}>
             <input type="text" aria-label="Path of a recipe, or DIR#17 of a data set" placeholder="path, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />
