@@ -23,6 +23,7 @@ from rsegen.page.host import Host
 from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.run.single_files import save
+from tests.page.test_files import drive as recorded
 from tests.support.browser import chromium, complaints, resize
 from tests.support.patience import until
 
@@ -441,6 +442,58 @@ def test_a_drive_of_a_folder_is_played_over_its_own_map(page: Page, folder: Path
     until(lambda: page.js("return state.second.value > 0"))
     assert page.js("return state.scene.value.name") == "crossed_0000"
     assert page.js("return window.rsegen.solid.player.robots.length") == 1
+
+
+def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(page: Page) -> None:
+    page.js("state.tab.value = 'robot'")
+    Select(page.chrome.find_element(By.CSS_SELECTOR, '[data-field="Robot"] select')).select_by_value("burger")
+    page.settled()
+    view = page.chrome.find_element(By.CSS_SELECTOR, ".solid canvas")
+    ActionChains(page.chrome).move_to_element(view).perform()
+    until(lambda: page.js("return state.pose.value?.stands"))
+    page.js(
+        "arguments[0].dispatchEvent("
+        "new WheelEvent('wheel', { deltaY: 100, shiftKey: true, bubbles: true, cancelable: true }))",
+        view,
+    )
+    heading = page.js("return state.heading.value")
+    assert heading
+    until(lambda: abs(page.js("return state.pose.value.yaw") - heading) < 1e-6)
+    facts = page.chrome.find_element(By.CSS_SELECTOR, '[aria-label="Robot"] .facts')
+    assert "margin to tipping over" in facts.text
+    page.button("Tilt map").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, ".legend .ramp"))
+    page.button("Reach").click()
+    page.button("Stop the search").click()
+    assert page.js("return [state.searching.value, state.reach.value]") == [None, None]
+    page.button("Click start and goal").click()
+    for aside in (-80, 80):
+        ActionChains(page.chrome).move_to_element_with_offset(view, aside, 0).click().perform()
+    until(lambda: page.js("return state.way.value?.found"))
+    text = page.chrome.find_element(By.CSS_SELECTOR, "aside.right").text
+    assert "largest tilt\n0°" in text
+    assert not page.chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
+
+
+def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Path) -> None:
+    for name, speed, crossed in (("slow", 0.1, 1.8), ("fast", 0.4, 1.0)):
+        poses = [[second, speed * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 0.5, 1.0, 1.5, 2.0)]
+        recorded(folder / name, poses, crossed=crossed)
+        save(load(EXAMPLES["peak"]), folder / name / "recipe.json")
+    for number, name in enumerate(("slow", "fast"), 1):
+        page.js("state.dialog.value = { name: 'open' }")
+        path = f"//dialog//button[starts-with(normalize-space(), '{name}')]"
+        until(lambda path=path: page.chrome.find_elements(By.XPATH, path))
+        page.chrome.find_element(By.XPATH, path).click()
+        until(lambda number=number: page.js("return state.playbacks.value.length") == number)
+    assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 2
+    events = page.chrome.find_elements(By.CSS_SELECTOR, ".timeline .event")
+    told = [each.get_attribute("title") for each in events]
+    assert told == ["0:01.8 burger_0: has crossed the map", "0:01.0 burger_0: has crossed the map"]
+    events[1].click()
+    assert page.js("return state.second.value") == 1.0
+    page.button("End the playback").click()
+    assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 1
 
 
 def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(chrome: Chrome, tmp_path: Path) -> None:

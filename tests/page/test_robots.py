@@ -6,6 +6,7 @@ import json
 import threading
 from base64 import b64decode
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +15,13 @@ import rsegen
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.page import host as hosting
 from rsegen.page import robots
-from rsegen.page.host import Host
+from rsegen.page.forms import hello
+from rsegen.page.host import Host, Listener
 from rsegen.page.turns import newest_turn
 from rsegen.robots import ROBOTS
+from rsegen.standing import ways
 from rsegen.standing.resting import REASONS
+from rsegen.standing.settling import Ground
 
 RECIPE = rsegen.Recipe(
     name="field", chunk_size=6, boundary="none", unit_cm=5, seed=3, obstacles=[rsegen.Random(levels=4)], maps=2
@@ -42,7 +46,7 @@ def test_a_pose_is_that_of_python(host: Host, doc: str, kind: str) -> None:
     for x, y, heading in ((0.0, 0.0, 0.0), (0.11, -0.12, 0.7), (-0.2, 0.14, 2.0)):
         told = robots.pose(host, doc=doc, index=0, robot=kind, x=x, y=y, heading=heading)
         known = rsegen.poses(FIELD, kind, x, y, heading)
-        for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt"):
+        for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt") if known.stands[0] else ():
             assert told[name] == pytest.approx(float(getattr(known, name)[0]), abs=1e-9)
         assert told["margin"] == float(known.tip_angle[0])
         assert told["reason"] == REASONS[int(known.reason[0])]
@@ -58,6 +62,19 @@ def test_a_support_polygon_goes_round_the_contacts_and_the_centre_of_mass(host: 
     for x, y, _ in told["contacts"]:
         turns = (after - corners)[:, 0] * (y - corners[:, 1]) - (after - corners)[:, 1] * (x - corners[:, 0])
         assert (turns >= -1e-5).all(), "counterclockwise, with each contact inside or on it"
+
+
+def test_a_robot_that_tips_over_is_level_on_the_highest_block_below_it(host: Host, doc: str) -> None:
+    places = np.random.default_rng(1).uniform(-0.3, 0.3, (40, 2)).tolist()
+    poses = [robots.pose(host, doc=doc, index=0, robot="burger", x=x, y=y, heading=0.5) for x, y in places]
+    tipping = [pose for pose in poses if not pose["stands"]]
+    assert tipping
+    points, (c, s) = ROBOTS["burger"].body.points, (np.cos(0.5), np.sin(0.5))
+    for pose in tipping:
+        assert (pose["roll"], pose["pitch"], pose["yaw"]) == (0, 0, 0.5)
+        x, y = pose["x"] + c * points[:, 0] - s * points[:, 1], pose["y"] + s * points[:, 0] + c * points[:, 1]
+        above = pose["z"] + points[:, 2] - Ground.of(FIELD, 0.1).below(x, y)
+        assert above.min() == pytest.approx(0, abs=1e-9)
 
 
 def test_beside_the_map_a_robot_stands_on_level_ground(host: Host, doc: str) -> None:
@@ -115,6 +132,49 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
     assert measured["steps.rms"] == f"{rsegen.metrics(FIELD).steps.rms:.4g}"
 
 
+def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(robots, "_SECONDS", 0.0)
+    monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 50)
+    heard: list[Any] = []
+    listener = Listener(page="p", send=heard.append)
+    host.opened(doc).add(listener)
+    robots.reach(host, doc=doc, index=1, robot="jackal")
+    host.opened(doc).remove(listener)
+    shares = [each["share"] for each in heard if each["event"] == "progress" and each["of"] == "reach"]
+    assert len(shares) > 5
+    assert shares == sorted(shares)
+    assert (shares[0] < 0.3, shares[-1]) == (True, 1.0)
+
+
+@pytest.mark.parametrize("by", ["a stop", "a newer request"])
+def test_a_search_ends_soon_by(by: str, host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+    large = rsegen.Recipe(chunk_size=30, chunks=(2, 2), unit_cm=2, obstacles=[rsegen.Random(levels=4)])
+    rsegen.save(large, host.folder / "large.yaml", force=True)
+    doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
+    begun, ended = threading.Event(), list[str]()
+    monkeypatch.setattr(robots, "_SECONDS", 0.0)
+    listener = Listener(page="p", send=lambda event: begun.set() if event["event"] == "progress" else None)
+    host.opened(doc).add(listener)
+
+    def search() -> None:
+        try:
+            robots.reach(host, doc=doc, index=0, robot="crawler")
+        except UserError as error:
+            ended.append(str(error))
+
+    first = threading.Thread(target=search)
+    first.start()
+    assert begun.wait(60)
+    if by == "a stop":
+        robots.stop(host, doc=doc, of="reach")
+    else:
+        with newest_turn(doc, "reach"):
+            pass
+    first.join(30)  # all of it takes minutes
+    host.opened(doc).remove(listener)
+    assert ended == ["a newer request took its place, or it was stopped"]
+
+
 @pytest.mark.parametrize("kind", sorted(ROBOTS))
 def test_the_drawing_of_a_robot_is_as_large_as_the_robot(host: Host, kind: str) -> None:
     told = robots.robot(host, robot=kind)
@@ -131,6 +191,7 @@ def test_the_drawing_of_a_robot_is_as_large_as_the_robot(host: Host, kind: str) 
 
 def test_a_robot_of_a_file_in_the_folder_is_drawn_as_boxes(host: Host, doc: str) -> None:
     (host.folder / "mine.sdf").write_text(ROBOTS["burger"].file("mine"))
+    assert "mine.sdf" in {each["name"] for each in hello(host)["robots"]}
     told = robots.robot(host, robot="mine.sdf")
     assert {part["shape"] for part in told["parts"]} == {"box"}
     burger = robots.pose(host, doc=doc, index=0, robot="burger", x=0.05, y=0.05, heading=0.0)

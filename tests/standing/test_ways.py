@@ -13,6 +13,7 @@ import rsegen
 from rsegen.cli import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints
+from rsegen.standing import ways
 from rsegen.standing.lanes import End, straight
 from rsegen.standing.ways import BEST, Lattice, crossing, events, no_way, reach
 from tests.standing.stands import BODIES, field_of
@@ -181,3 +182,22 @@ def test_no_way_leads_to_where_a_robot_tips_over() -> None:
     levels = np.zeros((8, 5), int)
     levels[6, 2] = 1
     assert Lattice(field_of(levels, 0.3), BURGER).between((-0.35, 0.0), (0.33, 0.03)) is None
+
+
+def test_a_search_tells_its_share_and_is_ended_by_what_it_tells(monkeypatch: pytest.MonkeyPatch) -> None:
+    field, shares = field_of(np.random.default_rng(2).integers(0, 3, (8, 6)), 0.02), list[float]()
+    whole = Lattice(field, BODIES["crawler"]).region()
+    monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 40)
+    assert np.array_equal(Lattice(field, BODIES["crawler"], watch=shares.append).region(), whole)
+    assert shares == sorted(set(shares))
+    assert shares[-1] == 1
+
+    def stop(share: float) -> None:
+        if share > 0.5:
+            raise InterruptedError
+
+    stopped = Lattice(field, BODIES["crawler"], watch=stop)
+    with pytest.raises(InterruptedError):
+        stopped.region()
+    stopped.watch = shares.append
+    assert np.array_equal(stopped.region(), whole), "what was found before the stop still holds"

@@ -9,7 +9,7 @@
 3. The robot is turned by (a, b), and so on from 1 until the turn is below 1e-4: two to ten rounds.
 
 All poses of a chunk are done at once. After two rounds only the samples near the ground are looked at; a last round
-with all of them shows whether that was right, and goes on with all where it was not. Cost: 50 to 150 microseconds a
+with all of them shows whether that was right, and goes on with all where it was not. Cost: 50 to 130 microseconds a
 pose. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of mass on the
 diagonal; it takes one of them. And a part against the side of a block: it never comes to rest at the very edge.
 """

@@ -150,3 +150,12 @@ def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     assert heat is not None
     coloured = sum(count for count, colour in heat if isinstance(colour, tuple) and math.dist(colour, (68, 1, 84)) < 60)
     assert (coloured > 1000) == found.west_east.crosses
+
+
+def test_the_search_of_a_robot_has_progress(maps: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["metrics", str(maps), "--map", "0", "--robot", "jackal", "--progress", "json"]) == 0
+    said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    done = [each["done"] for each in said]
+    assert done == sorted(done)
+    assert (done[0], done[-1], said[-1]["total"], said[-1]["unit"]) == (0, 100, 100, "%")

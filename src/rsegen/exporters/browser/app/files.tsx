@@ -5,7 +5,7 @@ import { Button, Icon, Modal } from "./controls";
 import { play } from "./playback";
 import { leaveFor } from "./run";
 import { call, upload } from "./server";
-import { attempt, busy, connected, dialog, hello, problem, reload, save, state } from "./state";
+import { attempt, busy, connected, dialog, hello, playbacks, problem, reload, save, state } from "./state";
 
 interface Entry { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }
 const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
@@ -13,8 +13,9 @@ interface Listing { folder: string; entries: Entry[] }
 
 const close = () => (dialog.value = null);
 
-/* Open what a folder lists: a drive is played over its map. */
+/* Open what a folder lists: a drive is played over its map, or beside the one that is played. */
 async function openEntry({ path, kind }: Entry): Promise<void> {
+  if (kind === "drive" && playbacks.value.length) return close(), play(path, true);
   if (kind === "drive") return void ((await leaveFor(`${path}/recipe.json`)) && (await play(path)));
   await leaveFor(kind === "dataset" ? `${path}#0` : path);
 }
@@ -38,7 +39,7 @@ export function Open() {
           {folder && <Button icon="left" class="quiet" title="The folder above" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>the folder above</Button>}
           <ul class="choices">{listing?.entries.map((each) => (
             <li key={each.path}><button type="button" disabled={each.kind === "other"} onClick={() => (each.kind === "folder" ? go(each.path) : void openEntry(each))}>
-              <span><Icon name={ICONS[each.kind]} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>drive</small>}</button></li>))}</ul>
+              <span><Icon name={ICONS[each.kind]} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>{playbacks.value.length ? "a drive: plays beside the other" : "a drive: plays over its map"}</small>}</button></li>))}</ul>
           {listing && !listing.entries.length && <p class="empty">No recipe here yet.</p>}
           <form class="actions" onSubmit={(event) => { event.preventDefault(); void leaveFor(path); }}>
             <input type="text" aria-label="Path of a recipe, or DIR#17 of a data set" placeholder="path, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />

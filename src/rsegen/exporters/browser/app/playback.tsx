@@ -32,6 +32,7 @@ export function Timeline() {
     if (!plays.value || !duration) return;
     let [last, frame] = [performance.now(), 0];
     const tick = (now: number) => {
+      if (!plays.peek()) return; // paused since the last frame
       second.value = Math.min(duration, second.value + ((now - last) / 1000) * Number(speed.value));
       last = now;
       if (second.value >= duration) plays.value = false;

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { Button, Labelled, Segmented, Select, Slider } from "./controls";
 import { reasonsOf, scaleOf } from "./overlay";
-import type { PoseMap } from "./protocol";
+import type { PoseMap, Way } from "./protocol";
 import {
   chooseRobot, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showReach, showTilt, stopSearch, tool, way, wayStart,
 } from "./state";
@@ -14,6 +14,8 @@ export const best = signal<"length" | "tilt" | "margin">("length");
 
 const degrees = (angle: number) => Number(((angle * 180) / Math.PI).toFixed(1));
 const centimetres = (length: number | null) => (length === null ? "–" : `${(100 * length).toFixed(1)} cm`);
+
+const times = (way: Way, what: string) => String(way.events.filter(({ text }) => text === what).length);
 
 function Facts({ rows }: { rows: [string, string][] }) {
   return <dl class="facts">{rows.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>;
@@ -65,11 +67,11 @@ export function RobotPanel() {
         </Labelled>
         {!robot.value && <p class="empty">Choose a robot: it settles on the blocks under the mouse, and shows where it can drive.</p>}
         {robot.value && <>
-          <Labelled id={`${id}-heading`} label="Heading" unit="°" help="Counterclockwise from the east (+x)" wide>
+          <Labelled id={`${id}-heading`} label="Heading" unit="°" help="Counterclockwise from the east (+x); Shift and the wheel turn the robot over the map" wide>
             <Slider id={`${id}-heading`} name="Heading" value={Math.round(degrees(heading.value))} low={-180} high={180} step={5} whole onChange={(value) => turn(Number(value ?? 0))} />
           </Labelled>
           <div class="actions">
-            <Button icon="robot" pressed={tool.value.name === "robot"} title="It settles where the mouse is; a click puts it there (R)" onClick={() => (tool.value = { name: "robot", heading: heading.value })}>Place it</Button>
+            <Button icon="robot" pressed={tool.value.name === "robot"} title="It settles where the mouse is, and turns with Shift and the wheel (R)" onClick={() => (tool.value = { name: "robot", heading: heading.value })}>Place it</Button>
             <Button pressed={Boolean(poseMap.value)} title="Its tilt at every place, for this heading" onClick={() => (poseMap.value ? (poseMap.value = null) : void showTilt())}>Tilt map</Button>
             <Button pressed={Boolean(reach.value)} title="Where it gets to, and its ways across" onClick={() => (reach.value ? (reach.value = null) : void showReach())}>Reach</Button>
           </div>
@@ -86,9 +88,11 @@ export function RobotPanel() {
           <Segmented name="Best by" value={best.value} choices={[["length", "shortest"], ["tilt", "least tilt"], ["margin", "safest"]]} onChange={(next) => (best.value = next)} />
           <div class="actions"><Button icon="way" pressed={tool.value.name === "way"} title="Two clicks on the map: start and goal (W)" onClick={() => (tool.value = { name: "way" })}>Click start and goal</Button></div>
           {wayStart.value && !way.value && searching.value?.of !== "way" && <p class="note" role="status">Now click the goal.</p>}
-          {way.value && <div aria-live="polite"><p class="note">{way.value.text}</p>
-            {way.value.found && <Facts rows={[["length", `${way.value.length.toFixed(2)} m`], ["largest tilt", `${degrees(way.value.worst_tilt)}°`],
-              ["least margin", `${degrees(way.value.least_margin)}°`], ["drops and slips", String(way.value.events.length)]]} />}</div>}
+          {way.value && <div aria-live="polite">
+            {way.value.found
+              ? <Facts rows={[["length", `${way.value.length.toFixed(2)} m`], ["largest tilt", `${degrees(way.value.worst_tilt)}°`], ["least margin", `${degrees(way.value.least_margin)}°`], ["falls", times(way.value, "falls")], ["slides", times(way.value, "slides")]]} />
+              : <p class="note">{way.value.text}</p>}
+          </div>}
         </>}
       </div>
     </section>
