@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -483,9 +484,9 @@ def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Pa
     for number, name in enumerate(("slow", "fast"), 1):
         page.js("state.dialog.value = { name: 'open' }")
         path = f"//dialog//button[starts-with(normalize-space(), '{name}')]"
-        until(lambda path=path: page.chrome.find_elements(By.XPATH, path))
+        until(partial(page.chrome.find_elements, By.XPATH, path))
         page.chrome.find_element(By.XPATH, path).click()
-        until(lambda number=number: page.js("return state.playbacks.value.length") == number)
+        until(partial(page.js, f"return state.playbacks.value.length === {number}"))
     assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 2
     events = page.chrome.find_elements(By.CSS_SELECTOR, ".timeline .event")
     told = [each.get_attribute("title") for each in events]

@@ -177,7 +177,7 @@ def test_without_preview_a_map_with_a_picture_is_complete(tmp_path: Path) -> Non
 
 def test_what_is_left_of_a_run_that_was_killed_before_its_first_journal_is_cleared_away(tmp_path: Path) -> None:
     """A kill while the journal of the new data set is written, from a trial of tests/crash."""
-    arguments = ["dataset", *OBSTACLE, "--maps", "20", "-o", tmp_path / "set"]
+    arguments = ["dataset", *OBSTACLE, "--maps", "20", "-o", str(tmp_path / "set")]
     assert exit_code(*arguments) == 0
     before = contents(tmp_path / "set")
     left = tmp_path / "set" / ".rsegen.next" / ".rsegen"
