@@ -313,6 +313,8 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     text = page.chrome.find_element(By.CSS_SELECTOR, "aside.right").text
     assert "largest tilt\n0°" in text
     assert not page.chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
+    said = [each for each in complaints(page.chrome) if "frame-ancestors" not in each]
+    assert all("api/reach" in each for each in said), "the answer to the search that was stopped"
 
 
 def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Path) -> None:
