@@ -47,8 +47,9 @@ _FAR, _DEEP = 1e3, -5e4
 _CHUNK = 1_000_000
 """Samples of all poses of a chunk: the calls of numpy then cost little beside their work."""
 
-_BLOCK = 100_000
-"""Samples of poses that are looked at together: their arrays of 0.4 MB stay in the cache of a core."""
+_BLOCK = 80_000
+"""Samples of poses that are looked at together: their arrays of 0.3 MB stay in the cache of a core, and from 87,000 on
+BLAS would use a second core, and win nothing."""
 
 SINGLE = np.float32
 Singles = NDArray[np.float32]

@@ -23,13 +23,13 @@ function Facts({ rows }: { rows: [string, string][] }) {
 
 /* What the colours on the map mean. */
 function Legend({ map, shown }: { map: PoseMap; shown: "tilt" | "margin" | "reason" }) {
-  if (shown === "reason") return <ul class="legend">{reasonsOf(map).map(({ reason, colour }) => <li key={reason}><i style={{ background: colour }} />{reason || "stands, and can drive on"}</li>)}</ul>;
+  if (shown === "reason") return <ul class="legend">{reasonsOf(map).map(({ reason, colour }) => <li key={reason} class="key"><i style={{ background: colour }} />{reason || "stands, and can drive on"}</li>)}</ul>;
   const { low, high, colours } = scaleOf(map, shown);
   return (
     <div class="legend">
       <div class="ramp" style={{ background: `linear-gradient(90deg, ${colours.join(", ")})` }} />
       <p><span>{degrees(low)}°</span><span>{shown === "tilt" ? "tilt" : "margin to tipping over"}</span><span>{degrees(high)}°</span></p>
-      <p><i class="hatched" /> does not stand</p>
+      <p class="key"><i class="hatched" /> does not stand</p>
     </div>
   );
 }

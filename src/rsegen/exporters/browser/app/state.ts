@@ -340,6 +340,7 @@ let searches = 0;
 
 /* Search the map with the robot. A newer search takes the place of one that is under way, whose answer is null. */
 async function search<T>(of: Search, args: object): Promise<T | null> {
+  if (searching.value?.of !== of) stopSearch(); // one of its own sort is stopped by the server
   const own = ++searches;
   searching.value = { of, share: 0 };
   try {
