@@ -488,7 +488,6 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
 def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Path) -> None:
     for name, speed, crossed in (("slow", 0.1, 1.8), ("fast", 0.4, 1.0)):
         poses = [[second, speed * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 0.5, 1.0, 1.5, 2.0)]
-<<<<<<< HEAD
         recorded(folder / name, poses, crossed=crossed)
         save(load(EXAMPLES["peak"]), folder / name / "recipe.json")
     for number, name in enumerate(("slow", "fast"), 1):
@@ -497,13 +496,6 @@ def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Pa
         until(partial(page.chrome.find_elements, By.XPATH, path))
         page.chrome.find_element(By.XPATH, path).click()
         until(partial(page.js, f"return state.playbacks.value.length === {number}"))
-=======
-        drive(folder / name, poses, crossed=crossed)
-    for name in ("slow", "fast"):
-        page.open_file(name)
-        until(lambda: page.js("return state.playbacks.value.length > 0"))
-    until(lambda: page.js("return state.playbacks.value.length") == 2)
->>>>>>> robots
     assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 2
     events = page.chrome.find_elements(By.CSS_SELECTOR, ".timeline .event")
     told = [each.get_attribute("title") for each in events]
