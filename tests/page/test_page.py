@@ -491,10 +491,7 @@ def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Pa
         recorded(folder / name, poses, crossed=crossed)
         save(load(EXAMPLES["peak"]), folder / name / "recipe.json")
     for number, name in enumerate(("slow", "fast"), 1):
-        page.js("state.dialog.value = { name: 'open' }")
-        path = f"//dialog//button[starts-with(normalize-space(), '{name}')]"
-        until(partial(page.chrome.find_elements, By.XPATH, path))
-        page.chrome.find_element(By.XPATH, path).click()
+        page.open_file(name)
         until(partial(page.js, f"return state.playbacks.value.length === {number}"))
     assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 2
     events = page.chrome.find_elements(By.CSS_SELECTOR, ".timeline .event")
