@@ -16,11 +16,11 @@ from rsegen.field.stepfield import StepField, coarse, coarseness
 from rsegen.io.resources import refuse_too_large
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host, Opened
+from rsegen.page.model.session import short_seed
 from rsegen.page.robots import recipe_of
 from rsegen.page.scenes import kept
 from rsegen.page.turns import newest_turn
 from rsegen.params.sorts import Integer
-from rsegen.params.streams import fresh_seed
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
@@ -42,7 +42,7 @@ def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
         recipe = recipe_of(host, doc)
         seeds = dict.fromkeys([recipe.seed])
         while len(seeds) <= count:
-            seeds[fresh_seed()] = None
+            seeds[short_seed()] = None
         return [_variant(replace(recipe, seed=seed), recipe.first_map) for seed in list(seeds)[1:]]
 
 
@@ -88,7 +88,7 @@ def _smallest_step(field: StepField) -> float:
 
 
 _MEASURES: Mapping[str, Callable[[StepField], float]] = {
-    "opens": _smallest_step,
+    "smallest step across": _smallest_step,
     "mean step": lambda field: steps(field).mean or 0.0,
     "TRI": lambda field: ruggedness(field).tri or 0.0,
 }
@@ -120,7 +120,6 @@ def _difficulty(field: StepField, units: str) -> Iterator[tuple[str, str]]:
         return "-" if metres is None else f"{written.short(round(metres * 1e3) * 1_000_000)} {written.unit}"
 
     if field.levels.size <= _OPENED:
-        opens = percolation(field, 0.0)
-        yield "opens", f"{length(opens.west_east)} W-E, {length(opens.south_north)} S-N"
+        yield "smallest step across", length(_smallest_step(field))
     yield "mean step", length(steps(field).mean)
     yield "TRI", length(ruggedness(field).tri)

@@ -44,6 +44,11 @@ def draft_of(recipe: Recipe) -> Draft:
     return Draft(values=MappingProxyType(recipe.values()), rows=rows)
 
 
+def short_seed() -> int:
+    """Return a fresh seed of at most nine digits, which people can read and type."""
+    return fresh_seed() % 10**9
+
+
 def is_enabled(entry: Entry) -> bool:
     """Return whether an obstacle is switched on."""
     return entry.get("enabled", True) is not False
@@ -87,7 +92,7 @@ class Session:
 
     def reroll(self) -> None:
         """Draw another seed, short enough to be read out and typed."""
-        self.set("seed", fresh_seed() % 10**9)
+        self.set("seed", short_seed())
 
     # The list of obstacles.
 

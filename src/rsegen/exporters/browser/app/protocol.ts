@@ -140,7 +140,7 @@ export interface Material {
 }
 
 /* variants {doc, count} --> Variant[];  maps {doc, first, count, by?} --> Variant[] (of the
-   recipe's own maps, from the place first on; by: sorted by "opens", "mean step" or "TRI") */
+   recipe's own maps, from the place first on; by: sorted by "smallest step across", "mean step" or "TRI") */
 export interface Variant { seed: number; index: number; scene: SceneData; difficulty: [string, string][] }
 
 /* measure {doc, index, robot?} --> {rows: [name, value, meaning, key][]}: all metrics, also those of a robot */

@@ -147,13 +147,13 @@ export function Picture({ map, label }: { map: SceneData; label: string }) {
 }
 
 const MOST_SORTED = 200; // maps, by the server
-const ORDERS = [["", "by number"], ["opens", "by the smallest step across"], ["mean step", "by mean step"], ["TRI", "by ruggedness (TRI)"]] as const;
+const ORDERS = [["", "by number"], ["smallest step across", "by the smallest step across"], ["mean step", "by mean step"], ["TRI", "by ruggedness (TRI)"]] as const;
 
 /* Twelve other seeds of the recipe, or its own maps, as pictures. */
 export function Variants() {
   const [of, choose] = useState<"seeds" | "maps">("seeds");
   const [from, setFrom] = useState(0); // the place of the first picture in the order of the maps
-  const [by, sort] = useState<"" | "opens" | "mean step" | "TRI">("");
+  const [by, sort] = useState<"" | "smallest step across" | "mean step" | "TRI">("");
   const [found, setFound] = useState<Variant[] | null>(null);
   const close = () => (dialog.value = null);
   const look = async () => {
