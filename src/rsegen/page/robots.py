@@ -2,17 +2,15 @@
 
     document, index --> StepField --> Ground of a robot's Body --> poses, reach, ways (rsegen.standing)
 
-A page asks with every move of the mouse, so fields and lattices are kept while their recipe is the same. What takes
-seconds is done once at a time for a document, and of several that wait only the newest is answered.
+A page asks with every move of the mouse, so lattices are kept with their document, as the maps that are drawn are. What
+takes seconds is done once at a time for a document, and of several that wait only the newest is answered.
 """
 
 from __future__ import annotations
 
-import threading
 import time
 from base64 import b64encode
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
 from math import ceil, degrees, isfinite
 from typing import Any, Literal
 
@@ -23,13 +21,12 @@ from rsegen.exporters.pictures.robot_drawing import hull
 from rsegen.field.metrics import metrics
 from rsegen.field.metrics.catalogue import METRICS, UNITS, custom, flattened, nested
 from rsegen.field.stepfield import Array, StepField
-from rsegen.io.resources import refuse_too_large
 from rsegen.page import turns
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import title_of
-from rsegen.page.host import Host
+from rsegen.page.host import Host, Opened
+from rsegen.page.scenes import kept, scene_of
 from rsegen.page.turns import newest_turn
-from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import Robot, robot_of
 from rsegen.robots.base import DrivableRobot
@@ -42,60 +39,21 @@ from rsegen.standing.kinds import Watched
 from rsegen.standing.resting import REASONS, Poses, has_stood, of_settled
 from rsegen.standing.settling import Ground, reach_of, settle
 from rsegen.standing.spots import Spot
-from rsegen.standing.ways import Lattice
-from rsegen.standing.ways import Reach as Places
+from rsegen.standing.ways import Lattice, Way
 from rsegen.standing.ways import reach as reached
-
-_KEPT = 8
-"""Fields and lattices that are kept."""
 
 _FAR = 1000.0
 """Metres from the origin up to which a place is looked at."""
 
 
-@dataclass(kw_only=True)
-class _Kept:
-    """The newest values that were made of a recipe's map: by the recipe itself, its map, and what else counts."""
-
-    values: list[tuple[Recipe, tuple[Any, ...], Any]] = field(default_factory=list)
-    lock: threading.Lock = field(default_factory=threading.Lock)
-
-    def get(self, recipe: Recipe, key: tuple[Any, ...]) -> Any:
-        """Return a value; None if it is not kept."""
-        with self.lock:
-            return next((value for of, known, value in self.values if of is recipe and known == key), None)
-
-    def put(self, recipe: Recipe, key: tuple[Any, ...], value: Any) -> Any:
-        """Keep a value, and return it."""
-        with self.lock:
-            self.values = [(recipe, key, value), *self.values][:_KEPT]
-        return value
-
-
-_FIELDS, _LATTICES = _Kept(), _Kept()
-
-
-def _field(recipe: Recipe, index: int) -> StepField:
-    if (kept := _FIELDS.get(recipe, (index,))) is not None:
-        found: StepField = kept
-        return found
+def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
+    """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
+    opened = host.opened(doc)
+    recipe = opened.session.recipe
     if index not in recipe.indices:
         last = recipe.indices[-1]
         raise ParameterError("index", f"{index} is not a map of this recipe; give {recipe.first_map}..{last}")
-    refuse_too_large(recipe)
-    made: StepField = _FIELDS.put(recipe, (index,), build(recipe, index))
-    return made
-
-
-def recipe_of(host: Host, doc: str) -> Recipe:
-    """Return the recipe of a document, of a draft that is invalid the last valid one."""
-    recipe: Recipe = host.opened(doc).session.recipe
-    return recipe
-
-
-def _map(host: Host, doc: str, index: int) -> tuple[Recipe, StepField]:
-    recipe = recipe_of(host, doc)
-    return recipe, _field(recipe, index)
+    return opened, recipe, scene_of(opened, recipe, index).field
 
 
 def _robot(host: Host, robot: str) -> DrivableRobot:
@@ -204,7 +162,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
     One that does not stand is where it was put: level, on the highest block below it.
     """
     _refuse_unplaced(x=x, y=y, heading=heading)
-    _, field = _map(host, doc, index)
+    *_, field = _map(host, doc, index)
     body = _robot(host, robot).body
     found = _settled(field, body, *(np.array([each]) for each in (x, y, heading)))
     stands, clearance = bool(found.stands[0]), float(found.clearance[0])
@@ -249,7 +207,7 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dic
     """Return how a robot of one heading rests on a grid of places all over a map."""
     _refuse_unplaced(heading=heading)
     with newest_turn(doc, "tilt"):
-        _, field = _map(host, doc, index)
+        *_, field = _map(host, doc, index)
         (along_x, along_y), body = field.extent, _robot(host, robot).body
         step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
@@ -282,7 +240,7 @@ def _encoded(values: Any, kind: str) -> str:
 def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
     """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
     with newest_turn(doc, "reach") as check:
-        recipe, field = _map(host, doc, index)
+        _, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
         found = reached(field, body, _telling(host, doc, "reach", check))
         spots = _spots(field, body, recipe.seed)
@@ -292,7 +250,7 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
     return {
         "text": f"crosses {' and '.join(across)}" if across else nowhere,
         "region": _encoded(found.region, "u1"),
-        "ways": list(_ways(field, body, found)),
+        "ways": list(_ways(field, body, crossings)),
         "spots": [
             {"x": spot.x, "y": spot.y, "z": spot.z, "yaw": spot.yaw, "name": name}
             for name, spot in zip(("S", "G"), spots, strict=False)
@@ -300,11 +258,10 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
     }
 
 
-def _ways(field: StepField, body: Body, found: Places) -> Iterator[dict[str, Any]]:
+def _ways(field: StepField, body: Body, crossings: Mapping[str, Way]) -> Iterator[dict[str, Any]]:
     """Yield the ways across on the blocks; if there is none, the one that `drive --route way` tries."""
-    crossings = {"west to east": found.west_east, "south to north": found.south_north}
     ways = {name: way.points for name, way in crossings.items() if way.crosses}
-    for name, points in (ways or {"tried": followed(field, body, found.west_east).points}).items():
+    for name, points in (ways or {"tried": followed(field, body, crossings["west to east"]).points}).items():
         yield {"points": draped(field, points).tolist(), "name": name, "crosses": name != "tried"}
 
 
@@ -330,10 +287,9 @@ def way(  # noqa: PLR0913  # each is named by the page
     for place in (start, goal):
         _refuse_unplaced(x=place[0], y=place[1])
     with newest_turn(doc, "way") as check:
-        recipe, field = _map(host, doc, index)
+        opened, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
-        key = (index, robot, best)
-        lattice: Lattice = _LATTICES.get(recipe, key) or _LATTICES.put(recipe, key, Lattice(field, body, best))
+        lattice = kept(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
         lattice.watch = _telling(host, doc, "way", check)
         found = lattice.between(start, goal)
     if found is None:
@@ -360,7 +316,7 @@ def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> di
     """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
     crosser = _robot(host, robot) if robot else None
     with newest_turn(doc, "measure") as check:
-        _, field = _map(host, doc, index)
+        *_, field = _map(host, doc, index)
         watched = crosser and Watched(body=crosser.body, watch=lambda _: check())
         entries = nested(metrics(field, watched)) | custom(field)
     rows = [(_named(key), _shown(value), _meaning(key), key) for key, value in flattened(entries)]

@@ -17,7 +17,6 @@ from rsegen.io.resources import refuse_too_large
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.session import short_seed
-from rsegen.page.robots import recipe_of
 from rsegen.page.scenes import kept
 from rsegen.page.turns import newest_turn
 from rsegen.params.sorts import Integer
@@ -39,7 +38,7 @@ def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
     """Return the first map of a document's recipe at fresh seeds."""
     count = _COUNT.check("count", count)
     with newest_turn(doc, "variants"):
-        recipe = recipe_of(host, doc)
+        recipe = host.opened(doc).session.recipe
         seeds = dict.fromkeys([recipe.seed])
         while len(seeds) <= count:
             seeds[short_seed()] = None
@@ -56,7 +55,7 @@ def maps(host: Host, *, doc: str, first: int, count: int, by: str = "") -> list[
     if by and by not in _MEASURES:
         raise UnknownName.among("by", "measure", by, _MEASURES)
     with newest_turn(doc, "variants"):
-        recipe = recipe_of(host, doc)
+        recipe = host.opened(doc).session.recipe
         indices = _sorted(host.opened(doc), recipe, by) if by else recipe.indices
         if not 0 <= first < len(indices):
             raise ParameterError("first", f"{first} is outside 0..{len(indices) - 1}")
