@@ -149,7 +149,7 @@ def _picture(scene: Scene, crosser: Crosser, measured: Metrics, heading: float |
 
 
 def _title(crosser: Crosser | None) -> str:
-    """What gets across, in words; a robot by its kind."""
+    """Name a robot by its kind, or the limits of a path in words."""
     from rsegen.exporters.pictures.robot_plots import describe_limits
 
     if crosser is None:

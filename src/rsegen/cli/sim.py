@@ -39,7 +39,7 @@ class FoundSimulator:
 
     @property
     def summary(self) -> dict[str, object]:
-        """What is known of it, for JSON."""
+        """Return the figures of a simulation, for JSON."""
         return {
             "name": self.simulator.name,
             "title": self.simulator.title,

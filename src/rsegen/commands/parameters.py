@@ -159,7 +159,7 @@ Formats = Annotated[
 
 @dataclass(frozen=True)
 class CrosserSort:
-    """What gets across: a robot, of a kind or of a file, or limits of steps, as climb, drop and width in cm."""
+    """A robot, of a kind or of a file, or limits of steps, as climb, drop and width in cm."""
 
     help: str = ""
 

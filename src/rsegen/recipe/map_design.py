@@ -78,7 +78,7 @@ def difficulty_of_map(given: Difficulty, seed: int, index: int) -> float:
 
 @dataclass(frozen=True)
 class CrossableBySort:
-    """What gets across every map: a kind of robot, or the climb, drop and width [cm] of a path of cells."""
+    """A kind of robot that crosses every map, or the climb, drop and width [cm] of a path of cells."""
 
     help: str = ""
 
@@ -180,7 +180,7 @@ class MapDesign:
 
     @property
     def crosser(self) -> Standing | StepLimits | None:
-        """What gets across every map: a robot, or limits of steps; None if the recipe demands nothing of the sort."""
+        """The robot that crosses every map, or limits of steps; None if the recipe demands nothing of the sort."""
         if self.crossable_by is None:
             return None
         if isinstance(self.crossable_by, str):

@@ -53,7 +53,7 @@ class Controller(NamedTuple):
 
 
 class Controls(NamedTuple):
-    """What ROS drives of a robot.
+    """The joints of a robot that ROS drives.
 
     rates: joints that take a velocity, with its limit, rad/s; controllers: of wheels that are joints of the robot.
     """

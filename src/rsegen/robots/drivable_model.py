@@ -27,7 +27,7 @@ _MOVING = ("revolute", "continuous", "prismatic")
 
 
 class Changes(NamedTuple):
-    """What was taken out of a model, and the joints that are held.
+    """Elements that were taken out of a model, and joints that are held.
 
     plugins: their files; sensors, visuals: their names, of visuals those whose mesh is not found
     """

@@ -1,4 +1,4 @@
-"""What a ROS 2 package has of a robot: its description, its model for Gazebo Sim, its bridge and Nav2's parameters.
+"""The files of a robot in a ROS 2 package: its description, its model for Gazebo Sim, its bridge and Nav2's parameters.
 
     KIND.urdf    links and joints, for robot_state_publisher and RViz       bridge.yaml   its topics, for ros_gz_bridge
     model.sdf    the same robot for Gazebo Sim, with sensors and plug-ins   nav2.yaml     its footprint and speeds

@@ -184,17 +184,17 @@ class Body:
 
     @property
     def width(self) -> float:
-        """Its width, metres."""
+        """Width of the body, metres."""
         return float(self.high[1] - self.low[1])
 
     @property
     def length(self) -> float:
-        """Its length, metres."""
+        """Length of the body, metres."""
         return float(self.high[0] - self.low[0])
 
     @property
     def drives(self) -> Mask:
-        """Whether each sample is driven, (n,)."""
+        """Mask of the samples that are driven, (n,)."""
         return np.array([part.drives for part in self.parts])[self.part]
 
 

@@ -1,4 +1,4 @@
-"""What stands on fields: robots by their kinds. A robot is made in the room of robots, above this one, and kept here.
+"""Robots that stand on fields, by their kinds. A robot is made in the room of robots, above this one, and kept here.
 
 So a recipe can name the robot that is to get across its maps, and knows nothing of links, drives and plug-ins.
 """
@@ -50,7 +50,7 @@ class Standing(ABC):
 
     @property
     def width(self) -> float:
-        """Its width, metres."""
+        """Width of the robot, metres."""
         return self.body.width
 
     def ros_files(self) -> Mapping[str, str]:
@@ -68,14 +68,14 @@ class Standing(ABC):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Watched:
-    """What stands and drives, and tells how far its search of a map is; `watch` may end the search."""
+    """A robot that stands and drives, and reports the progress of its search of a map; `watch` may end the search."""
 
     body: Body
     watch: Watch
 
     @property
     def width(self) -> float:
-        """Its width, metres."""
+        """Width of the robot, metres."""
         return self.body.width
 
     def reach(self, field: StepField) -> Reach:

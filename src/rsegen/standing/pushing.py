@@ -1,4 +1,4 @@
-"""Whether a robot at rest can push itself forward: forces at its contacts that balance its weight and leave some.
+"""The push of a robot at rest: forces at its contacts that balance its weight and leave some.
 
 At a driven contact the force is within the friction pyramid, mu along the belt or tyre and mu2 across; at any other one
 friction is against the motion. The largest surplus s of forward force, in shares of the weight, is a linear programme:

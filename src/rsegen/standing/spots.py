@@ -230,7 +230,7 @@ def _some(at: _At, chosen: Ints | Mask) -> _At:
 
 
 class _Judge:
-    """What is asked of a place on a field, for one body.
+    """The conditions on a place on a field, for one body.
 
     feet: (k, 2), its outermost contacts on level ground, about its origin, metres; coarse: (m, 3), its lowest points
     hanging: the samples that must touch nothing; level: the largest unevenness at a spot, metres

@@ -28,7 +28,7 @@ from rsegen.params.sorts import NANOMETRE_DIGITS
 
 @runtime_checkable
 class Crosser(Protocol):
-    """What gets across a field: a robot, by its poses, or limits of steps, by a path of cells.
+    """A robot that crosses a field by its poses, or limits of steps, by a path of cells.
 
     width: metres, for the minimax step
     """

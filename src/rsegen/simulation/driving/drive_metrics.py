@@ -110,7 +110,7 @@ PLANE = Course()
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Incident:
-    """What happened to a robot that its distance does not tell, seconds after its start.
+    """An event of a drive that the distance does not show, seconds after its start.
 
     kind: OFF, when its origin was off the map for the first time, or IMPOSSIBLE, when its figures end
     """

@@ -80,7 +80,7 @@ class TransportClient:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the server is still there."""
+        """Return whether the server still answers."""
         return not self._inbox.has_failed
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:

@@ -71,7 +71,7 @@ class ClassicWorld(LiveWorld):
 
     @property
     def is_current(self) -> bool:
-        """Whether the server's master holds its connection."""
+        """Return whether the server's master holds its connection."""
         return self.client.is_connected
 
     def send_command(self, command: Command) -> None:

@@ -53,7 +53,7 @@ class Inbox:
 
     @property
     def has_failed(self) -> bool:
-        """Whether nothing more will come."""
+        """Return whether no further message can arrive."""
         return bool(self._failure)
 
     def wait(self, why: str, until: Callable[[], bool], patience: Patience) -> None:

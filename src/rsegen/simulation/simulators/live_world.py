@@ -62,7 +62,7 @@ class LiveWorld(ABC):
     @property
     @abstractmethod
     def is_current(self) -> bool:
-        """Whether its server still runs, and is the only one at its address."""
+        """Return whether the server still runs, and is the only one at its address."""
 
     @abstractmethod
     def send_command(self, command: Command) -> None:

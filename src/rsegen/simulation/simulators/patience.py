@@ -1,4 +1,4 @@
-"""How long a simulator is waited for.
+"""The time that a simulator is waited for.
 
 Idea: a machine on which fifty programs want two processors takes 25 times as long for everything, and a large world
 takes minutes on any. So the seconds of a wait count by the share of a processor that a program gets at the moment, and
@@ -64,7 +64,7 @@ class Wait:
 
     @property
     def is_over(self) -> bool:
-        """Whether patience has come to its end; to be asked again and again."""
+        """Return whether the wait has ended; to be asked again and again."""
         now = time.monotonic()
         passed, self._last = (now - self._last) * share(), now
         self._unseen += passed

@@ -124,7 +124,7 @@ def _printed(launch: LaunchCommand, patience: Patience) -> tuple[str, bool]:
 
 
 class Work:
-    """Whether a program and those that it has started work: they use a processor, or write into the files of a folder.
+    """Progress of a program and its children: they use a processor, or write into the files of a folder.
 
     A paused server of Gazebo that waits for nothing uses 5 to 15 % of a processor, one that loads a world all of one.
     """

@@ -66,7 +66,7 @@ class Server:
 
     @property
     def patience(self) -> Patience:
-        """How long it is waited for once it has loaded: its messages tell of progress, and one that hangs may spin."""
+        """Return the patience with a server that has loaded: messages are its progress, and one that hangs may spin."""
         return Patience(seconds=self.here.timeout, sign=self.here.timeout)
 
     @property

@@ -268,7 +268,7 @@ class TransportClient:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the program that is attended is still there."""
+        """Return whether the program that is attended still runs."""
         return not self._inbox.has_failed
 
     def attend(self, process: str) -> None:

@@ -150,7 +150,7 @@ class SimWorld(LiveWorld):
 
     @property
     def is_current(self) -> bool:
-        """Whether the server sends heartbeats, and nobody else offers its world's services."""
+        """Return whether the server sends heartbeats, and nobody else offers its world's services."""
         with suppress(SimulatorFailed):
             return self.client.is_connected and len(self.client.all_offers(WORLDS)) == 1
         return False
