@@ -38,8 +38,7 @@ from rsegen.recipe.tiles import (
     tile_shape,
 )
 from rsegen.standing.body import Body
-from rsegen.standing.spots import body_of_size
-from rsegen.standing.spots import spots as spots_of
+from rsegen.standing.spots import body_of_size, spots_of_parts
 
 _ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
 """Parameters that must be the same in all recipes, as the whole terrain has one value of each."""
@@ -181,16 +180,14 @@ class Terrain(TerrainDesign):
         """
         body = robot if isinstance(robot, Body) else body_of_size(*SIZE.check("robot", robot))
         count = _COUNT.check("count", count)
+        tiles = list(np.ndindex(self.rows, self.columns))
+        rngs = (generator(seed, self._index(*tile), "spots of a terrain") for tile in tiles)
+        found = spots_of_parts(self.field, body, count, [self._window(*tile) for tile in tiles], rngs, evenest=evenest)
         poses = np.empty((self.rows, self.columns, count, 4))
-        for row in range(self.rows):
-            for column in range(self.columns):
-                tile = self._tile(row, column)
-                rng = generator(seed, self._index(row, column), "spots of a terrain")
-                with inside(f"tile {row}, {column}"):
-                    spots = spots_of(tile, body, count, rng, evenest=evenest)
-                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in spots]
-                self._tell_progress()
-        poses[..., :2] += self._middles[:, :, None]
+        for row, column in tiles:
+            with inside(f"tile {row}, {column}"):
+                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in next(found)]
+            self._tell_progress()
         return poses
 
     @cached_property
@@ -234,11 +231,6 @@ class Terrain(TerrainDesign):
         n_x, n_y = tile_shape(self._kinds[0])
         x, y = (self.border + tile * (cells + self.gap) for tile, cells in ((row, n_x), (column, n_y)))
         return slice(x, x + n_x), slice(y, y + n_y)
-
-    def _tile(self, row: int, column: int) -> StepField:
-        """Return a tile as a field of its own."""
-        levels = self.levels[row, column]
-        return replace(self.field, levels=levels, frame=np.zeros(levels.shape, dtype=bool))
 
     @property
     def _middles(self) -> Array:

@@ -8,18 +8,21 @@
 3. It must drive away: ahead, over a lane a little longer than itself (lanes.py), without tilting or falling so far that
    it might tip over. The top of a tower is level, and no spot.
 
-Cost: some tenths of a second, on a map of any size, since a bounded number of places is drawn. What breaks it: a map
-with very few spots among very many places; they may be missed.
+Parts of a field, such as the tiles of a terrain, are searched together, step by step, so that numpy's calls are shared.
+
+Cost: some tenths of a second, on a map of any size, since a bounded number of places is drawn; 10 to 50 milliseconds
+for each of many parts. What breaks it: a map with very few spots among very many places; they may be missed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as field_of
 from enum import IntEnum
+from itertools import islice
 from math import degrees, pi, radians, tan
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -49,8 +52,10 @@ starts and stops there."""
 _DRAWN = 60_000
 """Places that are drawn: a map of 10 x 10 blocks has 6,000 half cells with their headings."""
 
-_AT_ONCE = 64
-"""Places at which the robot is put down together: ten milliseconds."""
+_AT_ONCE, _LEAST_AT_ONCE, _PARTS = 64, 4, 32
+"""Places at which the robot is put down together: ten milliseconds; at least of each part, and parts that are looked at
+together: what is drawn of each takes a megabyte.
+"""
 
 _SETTLED, _MORE = 600, 60
 """Places at which the robot is put down at most, and more of them for each spot: some tenths of a second."""
@@ -61,11 +66,16 @@ _LEAST_UNEVEN = 256
 _LANES, _MORE_LANES = 48, 6
 """Places from which it is driven away at most, and more of them for each spot: 20 milliseconds a lane."""
 
+_FEW = 3
+"""Feet that are looked at first: on rough ground they differ already."""
+
 _BINS = 8
 """Squares along a robot of which the lowest point is looked at first."""
 
-_LOOKED_AT = 2000
-"""Places with level ground of which the room ahead is looked at, and the roomiest are taken first."""
+_LOOKED_AT, _LEAST_LOOKED_AT = 2000, 64
+"""Places with level ground of which the room ahead is looked at, and the roomiest are taken first; of many parts of a
+field, which are looked at together, at least 64 each.
+"""
 
 _LANE = 1.25
 """Lengths of a robot that it drives away: its own, and some more, as it must not stop on a brink."""
@@ -181,16 +191,40 @@ def body_of_size(length: float, width: float) -> Body:
 
 def fits(field: StepField, body: Body) -> bool:
     """Return whether a robot is wholly on a field at one of the 16 headings, however uneven it is there."""
+    return _fits(Bounds.of(field), body)
+
+
+class Bounds(NamedTuple):
+    """The rectangle of a part of a field: its least and largest x and y, metres."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @classmethod
+    def of(cls, field: StepField, window: tuple[slice, slice] | None = None) -> Bounds:
+        """Return the bounds of the cells in a window of a field, by default of all."""
+        sides = [(part.start, part.stop) for part in window] if window else [(0, cells) for cells in field.shape]
+        (low_x, high_x), (low_y, high_y) = (
+            (-extent / 2 + low * field.block_width, extent / 2 - (cells - high) * field.block_width)
+            for (low, high), cells, extent in zip(sides, field.shape, field.extent, strict=True)
+        )
+        return cls((low_x, low_y), (high_x, high_y))
+
+
+def _fits(bounds: Bounds, body: Body) -> bool:
     yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
-    room = _room(field, Outline.of(body), yaw)
-    return bool((room[:, :, 0] <= room[:, :, 1]).all(axis=1).any())
+    room = _room(bounds, Outline.of(body), yaw)
+    return bool((room[:, 0] <= room[:, 1]).all(axis=0).any())
 
 
-def _room(field: StepField, outline: Outline, yaw: Array) -> Array:
-    """Return the least and largest x and y of a robot that is wholly on a field, at each heading: (n, 2, 2)."""
-    corners = outline.corners(0 * yaw, 0 * yaw, yaw)
-    half = np.array(field.extent) / 2 + _EXACT
-    return np.stack([-half - corners.min(axis=1), half - corners.max(axis=1)], axis=-1)
+def _room(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
+    """Return the least and largest x and y of a robot that is wholly within bounds, at each heading: (2, 2, n)."""
+    c, s, (middle_x, middle_y) = np.cos(yaw), np.sin(yaw), outline.middle
+    middles = middle_x * c - middle_y * s, middle_x * s + middle_y * c
+    half_x, half_y = outline.length / 2, outline.width / 2
+    halves = half_x * np.abs(c) + half_y * np.abs(s), half_x * np.abs(s) + half_y * np.abs(c)
+    sides = zip(middles, halves, *bounds, strict=True)
+    return np.stack([(low - _EXACT - at + half, high + _EXACT - at - half) for at, half, low, high in sides])
 
 
 class _Fault(IntEnum):
@@ -219,12 +253,13 @@ class _Fault(IntEnum):
         )[self]
 
 
+_Values = TypeVar("_Values", Ints, Mask)
 _Place = tuple[_Fault, Spot]
 _At = tuple[Array, Array, Array]
 """x, y [m] and yaw [rad] of n robots."""
 
 
-def _some(at: _At, chosen: Ints | Mask) -> _At:
+def _some(at: _At, chosen: Ints | Mask | slice) -> _At:
     x, y, yaw = (values[chosen] for values in at)
     return x, y, yaw
 
@@ -233,6 +268,7 @@ class _Judge:
     """The conditions on a place on a field, for one body.
 
     feet: (k, 2), its outermost contacts on level ground, about its origin, metres; coarse: (m, 3), its lowest points
+    lowest, highest: heights of all cells that it may be above at each place; sunk: its depth in level ground, metres
     hanging: the samples that must touch nothing; level: the largest unevenness at a spot, metres
     lane, steep, fall: length of a lane, metres, the largest tilt on it, radians, and the highest fall in a step, metres
     """
@@ -249,21 +285,36 @@ class _Judge:
         stands = of_settled(level, body, rest)
         _, above = below_samples(level, body, rest, np.zeros(1, np.intp))
         bearing = np.isin(np.arange(len(body.parts)), body.part[above[0] < TOUCHING])
-        self.feet = np.nan_to_num(stands.support[0, :, :2])
+        self.feet = np.unique(np.nan_to_num(stands.support[0, :, :2]), axis=0)
         self.level = tan(most_tilt) * float(np.ptp(self.feet, axis=0).max()) + TOUCHING
         self.coarse = _coarse(body, max(field.block_width / 2, body.length / _BINS))
         self.hanging = np.flatnonzero(~body.drives & ~bearing[body.part])
+        self.sunk = max(-float(self.coarse[:, 2].min()), 0.0)
+        cells = int(np.ceil(np.linalg.norm(body.points[:, :2], axis=1).max() / field.block_width)) + 1
+        self.lowest, self.highest = (_extreme(self.blocks, cells, best) for best in (np.minimum, np.maximum))
         self.steep = _FIRM * float(stands.tip_angle[0])
         self.fall = float(stands.tip_energy[0]) / (body.mass * GRAVITY)
 
-    def unevenness(self, at: _At, along: Sequence[float] | Array = (0.0,), turn: float = 0.0) -> Array:
-        """Return how uneven the ground is below the feet, or too high elsewhere, at places and so far ahead, (n,).
+    def is_level(self, at: _At, along: Sequence[float] | Array = (0.0,), turn: float = 0.0) -> Mask:
+        """Return where the ground is level below the feet, and nowhere too high, at places and so far ahead, (n,).
 
-        Metres, NaN with a foot on a frame; turn: to which side ahead is, radians
+        False with a foot on a frame; turn: to which side ahead is, radians. Most places are told by few look-ups: level
+        for sure if all cells around are, and not level if the feet differ.
         """
-        feet = self._below(self.blocks, self.feet, at, along, turn)
-        over = self._below(self.ground, self.coarse, at, along, turn) - np.tile(self.coarse[:, 2], len(along))
-        return np.asarray(np.ptp(feet, axis=1) + np.maximum(over.max(axis=1) - feet.max(axis=1), 0.0))
+        around = np.zeros((1, 2))
+        low, high = (self._below(ground, around, at, along, turn) for ground in (self.lowest, self.highest))
+        level = np.asarray(high.max(axis=1) - low.min(axis=1) + self.sunk <= self.level)
+        (rest,) = np.nonzero(~level)
+        for points in (self.feet[:: max(len(self.feet) // _FEW, 1)], self.feet):
+            feet = self._below(self.blocks, points, _some(at, rest), along, turn)
+            differs = np.ptp(feet, axis=1)
+            even = differs <= self.level
+            rest, feet, differs = rest[even], feet[even], differs[even]
+        over = self._below(self.ground, self.coarse, _some(at, rest), along, turn) - np.tile(
+            self.coarse[:, 2], len(along)
+        )
+        level[rest] = differs + np.maximum(over.max(axis=1) - feet.max(axis=1), 0.0) <= self.level
+        return level
 
     def _below(self, ground: Ground, points: Array, at: _At, along: Sequence[float] | Array, turn: float) -> Array:
         """Return the heights of the ground below points of the robot at places, and so far ahead, (n, k points)."""
@@ -272,17 +323,17 @@ class _Judge:
         ahead, aside = np.add.outer(np.asarray(along), points[:, 0]).ravel(), np.tile(points[:, 1], len(along))
         return np.asarray(ground.below(x + c * ahead - s * aside, y + s * ahead + c * aside))
 
-    def ordered(self, at: _At) -> tuple[Ints, Ints]:
-        """Return places where the ground is level, roomy ones first; and others, those first with even ground below."""
-        differs = np.ptp(self._below(self.blocks, self.feet, at, (0.0,), 0.0), axis=1)
-        level = np.flatnonzero(differs <= self.level)
-        level = level[self.unevenness(_some(at, level)) <= self.level][:_LOOKED_AT]
-        room = np.zeros(len(level))
+    def room(self, at: _At) -> Ints:
+        """Return on how many of some lanes ahead the ground is level, for each place, (n,)."""
+        room = np.zeros(len(at[0]), np.intp)
         for lengths, turn in _ROOM:
-            looks = np.linspace(0, lengths * self.lane, _LOOKS * lengths + 1)
-            room += self.unevenness(_some(at, level), looks, turn) <= self.level
-        others = np.argsort(differs, kind="stable")
-        return level[np.argsort(-room, kind="stable")], others[~np.isin(others, level)]
+            room += self.is_level(at, np.linspace(0, lengths * self.lane, _LOOKS * lengths + 1), turn)
+        return room
+
+    def least_uneven(self, at: _At) -> Ints:
+        """Return all places, those first with even ground below the feet."""
+        differs = np.ptp(self._below(self.blocks, self.feet, at, (0.0,), 0.0), axis=1)
+        return np.argsort(differs, kind="stable")
 
     def put_down(self, at: _At) -> Iterator[_Place]:
         """Yield how a robot rests at each place, and what is wrong about standing there."""
@@ -317,20 +368,33 @@ class _Judge:
         looks = settle(self.ground, self.body, x + np.cos(yaw) * along, y + np.sin(yaw) * along, yaw)
         return np.asarray(~self._is_steep(looks).reshape(-1, _LOOKS).any(axis=1))
 
-    def leaves(self, spot: Spot) -> bool:
-        """Return whether a lane ahead is driven to its end, and the robot is nowhere steep and does not fall on it.
+    def leaves(self, places: Sequence[Spot]) -> Mask:
+        """Return from which places a lane ahead is driven to its end, where the robot is never steep nor falls, (n,).
 
         It is put down once more, where it rests: a place at the very edge of a block is none.
         """
-        x, y, yaw = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
-        if any(fault is not _Fault.NONE for fault, _ in self.put_down((x, y, yaw))):
-            return False
-        lanes = drive(self.ground, self.body, x, y, yaw, self.lane)
-        falls = -np.diff(lanes.poses.z).min(initial=0.0)
-        return bool(lanes.passed[0] and not self._is_steep(lanes.poses).any() and falls <= self.fall)
+        x, y, yaw = np.array([(spot.x, spot.y, spot.yaw) for spot in places]).T
+        at = x, y, yaw
+        leaves = np.array([fault is _Fault.NONE for fault, _ in self.put_down(at)])
+        if not leaves.any():
+            return leaves
+        lanes = drive(self.ground, self.body, *_some(at, leaves), self.lane)
+        heights, steep = (values.reshape(leaves.sum(), -1) for values in (lanes.poses.z, self._is_steep(lanes.poses)))
+        falls = -np.diff(heights, axis=1).min(axis=1, initial=0.0)
+        leaves[leaves] = lanes.passed & ~steep.any(axis=1) & (falls <= self.fall)
+        return leaves
 
     def _is_steep(self, rest: Settled) -> Mask:
         return np.asarray(~has_stood(rest) | (rest.tilt > self.steep))
+
+
+def _extreme(ground: Ground, cells: int, best: np.ufunc) -> Ground:
+    """Return the least or largest height of the cells around each, up to so many away; NaN where one is on a frame."""
+    heights = ground.heights.reshape(ground.shape)
+    for axis in range(2):
+        padded = np.pad(heights, [(cells, cells) if axis == side else (0, 0) for side in range(2)])
+        heights = best.reduce(np.lib.stride_tricks.sliding_window_view(padded, 2 * cells + 1, axis=axis), axis=-1)
+    return replace(ground, heights=heights.ravel())
 
 
 def _coarse(body: Body, width: float) -> Array:
@@ -361,67 +425,133 @@ def spots(  # noqa: PLR0913  # the last three by name
     evenest: if there are too few, take places where the robot stands at all, with what is wrong about them: those first
     that were refused last, and of these the least tilted. ParameterError if there are too few.
     """
-    if not fits(field, body):
-        n_x, n_y = field.shape
-        raise ParameterError("robot", f"too large for {n_x} x {n_y} cells; give a smaller robot or a larger map")
-    search = _Search(judge=_Judge(field, body, most_tilt), outline=Outline.of(body), gap=gap, count=count)
-    search.look(rng)
-    if evenest:
-        search.fill()
-    if len(search.chosen) < count:
-        raise search.error()
-    return tuple(search.chosen)
+    judge = _judge(field, body, most_tilt, [Bounds.of(field)])
+    (part,) = _looked_for(judge, [Bounds.of(field)], count, [rng], gap)
+    return part.spots(evenest=evenest)
+
+
+def spots_of_parts(  # the last by name
+    field: StepField,
+    body: Body,
+    count: int,
+    windows: Sequence[tuple[slice, slice]],
+    rngs: Iterable[np.random.Generator],
+    *,
+    evenest: bool = False,
+) -> Iterator[tuple[Spot, ...]]:
+    """Yield `count` spots in each window of the cells of a field, as `spots` does, by a generator for each.
+
+    Many windows are looked at together. ParameterError, when it is the turn of a window that has too few.
+    """
+    bounds, left = [Bounds.of(field, window) for window in windows], iter(rngs)
+    judge = _judge(field, body, MOST_TILT, bounds)
+    for begin in range(0, len(bounds), _PARTS):
+        some = bounds[begin : begin + _PARTS]
+        for part in _looked_for(judge, some, count, list(islice(left, len(some))), 0.0):
+            yield part.spots(evenest=evenest)
+
+
+def _judge(field: StepField, body: Body, most_tilt: float, parts: Sequence[Bounds]) -> _Judge:
+    """Return the judge of a robot on a field; ParameterError if it is larger than one of these parts."""
+    for bounds in parts:
+        if not _fits(bounds, body):
+            n_x, n_y = (
+                round((high - low) / field.block_width) for low, high in zip(bounds.low, bounds.high, strict=True)
+            )
+            raise ParameterError("robot", f"too large for {n_x} x {n_y} cells; give a smaller robot or a larger map")
+    return _Judge(field, body, most_tilt)
 
 
 @dataclass(kw_only=True, slots=True)
-class _Search:
-    """The spots that are chosen, and the places that are none."""
+class _Part:
+    """The search in a part of a field: the places that are drawn, the spots that are chosen, and places that are none.
 
-    judge: _Judge
+    drawn: (3, n), random numbers of each place; level: the first places where the ground is level; order: those to be
+    tried, best first; tried: how many of them were; waiting: those at which the robot was put down
+    """
+
+    bounds: Bounds
+    half: float
+    drawn: Array
     outline: Outline
     gap: float
     count: int
+    lanes: int
+    level: Ints = field_of(default_factory=lambda: np.empty(0, np.intp))
+    order: Ints = field_of(default_factory=lambda: np.empty(0, np.intp))
+    tried: int = 0
+    waiting: list[_Place] = field_of(default_factory=list)
     chosen: list[Spot] = field_of(default_factory=list)
     others: list[_Place] = field_of(default_factory=list)
 
-    def look(self, rng: np.random.Generator) -> None:
-        """Choose spots until there are enough, or enough was tried."""
-        lanes = _LANES + _MORE_LANES * self.count
-        for at in _places(self.judge, self.outline, self.count, rng):
-            for fault, spot in self.judge.put_down(self._free(at)):
-                if fault is not _Fault.NONE:
-                    self.others.append((fault, spot))
-                elif self._is_free(spot):
-                    lanes -= 1
-                    self._drive_away(spot)
-                    if len(self.chosen) == self.count or not lanes:
-                        return
+    @property
+    def is_over(self) -> bool:
+        """Whether there are enough spots, or enough was tried."""
+        return len(self.chosen) == self.count or not self.lanes
 
-    def _drive_away(self, spot: Spot) -> None:
+    def places(self, numbers: Ints) -> tuple[_At, Mask]:
+        """Return places by their numbers, every second one on a half cell with a heading of 16; and which are inside.
+
+        Inside is where the robot is wholly within the bounds.
+        """
+        even, (along, across, turn) = numbers % 2 == 0, self.drawn[:, numbers]
+        yaw = np.where(even, np.floor(turn * HEADINGS) / HEADINGS, turn) * 2 * pi
+        room, half = _room(self.bounds, self.outline, yaw), self.half
+        inside = np.asarray((room[:, 0] <= room[:, 1]).all(axis=0))
+        sides: list[Array] = []
+        for (low, high), share, rim in zip(room, (along, across), self.bounds.low, strict=True):
+            # The edges of cells are at multiples of a block from the rim, so their halves are too.
+            first, last = np.ceil((low - rim) / half - _EXACT), np.floor((high - rim) / half + _EXACT)
+            inside &= ~even | (first <= last)
+            on_halves = rim + half * (first + np.floor(share * (last - first + 1)))
+            sides.append(np.where(even, on_halves, low + share * (high - low)))
+        return (sides[0], sides[1], yaw), inside
+
+    def inside(self, begin: int, end: int) -> tuple[Ints, _At]:
+        """Return the numbers of places that are inside, of those from a number on, and the places."""
+        numbers = np.arange(begin, min(end, self.drawn.shape[1]))
+        at, inside = self.places(numbers)
+        return numbers[inside], _some(at, inside)
+
+    def next_places(self, count: int) -> _At:
+        """Return the next places of the order that are apart from all that are chosen."""
+        at, _ = self.places(self.order[self.tried : self.tried + count])
+        self.tried += count
+        return self._free(at)
+
+    def next_spot(self) -> Spot | None:
+        """Return the next of the waiting places that is no bad one, nor too near to a spot; None if none is left."""
+        while self.waiting:
+            fault, spot = self.waiting.pop(0)
+            if fault is not _Fault.NONE:
+                self.others.append((fault, spot))
+            elif self._is_free(spot):
+                self.lanes -= 1
+                return spot
+        return None
+
+    def take(self, spot: Spot, *, leaves: bool) -> None:
         """Choose a spot if the robot leaves it."""
-        if self.judge.leaves(spot):
+        if leaves:
             self.chosen.append(spot)
         else:
             self.others.append((_Fault.CAUGHT, replace(spot, reason=_Fault.CAUGHT.reason(0, 0))))
 
-    def fill(self) -> None:
-        """Choose of the places that are no spots those at which it stands, the best first."""
-        for fault, spot in sorted(self.others, key=_badness):
-            if len(self.chosen) < self.count and fault is not _Fault.TIPS and self._is_free(spot):
-                self.chosen.append(spot)
-
-    def error(self) -> ParameterError:
-        """Return the error that says how many spots there are, or what is wrong with the best place."""
-        found = len(self.chosen)
-        if found:
-            return ParameterError(
-                "count", f"found spots for {found} of {self.count} on this map; give fewer, or {_HELP}"
-            )
+    def spots(self, *, evenest: bool) -> tuple[Spot, ...]:
+        """Return the spots; ParameterError if there are too few, also with the places at which it stands at all."""
+        if evenest:
+            for fault, spot in sorted(self.others, key=_badness):
+                if len(self.chosen) < self.count and fault is not _Fault.TIPS and self._is_free(spot):
+                    self.chosen.append(spot)
+        if len(self.chosen) == self.count:
+            return tuple(self.chosen)
+        if self.chosen:
+            enough = f"found spots for {len(self.chosen)} of {self.count} on this map"
+            raise ParameterError("count", f"{enough}; give fewer, or {_HELP}")
         reason = min(self.others, key=_badness)[1].reason
-        return ParameterError("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
+        raise ParameterError("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
 
     def _free(self, at: _At) -> _At:
-        """Return the places that are apart from all that are chosen."""
         free = np.ones(len(at[0]), bool)
         for spot in self.chosen:
             free &= apart(self.outline, self.gap, *at, spot)
@@ -439,34 +569,67 @@ def _badness(place: _Place) -> tuple[int, float]:
 _HELP = "add a platform obstacle, or give a smaller robot or another map"
 
 
-def _places(judge: _Judge, outline: Outline, count: int, rng: np.random.Generator) -> Iterator[_At]:
-    """Yield places in parts: those with level ground below the feet, and at last the least uneven ones."""
-    at = _drawn(judge.field, outline, rng)
-    level, others = judge.ordered(at)
-    yield from _parts(at, level[: _SETTLED + _MORE * count])
-    yield from _parts(at, others[:_LEAST_UNEVEN])
-
-
-def _parts(at: _At, chosen: Ints) -> Iterator[_At]:
-    for begin in range(0, len(chosen), _AT_ONCE):
-        yield _some(at, chosen[begin : begin + _AT_ONCE])
-
-
-def _drawn(field: StepField, outline: Outline, rng: np.random.Generator) -> _At:
-    """Return places at which the robot is wholly on the map, every second one on a half cell with a heading of 16."""
-    along, across, turn = rng.random((3, _DRAWN))
-    even = np.arange(_DRAWN) % 2 == 0
-    yaw = np.where(even, np.floor(turn * HEADINGS) / HEADINGS, turn) * 2 * pi
-    room, half = _room(field, outline, yaw), field.block_width / 2
-    inside = np.asarray((room[:, :, 0] <= room[:, :, 1]).all(axis=1))
-    sides: list[Array] = []
-    for axis, share in enumerate((along, across)):
-        low, high = room[:, axis].T
-        # The edges of cells are at multiples of a block from the rim, so their halves are too.
-        rim = -field.extent[axis] / 2
-        first, last = np.ceil((low - rim) / half - _EXACT), np.floor((high - rim) / half + _EXACT)
-        inside &= ~even | (first <= last)
-        sides.append(
-            np.where(even, rim + half * (first + np.floor(share * (last - first + 1))), low + share * (high - low))
+def _looked_for(
+    judge: _Judge, bounds: Sequence[Bounds], count: int, rngs: Sequence[np.random.Generator], gap: float
+) -> list[_Part]:
+    """Return the search in each part of a field: level places first, the roomy ones of them before, then all others."""
+    parts = [
+        _Part(
+            bounds=each,
+            half=judge.field.block_width / 2,
+            drawn=rng.random((3, _DRAWN)),
+            outline=Outline.of(judge.body),
+            gap=gap,
+            count=count,
+            lanes=_LANES + _MORE_LANES * count,
         )
-    return _some((sides[0], sides[1], yaw), inside)
+        for each, rng in zip(bounds, rngs, strict=True)
+    ]
+    _find_level(judge, parts)
+    places = [part.places(part.level)[0] for part in parts]
+    for part, room in zip(parts, _split(judge.room(_joined(places)), places), strict=True):
+        part.order = part.level[np.argsort(-room, kind="stable")][: _SETTLED + _MORE * count]
+    _try(judge, parts)
+    for part in parts:
+        if not part.is_over:
+            numbers, at = part.inside(0, _DRAWN)
+            others = numbers[judge.least_uneven(at)]
+            part.order, part.tried = others[~np.isin(others, part.level)][:_LEAST_UNEVEN], 0
+    _try(judge, parts)
+    return parts
+
+
+def _find_level(judge: _Judge, parts: Sequence[_Part]) -> None:
+    """Find the first places of each part where the ground is level, 2,000 in all; more are drawn of parts with few."""
+    most = max(_LOOKED_AT // len(parts), _LEAST_LOOKED_AT)
+    begin, count, searched = 0, most, list(parts)
+    while searched:
+        numbers, places = zip(*(part.inside(begin, begin + count) for part in searched), strict=True)
+        for part, own, level in zip(searched, numbers, _split(judge.is_level(_joined(places)), places), strict=True):
+            part.level = np.append(part.level, own[level])[:most]
+        begin, count = begin + count, 2 * count
+        searched = [part for part in searched if len(part.level) < most and begin < _DRAWN]
+
+
+def _try(judge: _Judge, parts: Sequence[_Part]) -> None:
+    """Put the robot down at the places of each part's order, and let it drive away, until there are enough spots."""
+    at_once = max(_AT_ONCE // len(parts), _LEAST_AT_ONCE)
+    while searched := [part for part in parts if not part.is_over and part.tried < len(part.order)]:
+        places = [part.next_places(at_once) for part in searched]
+        found = judge.put_down(_joined(places))
+        for part, own in zip(searched, places, strict=True):
+            part.waiting = list(islice(found, len(own[0])))
+        while waiting := [(part, spot) for part in searched if not part.is_over and (spot := part.next_spot())]:
+            for (part, spot), leaves in zip(waiting, judge.leaves([spot for _, spot in waiting]), strict=True):
+                part.take(spot, leaves=bool(leaves))
+
+
+def _joined(places: Sequence[_At]) -> _At:
+    x, y, yaw = (np.concatenate(values) for values in zip(*places, strict=True))
+    return x, y, yaw
+
+
+def _split(values: _Values, places: Sequence[_At]) -> list[_Values]:
+    """Return the values of joined places, those of each apart."""
+    ends = np.cumsum([len(at[0]) for at in places])
+    return [values[end - len(at[0]) : end] for end, at in zip(ends, places, strict=True)]
