@@ -9,7 +9,7 @@ from math import degrees, pi, radians
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rsegen import Random, Recipe, StepField, build
@@ -50,6 +50,8 @@ def spots_of(field: StepField, robot: Body, count: int, seed: int, gap: float = 
 @KINDS
 @settings(max_examples=5)
 @given(seed=st.integers(0, 1000))
+@example(seed=140)  # in the first of two ways to stand at once, and in the second when it is put down again
+@example(seed=806)
 def test_a_robot_at_a_spot_stands_level_on_its_feet_and_drives_away(kind: str, seed: int) -> None:
     field, robot = rough(seed), body(kind)
     for spot in spots_of(field, robot, 1, seed):
@@ -63,7 +65,8 @@ def test_a_robot_at_a_spot_stands_level_on_its_feet_and_drives_away(kind: str, s
         assert spot.tilt <= MOST_TILT + 1e-9
         assert spot.tip_angle > radians(10)
         at = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
-        assert drive(Ground.of(field, reach_of(robot) + 1), robot, *at, robot.length).passed.all()
+        lane = 1.25 * robot.length  # a little more than its length
+        assert drive(Ground.of(field, reach_of(robot) + 1), robot, *at, lane).passed.all()
         assert spot.reason == ""
 
 

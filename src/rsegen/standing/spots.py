@@ -368,21 +368,26 @@ class _Judge:
         looks = settle(self.ground, self.body, x + np.cos(yaw) * along, y + np.sin(yaw) * along, yaw)
         return np.asarray(~self._is_steep(looks).reshape(-1, _LOOKS).any(axis=1))
 
-    def leaves(self, places: Sequence[Spot]) -> Mask:
-        """Return from which places a lane ahead is driven to its end, where the robot is never steep nor falls, (n,).
+    def left(self, places: Sequence[Spot]) -> list[Spot | None]:
+        """Return the spots of those places from which a lane ahead is driven to its end, never steep, without a fall.
 
-        It is put down once more, where it rests: a place at the very edge of a block is none.
+        It is put down once more, where it rests: a place at the very edge of a block is none, and of two ways to stand
+        there the spot has the one in which it stands then.
         """
         x, y, yaw = np.array([(spot.x, spot.y, spot.yaw) for spot in places]).T
-        at = x, y, yaw
-        leaves = np.array([fault is _Fault.NONE for fault, _ in self.put_down(at)])
-        if not leaves.any():
-            return leaves
-        lanes = drive(self.ground, self.body, *_some(at, leaves), self.lane)
-        heights, steep = (values.reshape(leaves.sum(), -1) for values in (lanes.poses.z, self._is_steep(lanes.poses)))
-        falls = -np.diff(heights, axis=1).min(axis=1, initial=0.0)
-        leaves[leaves] = lanes.passed & ~steep.any(axis=1) & (falls <= self.fall)
-        return leaves
+        again = list(self.put_down((x, y, yaw)))
+        leaves = np.array([fault is _Fault.NONE for fault, _ in again])
+        if leaves.any():
+            lanes = drive(self.ground, self.body, *_some((x, y, yaw), leaves), self.lane)
+            heights, steep = (
+                values.reshape(leaves.sum(), -1) for values in (lanes.poses.z, self._is_steep(lanes.poses))
+            )
+            falls = -np.diff(heights, axis=1).min(axis=1, initial=0.0)
+            leaves[leaves] = lanes.passed & ~steep.any(axis=1) & (falls <= self.fall)
+        return [
+            replace(rest, x=spot.x, y=spot.y, yaw=spot.yaw) if is_left else None
+            for spot, (_, rest), is_left in zip(places, again, leaves, strict=True)
+        ]
 
     def _is_steep(self, rest: Settled) -> Mask:
         return np.asarray(~has_stood(rest) | (rest.tilt > self.steep))
@@ -530,12 +535,12 @@ class _Part:
                 return spot
         return None
 
-    def take(self, spot: Spot, *, leaves: bool) -> None:
-        """Choose a spot if the robot leaves it."""
-        if leaves:
+    def take(self, place: Spot, spot: Spot | None) -> None:
+        """Choose the spot of a place, if the robot leaves it."""
+        if spot:
             self.chosen.append(spot)
         else:
-            self.others.append((_Fault.CAUGHT, replace(spot, reason=_Fault.CAUGHT.reason(0, 0))))
+            self.others.append((_Fault.CAUGHT, replace(place, reason=_Fault.CAUGHT.reason(0, 0))))
 
     def spots(self, *, evenest: bool) -> tuple[Spot, ...]:
         """Return the spots; ParameterError if there are too few, also with the places at which it stands at all."""
@@ -620,8 +625,8 @@ def _try(judge: _Judge, parts: Sequence[_Part]) -> None:
         for part, own in zip(searched, places, strict=True):
             part.waiting = list(islice(found, len(own[0])))
         while waiting := [(part, spot) for part in searched if not part.is_over and (spot := part.next_spot())]:
-            for (part, spot), leaves in zip(waiting, judge.leaves([spot for _, spot in waiting]), strict=True):
-                part.take(spot, leaves=bool(leaves))
+            for (part, place), spot in zip(waiting, judge.left([place for _, place in waiting]), strict=True):
+                part.take(place, spot)
 
 
 def _joined(places: Sequence[_At]) -> _At:
