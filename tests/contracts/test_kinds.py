@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jsonschema
 import numpy as np
 import pytest
@@ -23,16 +25,28 @@ GRID = Grid(20, 30, 10)
 
 def recipe_of(obstacle: Obstacle, grid: Grid = GRID) -> Recipe:
     chunks = grid.n_x // grid.chunk_size, grid.n_y // grid.chunk_size
-    return Recipe(chunk_size=grid.chunk_size, chunks=chunks, boundary="none", seed=5, obstacles=(obstacle,))
+    ground = -obstacle.level_range[0]
+    return Recipe(
+        chunk_size=grid.chunk_size, chunks=chunks, boundary="none", ground_level=ground, seed=5, obstacles=(obstacle,)
+    )
 
 
 @KIND
 @GRIDS
 @pytest.mark.parametrize("softness", [0, 37.5, 100])
-def test_levels_lie_below_the_number_of_levels(cls: type[Obstacle], grid: Grid, softness: float) -> None:
+def test_levels_lie_in_the_range_of_the_obstacle(cls: type[Obstacle], grid: Grid, softness: float) -> None:
     recipe = recipe_of(cls(levels=5, softness=softness), grid)
     found = {level for index in range(20) for level in np.unique(build(recipe, index).levels).tolist()}
     assert found <= {0, 1, 2, 3, 4}
+
+
+@KIND
+def test_an_obstacle_on_higher_ground_is_the_same_obstacle(cls: type[Obstacle]) -> None:
+    low = recipe_of(cls(levels=5, softness=20))
+    high = replace(low, ground_level=low.ground_level + 7)
+    for difficulty in (1.0, 0.4):
+        built = [build(replace(recipe, difficulty=difficulty), 3).levels for recipe in (low, high)]
+        np.testing.assert_array_equal(built[0] + 7, built[1])
 
 
 @KIND

@@ -48,6 +48,8 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
 
         for own, index in zip(levels, wanted, strict=True):
             own[:] = scaled_to_difficulty(own, recipe, index)
+    if recipe.ground_level:
+        levels += np.int16(recipe.ground_level)
     return levels
 
 
@@ -68,7 +70,7 @@ class _InManyMaps:
 
     def __init__(self, recipe: MapDesign, obstacle: Obstacle, indices: Sequence[int]) -> None:
         self._grid, self._obstacle = recipe.grid, obstacle
-        self._impose = partial(impose, blend=obstacle.blend, top_level=recipe.top_level)
+        self._impose = partial(impose, blend=obstacle.blend, level_range=recipe.level_range)
         self._rngs = generators(recipe.seed, indices, obstacle.key or "")
         self._patch = _patch_of_all(recipe.grid, obstacle)
 

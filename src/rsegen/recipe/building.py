@@ -3,6 +3,7 @@
     obstacles --placed_by--> patches --impose, in their order--> levels --scaled, framed, constrained--> StepField
 
 Each obstacle proposes levels once, with a random generator of its own, and its `blend` combines them with those below.
+Up to the difficulty, levels count from the ground, and are negative in pits; then `ground_level` is added to all.
 The cost is one pass over the cells that each obstacle covers; constraints cost far more (recipe/constraints).
 """
 
@@ -52,20 +53,20 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
 
 
 def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
-    """Return the levels of all obstacles, scaled to the difficulty of the map."""
+    """Return the levels of all obstacles, scaled to the difficulty of the map, on its ground."""
     levels = _imposed(recipe, index)
-    if recipe.difficulty == 1:
-        return levels
-    from rsegen.recipe.difficulty import scaled_to_difficulty
+    if recipe.difficulty != 1:
+        from rsegen.recipe.difficulty import scaled_to_difficulty
 
-    return scaled_to_difficulty(levels, recipe, index)
+        levels = scaled_to_difficulty(levels, recipe, index)
+    return levels + np.int16(recipe.ground_level)
 
 
 def _imposed(recipe: MapDesign, index: int) -> Levels:
-    """Return the levels of all obstacles, each imposed on those before it, on flat ground."""
+    """Return the levels of all obstacles, each imposed on those before it, counted from the ground."""
     levels = flat_ground(recipe.grid)
     for _, obstacle, patch in _patches(recipe, index):
-        impose(levels, patch, obstacle.blend, recipe.top_level)
+        impose(levels, patch, obstacle.blend, recipe.level_range)
     return levels
 
 
@@ -79,7 +80,7 @@ def owners(recipe: MapDesign, index: int) -> NDArray[np.int32]:
     rows = np.full(levels.shape, -1, dtype=np.int32)
     for row, obstacle, patch in _patches(recipe, INDEX.check("index", index)):
         before = levels[patch.window].copy()
-        impose(levels, patch, obstacle.blend, recipe.top_level)
+        impose(levels, patch, obstacle.blend, recipe.level_range)
         made = patch.footprint if obstacle.blend == "replace" else levels[patch.window] != before
         rows[patch.window][made] = row
     return rows
@@ -94,7 +95,7 @@ def _patches(recipe: MapDesign, index: int) -> Iterator[tuple[int, Obstacle, Pat
 
 
 def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
-    """Return level 0 for every block: (n_x, n_y), or (maps, n_x, n_y); TooLarge if that does not fit into memory."""
+    """Return 0 levels above the ground for every block: (n_x, n_y), or (maps, n_x, n_y); TooLarge if that does not fit into memory."""
     try:
         return np.zeros(grid.shape if maps is None else (maps, *grid.shape), dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):
@@ -113,19 +114,19 @@ def ends_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[C
     return obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
 
 
-def impose(levels: Levels, patch: Patch, blend: str, top_level: int) -> None:
+def impose(levels: Levels, patch: Patch, blend: str, level_range: tuple[int, int]) -> None:
     """Combine a patch with the levels of a map, or of many along the first axis, in place.
 
-    top_level: the highest level of any obstacle of the map, above which sums are cut off.
+    level_range: the lowest and the highest level of any obstacle of the map, where sums are cut off.
     """
     below = levels[(..., *patch.window)]
-    np.copyto(below, _BLENDS[blend](below, patch.levels, top_level), where=patch.footprint)
+    np.copyto(below, _BLENDS[blend](below, patch.levels, level_range), where=patch.footprint)
 
 
-_Blend = Callable[[NDArray[np.int16], NDArray[np.int16], int], NDArray[np.integer]]
+_Blend = Callable[[NDArray[np.int16], NDArray[np.int16], tuple[int, int]], NDArray[np.integer]]
 _BLENDS: dict[str, _Blend] = {
-    "replace": lambda below, own, top: own,
-    "max": lambda below, own, top: np.maximum(below, own),
-    "min": lambda below, own, top: np.minimum(below, own),
-    "add": lambda below, own, top: np.minimum(below.astype(np.int32) + own, top).astype(np.int16),
+    "replace": lambda below, own, between: own,
+    "max": lambda below, own, between: np.maximum(below, own),
+    "min": lambda below, own, between: np.minimum(below, own),
+    "add": lambda below, own, between: np.clip(below.astype(np.int32) + own, *between).astype(np.int16),
 }

@@ -2,7 +2,7 @@
 
     levels h --scaled--> floor(s h + u), u near 1/2: every block s times as high, rounded to whole units
 
-s is the scale at which the rms step is nearest to `difficulty` times that of h. Blocks of one height are raised one
+Levels count from the ground, so pits get shallower. s is the scale at which the rms step is nearest to `difficulty` times that of h. Blocks of one height are raised one
 after the other, in an order given by u: plateau by plateau at random, and from one side over a plateau. So a plateau
 stays flat but for one edge, higher blocks stay higher, and the rms step changes by one block at a time.
 docs/difficulty.md has the formulas and their accuracy.
@@ -80,7 +80,7 @@ def _rounding(levels: Levels, drawn: Array) -> Array:
     draw_of_plateau = drawn.ravel()[_plateaus(levels)]
     order = np.empty(levels.size)
     order[np.argsort(draw_of_plateau, kind="stable")] = np.arange(levels.size) / levels.size
-    return np.asarray(0.5 + (order.reshape(levels.shape) - 0.5) / (4 * int(levels.max())))
+    return np.asarray(0.5 + (order.reshape(levels.shape) - 0.5) / (4 * _farthest(levels)))
 
 
 def _plateaus(levels: Levels) -> Ints:
@@ -92,4 +92,9 @@ def _plateaus(levels: Levels) -> Ints:
 
 def _halvings(levels: Levels) -> int:
     """Return the number of halvings that separates any two blocks: their scales differ by 1 / (4 N top^2) or more."""
-    return min((4 * levels.size * int(levels.max()) ** 2).bit_length() + 1, 52)  # the bits of a float
+    return min((4 * levels.size * _farthest(levels) ** 2).bit_length() + 1, 52)  # the bits of a float
+
+
+def _farthest(levels: Levels) -> int:
+    """Return the level that is farthest from the ground, up or down."""
+    return max(int(levels.max()), -int(levels.min()))

@@ -119,6 +119,15 @@ class MapDesign:
         str, Choice(("none", "divided", "outer"), help="frames: none, around every chunk, or one around the map")
     ] = "divided"
     frame_height_cm: Annotated[float, Float(0, 100_000, unit="cm", help="height of the frames")] = 10.0
+    ground_level: Annotated[
+        int,
+        Integer(
+            0,
+            MOST_LEVELS - 1,
+            unit="units",
+            help="level of the blocks that no obstacle covers; obstacles stand on it, and pits reach down from it",
+        ),
+    ] = 0
     difficulty: Annotated[
         Difficulty,
         DifficultySort(
@@ -168,6 +177,7 @@ class MapDesign:
             raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of obstacles")
         for index, obstacle in enumerate(self.obstacles):
             self._check_obstacle(f"obstacles[{index}]", obstacle)
+        self._check_ground()
         object.__setattr__(self, "obstacles", with_keys(tuple(self.obstacles)))
 
     @property
@@ -205,15 +215,38 @@ class MapDesign:
         return [(row, obstacle) for row, obstacle in enumerate(self.obstacles) if obstacle.enabled]
 
     @property
+    def level_range(self) -> tuple[int, int]:
+        """The lowest and the highest level of any obstacle in the maps, from the ground: 0 or less, 0 or more."""
+        ranges = [obstacle.level_range for _, obstacle in self.enabled_obstacles]
+        return min((low for low, _ in ranges), default=0), max((high for _, high in ranges), default=0)
+
+    @property
     def top_level(self) -> int:
-        """The largest level that any obstacle in the maps has; 0 without obstacles."""
-        return max((obstacle.levels - 1 for _, obstacle in self.enabled_obstacles), default=0)
+        """The largest level that the ground or any obstacle in the maps has."""
+        return self.ground_level + self.level_range[1]
 
     @property
     def highest_level(self) -> int:
         """The largest level that any block may have: an inventory may replace blocks by higher ones."""
         owned = (level for level, blocks in enumerate(self.inventory or (), 1) if blocks)
         return max([self.top_level, *owned])
+
+    def _check_ground(self) -> None:
+        """Raise a ParameterError if an obstacle reaches below the floor or too high, or no robot gets onto the map."""
+        top = MOST_LEVELS - 1
+        if self.top_level > top:
+            problem = f"{self.ground_level} and obstacles of {self.level_range[1]} units are above the highest level, {top}"
+            raise ParameterError("ground_level", problem)
+        for index, obstacle in self.enabled_obstacles:
+            if (depth := -obstacle.level_range[0]) > self.ground_level:
+                problem = f"{obstacle.kind} reaches {depth} units down, and the ground is at level {self.ground_level}"
+                raise ParameterError(f"obstacles[{index}]", f"{problem}; give a ground_level of {depth} or more")
+        if self.ground_level and isinstance(self.crossable_by, str):
+            raise ParameterError(
+                "crossable_by",
+                f"{self.crossable_by} starts on the floor, {self.ground_level} units below the ground of the map; "
+                "give limits of steps, as in [10, 10, 30], or ground_level 0",
+            )
 
     def _check_frames(self) -> None:
         """Raise a ParameterError if frames are too high for a path that is to lead across; poses show it of a robot."""

@@ -18,7 +18,7 @@ from typing import Annotated, ClassVar, NamedTuple, TypeVar
 import numpy as np
 
 from rsegen.errors import PluginError
-from rsegen.field.stepfield import Array, Levels, Mask
+from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.params.registry import Contract, Registry, clash
 from rsegen.params.sorts import (
     ANYWHERE,
@@ -87,7 +87,7 @@ class Obstacle(ABC):
             2,
             MOST_LEVELS,
             unit="units",
-            help="number of levels: 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm",
+            help="number of levels: 5 levels of 10 cm are the heights 0, 10, 20, 30, 40 cm above the ground",
         ),
     ]
     softness: Annotated[
@@ -144,6 +144,11 @@ class Obstacle(ABC):
         return (x1, y1), (x2, y2)
 
     @property
+    def level_range(self) -> tuple[int, int]:
+        """The lowest and the highest level that a block may have, counted from the ground: below 0 in pits."""
+        return 0, self.levels - 1
+
+    @property
     def draws_nothing(self) -> bool:
         """Return whether the levels follow from the two ends alone, so that maps with the same ends are alike."""
         return False
@@ -155,7 +160,7 @@ class Obstacle(ABC):
 
     @abstractmethod
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """Return the levels of the obstacle between these two cells, which `ends` gave."""
+        """Return the levels of the obstacle, from the ground, between these two cells, which `ends` gave."""
 
 
 PLACING: Mapping[str, Parameter] = MappingProxyType(
@@ -242,6 +247,48 @@ class Region(Obstacle):
         return levels
 
 
+class Layout(Obstacle):
+    """A kind that is laid out block by block in the rectangle first..last, by default the whole map, from `first` on.
+
+    Its number of levels is its whole height or depth: 5 levels are up to 4 units above the ground, or below it.
+    """
+
+    __slots__ = ()
+    default_place: ClassVar[str] = "on the whole map"
+
+    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """Return two opposite corners of the map."""
+        return (0, 0), (grid.n_x - 1, grid.n_y - 1)
+
+    def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
+        return square_ends(grid, first, last, rng)
+
+    @property
+    def draws_nothing(self) -> bool:
+        """Return whether `patch` is still the one of this class: most layouts have no random numbers."""
+        return type(self).patch is Layout.patch
+
+    @abstractmethod
+    def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
+        """Return the levels from the ground and the covered cells, (n_x, n_y) each, of a rectangle of this shape."""
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Return the layout, mirrored along an axis on which last is below first; softness lowers it towards 0."""
+        levels, covered = self.laid_out((abs(last[0] - first[0]) + 1, abs(last[1] - first[1]) + 1), rng)
+        lower = np.floor(np.abs(levels) * (1 - self.softness / 100) + SLACK)
+        mirrored = tuple(slice(None, None, 1 if a <= b else -1) for a, b in zip(first, last, strict=True))
+        low, high = (tuple(map(best, zip(first, last, strict=True))) for best in (min, max))
+        window = slice(low[0], high[0] + 1), slice(low[1], high[1] + 1)
+        return Patch(window, (np.sign(levels) * lower).astype(np.int16)[mirrored], covered[mirrored])
+
+
+def to_rim(shape: Cell) -> Ints:
+    """Return how many cells lie between each cell of a rectangle and its rim, (n_x, n_y): 0 on the outermost ring."""
+    i, j = (np.minimum(np.arange(n), np.arange(n)[::-1]) for n in shape)
+    return np.minimum(i[:, None], j)
+
+
 def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
     """Return the rectangle of both cells, wider by `margin` on every side, clipped to the map."""
     parts = [
@@ -301,6 +348,17 @@ def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng:
     if last == "random":
         return first, _at_distance(first, span, cells)
     return first, last
+
+
+def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+    """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
+    given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
+    span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
+    (x1, x2), (y1, y2) = (
+        random_ends(a, b, min(span, cells - 1), cells, rng)
+        for a, b, cells in zip(first, last, grid.shape, strict=True)
+    )
+    return (x1, y1), (x2, y2)
 
 
 def _at_distance(at: int, span: int, cells: int) -> int:

@@ -14,10 +14,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from rsegen.field.obstacles.base import Grid, Shaped, random_ends, register
+from rsegen.field.obstacles.base import Grid, Shaped, register, square_ends
 from rsegen.field.stepfield import Array
 from rsegen.params.sorts import Cell, Place
-from rsegen.params.streams import randint
 
 
 @register
@@ -47,10 +46,4 @@ class Peak(Shaped):
 
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
-        given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
-        span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
-        (x1, x2), (y1, y2) = (
-            random_ends(a, b, min(span, cells - 1), cells, rng)
-            for a, b, cells in zip(first, last, grid.shape, strict=True)
-        )
-        return (x1, y1), (x2, y2)
+        return square_ends(grid, first, last, rng)
