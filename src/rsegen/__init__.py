@@ -54,9 +54,13 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.matrix import Matrix as Matrix
     from rsegen.field.obstacles.pallet import Pallet as Pallet
     from rsegen.field.obstacles.peak import Peak as Peak
+    from rsegen.field.obstacles.pit import Pit as Pit
     from rsegen.field.obstacles.platform import Platform as Platform
+    from rsegen.field.obstacles.rails import Rails as Rails
     from rsegen.field.obstacles.random import NormalRandom as NormalRandom
     from rsegen.field.obstacles.random import Random as Random
+    from rsegen.field.obstacles.stairs import Stairs as Stairs
+    from rsegen.field.obstacles.stones import Stones as Stones
     from rsegen.field.stepfield import StepField as StepField
     from rsegen.geometry.boxes import Boxes as Boxes
     from rsegen.geometry.boxes import boxes as boxes
@@ -125,8 +129,12 @@ _HOMES = {
     "rsegen.field.obstacles.matrix": ("Matrix",),
     "rsegen.field.obstacles.pallet": ("Pallet",),
     "rsegen.field.obstacles.peak": ("Peak",),
+    "rsegen.field.obstacles.pit": ("Pit",),
     "rsegen.field.obstacles.platform": ("Platform",),
+    "rsegen.field.obstacles.rails": ("Rails",),
     "rsegen.field.obstacles.random": ("NormalRandom", "Random"),
+    "rsegen.field.obstacles.stairs": ("Stairs",),
+    "rsegen.field.obstacles.stones": ("Stones",),
     "rsegen.field.stepfield": ("StepField",),
     "rsegen.standing.spots": ("Spot",),
     "rsegen.geometry.boxes": ("Boxes", "boxes"),

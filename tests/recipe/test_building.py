@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import HorizontalBarrier, Obstacle, Peak, Random, Recipe, build
+from rsegen import HorizontalBarrier, Obstacle, Peak, Pit, Random, Recipe, build
+from rsegen.errors import ParameterError
 from rsegen.recipe.building import blocks
 from tests.support.strategies import obstacles, recipes
 
@@ -58,7 +59,8 @@ def test_adding_an_obstacle_leaves_the_keys_of_the_others(recipe: Recipe, added:
     if added in [replace(obstacle, key=None) for obstacle in recipe.obstacles]:
         return  # a twin of another row: which of two equal rows is the new one has no answer
     at = min(at, len(before))
-    after = replace(recipe, obstacles=(*recipe.obstacles[:at], added, *recipe.obstacles[at:]))
+    rows = (*recipe.obstacles[:at], added, *recipe.obstacles[at:])
+    after = replace(recipe, obstacles=rows, ground_level=recipe.ground_level - added.level_range[0])
     assert [key for number, key in enumerate(p.key for p in after.obstacles) if number != at] == before
 
 
@@ -154,3 +156,49 @@ def test_blocks_alone_equal_the_blocks_of_the_whole_map(asked: dict[str, Any]) -
     free = build(replace(recipe, max_step=None, inventory=None, crossable_by=None), 1)
     assert (build(recipe, 1) == free) is not any(asked)
     np.testing.assert_array_equal(blocks(recipe, 1), build(recipe, 1).blocks)
+
+
+def _on_ground(*rows: Obstacle, **changed: Any) -> Recipe:
+    return Recipe(**{"boundary": "none", "seed": 1, "ground_level": 3, "obstacles": rows, **changed})
+
+
+def test_blocks_that_no_obstacle_covers_are_at_the_level_of_the_ground() -> None:
+    levels = build(_on_ground(Peak(levels=4, first=(3, 3), last=(6, 6)), Pit(levels=3, first=(0, 0), last=(1, 1)))).levels
+    assert (levels[:2, :2] == 1).all()
+    assert levels[4, 4] == 6
+    assert (levels[8:] == 3).all()
+
+
+def test_pits_that_are_added_end_at_the_deepest_of_them() -> None:
+    pits = [Pit(levels=n, key=str(n), blend="add", first=(0, 0), last=(n, n)) for n in (2, 4)]
+    levels = build(_on_ground(*pits)).levels
+    assert levels.min() == 0
+    assert levels[4, 4] == 0
+    assert levels[5, 5] == 3
+
+
+@pytest.mark.parametrize("blend", ["min", "add", "replace"])
+def test_a_pit_digs_into_what_stands_there(blend: str) -> None:
+    table = Peak(levels=4, first=(0, 0), last=(9, 9))
+    levels = build(_on_ground(table, Pit(levels=3, first=(4, 4), last=(5, 5), blend=blend))).levels
+    assert levels[3, 4] == 6
+    assert (levels[4:6, 4:6] == {"min": 1, "replace": 1, "add": 4}[blend]).all()
+
+
+def test_a_pit_below_the_floor_is_refused() -> None:
+    with pytest.raises(ParameterError) as caught:
+        _on_ground(Random(levels=5), Pit(levels=5))
+    assert str(caught.value) == (
+        "obstacles[1]: pit reaches 4 units down, and the ground is at level 3; give a ground_level of 4 or more"
+    )
+    _on_ground(Random(levels=5), Pit(levels=5, enabled=False))
+
+
+def test_ground_under_obstacles_that_would_be_too_high_is_refused() -> None:
+    with pytest.raises(ParameterError, match=r"ground_level: 32765 and obstacles of 4 units are above .*, 32766"):
+        _on_ground(Random(levels=5), ground_level=32765)
+
+
+def test_a_robot_that_would_have_to_climb_onto_the_ground_is_refused() -> None:
+    with pytest.raises(ParameterError, match="crossable_by: burger starts on the floor, 3 units below"):
+        _on_ground(crossable_by="burger")

@@ -82,22 +82,27 @@ def test_any_recipe_comes_near_the_asked_roughness(recipe: Recipe, share: float)
 
 
 @given(recipes(), SHARES, SHARES)
-def test_more_difficulty_lowers_no_block(recipe: Recipe, one: float, other: float) -> None:
-    low, high = (build(replace(recipe, difficulty=share)).levels for share in sorted((one, other)))
-    assert (low <= high).all()
-    assert (high <= build(recipe).levels).all()
+def test_more_difficulty_brings_no_block_nearer_to_the_ground(recipe: Recipe, one: float, other: float) -> None:
+    shares = (*sorted((one, other)), 1)
+    low, high, whole = (
+        build(replace(recipe, difficulty=share)).blocks - recipe.ground_level for share in shares
+    )
+    for nearer, farther in ((low, high), (high, whole)):
+        assert (np.abs(nearer) <= np.abs(farther)).all()
+        assert (nearer.astype(int) * farther >= 0).all()
 
 
 @given(recipes(), SHARES)
 def test_a_higher_block_stays_as_high_or_higher(recipe: Recipe, share: float) -> None:
     whole, scaled_to_difficulty = build(recipe).blocks.ravel(), build(replace(recipe, difficulty=share)).blocks.ravel()
     for height in np.unique(whole):
-        assert scaled_to_difficulty[whole < height].max(initial=0) <= scaled_to_difficulty[whole == height].min()
+        lowest = scaled_to_difficulty[whole == height].min()
+        assert scaled_to_difficulty[whole < height].max(initial=lowest) == lowest
 
 
 @given(recipes())
 def test_difficulty_0_is_level_ground_and_1_the_recipe_as_it_is(recipe: Recipe) -> None:
-    assert not build(replace(recipe, difficulty=0)).levels.any()
+    assert (build(replace(recipe, difficulty=0)).blocks == recipe.ground_level).all()
     assert build(replace(recipe, difficulty=1)) == build(recipe)
 
 
@@ -114,7 +119,8 @@ def test_a_field_without_steps_is_lowered_as_one(recipe: Recipe, share: float) -
     whole = build(recipe)
     if not any(steps(whole).counts):
         scaled_to_difficulty = build(replace(recipe, difficulty=share))
-        np.testing.assert_array_equal(scaled_to_difficulty.levels, np.floor(share * whole.levels + 0.5))
+        from_ground = np.floor(share * (whole.blocks - recipe.ground_level) + 0.5)
+        np.testing.assert_array_equal(scaled_to_difficulty.blocks - recipe.ground_level, from_ground)
 
 
 def test_a_floor_is_in_two_parts_at_the_most() -> None:

@@ -55,8 +55,10 @@ def obstacles(draw: st.DrawFn, cells_x: int = 8, cells_y: int = 8) -> Obstacle:
 
 @st.composite
 def recipes(draw: st.DrawFn) -> Recipe:
-    """A recipe of maps of at least 8 x 8 blocks."""
+    """A recipe of maps of at least 8 x 8 blocks, on ground high enough for its pits, or a bit higher."""
     chunk_size, chunks = draw(st.sampled_from([(8, (1, 1)), (4, (2, 3)), (3, (4, 3)), (12, (1, 2))]))
+    rows = tuple(draw(st.lists(obstacles(), max_size=4)))
+    deepest = max((-obstacle.level_range[0] for obstacle in rows), default=0)
     return Recipe(
         chunk_size=chunk_size,
         chunks=chunks,
@@ -64,5 +66,6 @@ def recipes(draw: st.DrawFn) -> Recipe:
         boundary=draw(st.sampled_from(["none", "divided", "outer"])),
         mesh_type=draw(st.sampled_from(["single", "multi", "pallet"])),
         seed=draw(SEEDS),
-        obstacles=tuple(draw(st.lists(obstacles(), max_size=4))),
+        ground_level=deepest + draw(st.sampled_from([0, 0, 3])),
+        obstacles=rows,
     )

@@ -1,4 +1,7 @@
-"""A map in the middle of a rectangle of level ground, as sub-terrains of trainers are: from (0, 0) to its size."""
+"""A map in the middle of a rectangle of level ground, as sub-terrains of trainers are: from (0, 0) to its size.
+
+z = 0 is the level ground, so pits are below it. A closed mesh and boxes reach a unit below the deepest one.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +26,14 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Tile:
-    """A tile, the ground included: all of its cells are a level higher than they are, and it is a unit lower.
+    """A tile, the ground included: all of its cells are a level higher than they are, and it lies lower.
 
-    raised: the field around the origin; size: metres along x and y; origin: (3,), the middle of its map, metres, z that
-    of the highest of the cells that meet there.
+    raised: the field around the origin; ground: level of the ground, z = 0, in the map; size: metres along x and y;
+    origin: (3,), the middle of its map, metres, z that of the highest of the cells that meet there.
     """
 
     raised: StepField
+    ground: int
     size: tuple[float, float]
     origin: Array
 
@@ -39,7 +43,7 @@ class Tile:
         return surface.vertices + self._corner, surface.triangles
 
     def columns(self) -> Iterator[Column]:
-        """Few boxes of one level each that fill it, metres; their material is the level, 0 for the ground."""
+        """Few boxes of one level each that fill it, metres; their material is the level."""
         corner = self._corner
         for centre, size, material in columns(self.raised):
             x, y, z = (np.array(centre) + corner).tolist()
@@ -48,7 +52,7 @@ class Tile:
     @property
     def _corner(self) -> Array:
         """Origin of the raised field in the frame of the tile, metres."""
-        return np.array([self.size[0] / 2, self.size[1] / 2, -self.raised.unit])
+        return np.array([self.size[0] / 2, self.size[1] / 2, -(self.ground + 1) * self.raised.unit])
 
 
 def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -> Tile:
@@ -64,8 +68,8 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         problem = f"a map of {m_x} x {m_y} cells is larger than a tile of {n_x} x {n_y}"
         raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
     low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
-    levels = np.zeros((n_x, n_y), dtype=np.int16)
-    # Everything is a unit higher than it is, so that the ground is a block too and has a surface.
+    levels = np.full((n_x, n_y), recipe.ground_level, dtype=np.int16)
+    # Everything is a unit higher than it is, so that level 0 is a block too and has a surface.
     own = tile_levels(eased(recipe, difficulty), index)
     levels[low_x : low_x + m_x, low_y : low_y + m_y] = own
     raised = StepField(
@@ -75,8 +79,8 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         unit=unit,
         frame_height=0.0,
     )
-    origin = np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, float(amid(own)) * unit])
-    return Tile(raised=raised, size=(n_x * width, n_y * width), origin=origin)
+    origin = np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, (float(amid(own)) - recipe.ground_level) * unit])
+    return Tile(raised=raised, ground=recipe.ground_level, size=(n_x * width, n_y * width), origin=origin)
 
 
 def index_of(*numbers: float | None) -> int:

@@ -64,7 +64,8 @@ class Terrain(TerrainDesign):
     mean of level tiles to the mean of full ones, as near as each tile comes to it. robot: for metrics of a robot, such
     as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
     progress: called for each tile that is made, and for each whose spots are found.
-    Frames become blocks of their height. UserError if the recipes do not go together, or it is too large.
+    Frames become blocks of their height. The flat ground around tiles is at the highest `ground_level` of the recipes,
+    and tiles of a lower one are raised to it. UserError if the recipes do not go together, or it is too large.
     """
 
     recipes: Recipe | Sequence[Recipe]
@@ -117,7 +118,8 @@ class Terrain(TerrainDesign):
         for row, column in np.ndindex(self.rows, self.columns):
             key = self._kind_of(column), self._share(row, column)
             recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
-            levels[row, column] = tile_levels(recipe, self._index(row, column))
+            raised = self._ground - recipe.ground_level
+            levels[row, column] = tile_levels(recipe, self._index(row, column)) + np.int16(raised)
             self._tell_progress()
         levels.setflags(write=False)
         return levels
@@ -126,7 +128,7 @@ class Terrain(TerrainDesign):
     def field(self) -> StepField:
         """All tiles in one field, whose middle is the origin."""
         first = self._kinds[0]
-        levels = np.zeros(self._shape, dtype=np.int16)
+        levels = np.full(self._shape, self._ground, dtype=np.int16)
         for row in range(self.rows):
             for column in range(self.columns):
                 levels[self._window(row, column)] = self.levels[row, column]
@@ -204,6 +206,7 @@ class Terrain(TerrainDesign):
             chunk_size=side,
             chunks=(n_x // side, n_y // side),
             boundary="none",
+            ground_level=0,
             difficulty=1.0,
             max_step=None,
             crossable_by=None,
@@ -215,6 +218,11 @@ class Terrain(TerrainDesign):
     def _block_width(self) -> float:
         """Side of a block, metres."""
         return self._kinds[0].block_width_cm / 100
+
+    @property
+    def _ground(self) -> int:
+        """Level of the flat ground around the tiles, and of all tiles."""
+        return max(recipe.ground_level for recipe in self._kinds)
 
     @property
     def _shape(self) -> tuple[int, int]:

@@ -12,9 +12,9 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from rsegen.field.obstacles.base import Layout, register, to_rim
+from rsegen.field.obstacles.base import Grid, Layout, Obstacle, register, to_rim
 from rsegen.field.stepfield import Levels, Mask
-from rsegen.params.sorts import Cell, Choice, Integer
+from rsegen.params.sorts import ANYWHERE, Cell, Choice, Integer, Place
 
 
 @register
@@ -23,6 +23,7 @@ class Pit(Layout):
     """A hole in the ground: a whole rectangle, a gap around an island, or with a beam across."""
 
     kind: ClassVar[str] = "pit"
+    default_place: ClassVar[str] = Obstacle.default_place
 
     gap_width: Annotated[
         int | None,
@@ -33,6 +34,10 @@ class Pit(Layout):
         Integer(1, 1000, unit="blocks", help="width of a beam across the middle; default: no beam"),
     ] = None
     beam_along: Annotated[str, Choice(("x", "y"), help="direction of the beam")] = "x"
+
+    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
+        """Return random ends: a pit of the whole map would have no edge."""
+        return ANYWHERE, ANYWHERE
 
     @property
     def level_range(self) -> tuple[int, int]:
