@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Peak, Random, Recipe, StepLimits, Terrain
+from rsegen import KINDS, Peak, Pit, Random, Recipe, StepLimits, Terrain
 from rsegen.errors import ParameterError, UserError
 from rsegen.field.metrics.batch import batch_metrics
 from rsegen.field.metrics.catalogue import metric_by
@@ -39,13 +39,48 @@ def test_rows_rise_from_flat_to_full() -> None:
     assert rms[0] == 0
     assert np.diff(rms).min() > 0.7 * rms[-1] / 5
     for column in range(8):
-        assert np.array_equal(terrain.levels[-1, column], rsegen.build(ROUGH, 5 * 8 + column).levels)
+        assert sorted(terrain.maps[:, column]) == list(range(column, 6 * 8, 8))
+        assert np.array_equal(terrain.levels[-1, column], rsegen.build(ROUGH, terrain.maps[-1, column]).levels)
+
+
+@pytest.mark.parametrize("kind", [name for name in KINDS if name not in {"matrix", "pit"}])
+def test_every_column_gets_rougher_from_row_to_row(kind: str) -> None:
+    obstacle = KINDS[kind](levels=8, softness=30 if "barrier" in kind else 0)
+    ground = -obstacle.level_range[0]
+    for seed in range(3):
+        recipe = replace(ROUGH, seed=seed, chunk_size=20, ground_level=ground, obstacles=[obstacle])
+        terrain = Terrain(recipes=recipe, rows=10, columns=4)
+        levels = terrain.levels.reshape(-1, 20, 20)
+        rms = batch_metrics(levels, rsegen.build(recipe, 0))["steps.rms"].reshape(10, 4)
+        assert (np.diff(rms, axis=0) >= 0).all()
+        assert (rms[-1] > rms[0]).all()
+        falling = replace(terrain, difficulty=(1.0, 0.0))
+        rms = batch_metrics(falling.levels.reshape(-1, 20, 20), rsegen.build(recipe, 0))["steps.rms"].reshape(10, 4)
+        assert (np.diff(rms, axis=0) <= 0).all()
+
+
+def test_rows_of_one_difficulty_have_the_maps_in_their_order() -> None:
+    terrain = Terrain(recipes=ROUGH, rows=3, columns=4, difficulty=(0.5, 0.5))
+    assert terrain.maps.tolist() == [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11]]
+
+
+def test_tiles_of_all_recipes_are_on_the_highest_ground() -> None:
+    pits = replace(ROUGH, name="pits", ground_level=3, obstacles=[Pit(levels=4, first=(2, 2), last=(7, 7))])
+    terrain = Terrain(recipes=[ROUGH, pits], rows=1, columns=2, difficulty=(1, 1), gap=2, border=3)
+    around = terrain.field.levels.copy()
+    rough, pit = around[3:13, 3:13], around[3:13, 15:25]
+    assert np.array_equal(rough, rsegen.build(ROUGH, 0).levels + 3)
+    assert np.array_equal(pit, rsegen.build(pits, 1).levels)
+    assert pit.min() == 0
+    rough[:] = pit[:] = 3
+    assert (around == 3).all()
+    assert rsegen.build(terrain.recipe, 0) == terrain.field
 
 
 def test_columns_are_kinds_side_by_side() -> None:
     terrain = Terrain(recipes=[ROUGH, HILL], rows=3, columns=5)
     assert terrain.kinds == ("rough",) * 3 + ("hill",) * 2
-    assert np.array_equal(terrain.levels[2, 4], rsegen.build(HILL, 14).levels)
+    assert np.array_equal(terrain.levels[2, 4], rsegen.build(HILL, terrain.maps[2, 4]).levels)
 
 
 @given(rows=st.integers(1, 4), columns=st.integers(1, 4), gap=st.integers(0, 3), border=st.integers(0, 3))

@@ -2,7 +2,9 @@
 
     recipes --build, at the difficulty of each row--> tiles --with flat ground around them--> StepField
 
-Rows go along +x, from the easiest; columns along +y.
+Rows go along +x, from the easiest; columns along +y. A column has as many maps of its recipe as there are rows. As they
+differ in roughness, more difficulty of a smoother map may be less than less of a rougher one, so the rougher maps of a
+column are in its harder rows. That costs the metric of each map as designed.
 """
 
 from __future__ import annotations
@@ -18,9 +20,10 @@ from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.limits import SIDE
 from rsegen.field.metrics.catalogue import RMS, By, Crosser, metric_by
 from rsegen.field.obstacles.matrix import Matrix
-from rsegen.field.stepfield import Array, Levels, StepField
+from rsegen.field.stepfield import Array, Ints, Levels, StepField
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.params.streams import generator
+from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain_design import TerrainDesign
 from rsegen.recipe.tiles import (
@@ -110,6 +113,20 @@ class Terrain(TerrainDesign):
         return np.linspace(*self.difficulty, self.rows)
 
     @cached_property
+    def maps(self) -> Ints:
+        """The index of the map of each tile in its recipe, (rows, columns): a column has every `columns`-th map.
+
+        They are in the order in which the metric of the whole map rises along the rows, if the difficulty does.
+        """
+        maps = np.arange(self.rows * self.columns).reshape(self.rows, self.columns)
+        rising = np.sign(self.difficulty[1] - self.difficulty[0])
+        for column in range(self.columns if rising and self.rows > 1 else 0):
+            full = [self._fullness(self._kind_of(column), int(index)) for index in maps[:, column]]
+            maps[:, column] = maps[np.argsort(rising * np.array(full), kind="stable"), column]
+        maps.setflags(write=False)
+        return maps
+
+    @cached_property
     def levels(self) -> Levels:
         """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
         n_x, n_y = tile_shape(self._kinds[0])
@@ -119,7 +136,7 @@ class Terrain(TerrainDesign):
             key = self._kind_of(column), self._share(row, column)
             recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
             raised = self._ground - recipe.ground_level
-            levels[row, column] = tile_levels(recipe, self._index(row, column)) + np.int16(raised)
+            levels[row, column] = tile_levels(recipe, int(self.maps[row, column])) + np.int16(raised)
             self._tell_progress()
         levels.setflags(write=False)
         return levels
@@ -183,7 +200,7 @@ class Terrain(TerrainDesign):
         body = robot if isinstance(robot, Body) else body_of_size(*SIZE.check("robot", robot))
         count = _COUNT.check("count", count)
         tiles = list(np.ndindex(self.rows, self.columns))
-        rngs = (generator(seed, self._index(*tile), "spots of a terrain") for tile in tiles)
+        rngs = (generator(seed, row * self.columns + column, "spots of a terrain") for row, column in tiles)
         found = spots_of_parts(self.field, body, count, [self._window(*tile) for tile in tiles], rngs, evenest=evenest)
         poses = np.empty((self.rows, self.columns, count, 4))
         for row, column in tiles:
@@ -255,28 +272,32 @@ class Terrain(TerrainDesign):
         difficulty = float(self.difficulties[row])
         if self.by == RMS:
             return difficulty
-        recipe, metric = self._kinds[self._kind_of(column)], metric_by(self.by, self.robot)
-        return share_of(recipe, self._index(row, column), metric, *self._spans[row, column], difficulty)
+        kind, index, metric = self._kind_of(column), int(self.maps[row, column]), metric_by(self.by, self.robot)
+        spans, mean = self._spans[kind]
+        return share_of(self._kinds[kind], index, metric, spans[index], mean, difficulty)
+
+    def _fullness(self, kind: int, index: int) -> float:
+        """Return how far the metric of a map as designed is from that of level ground, in the direction of most maps."""
+        if self.by == RMS:
+            return metric_by(RMS)(build(self._kinds[kind], index))
+        spans, mean = self._spans[kind]
+        return (spans[index].full - mean.level) * (1 if mean.full > mean.level else -1)
 
     @cached_property
-    def _spans(self) -> dict[tuple[int, int], tuple[Span, Span]]:
-        """For each tile: the metric's range on its map, and the mean range of its recipe."""
-        spans_of_tile: dict[tuple[int, int], tuple[Span, Span]] = {}
+    def _spans(self) -> list[tuple[dict[int, Span], Span]]:
+        """For each recipe: the metric's range on each of its maps by their index, and the mean range."""
+        spans_of_kinds = []
         metric = metric_by(self.by, self.robot)
         for kind, recipe in enumerate(self._kinds):
             tiles = [tile for tile in np.ndindex(self.rows, self.columns) if self._kind_of(tile[1]) == kind]
-            spans = [span_of(recipe, self._index(*tile), metric) for tile in tiles]
-            mean = mean_of(spans, metric.name)
-            spans_of_tile.update((tile, (span, mean)) for tile, span in zip(tiles, spans, strict=True))
-        return spans_of_tile
+            indices = [row * self.columns + column for row, column in tiles]
+            spans = {index: span_of(recipe, index, metric) for index in indices}
+            spans_of_kinds.append((spans, mean_of(list(spans.values()), metric.name)))
+        return spans_of_kinds
 
     def _tell_progress(self) -> None:
         if self.progress:
             self.progress()
-
-    def _index(self, row: int, column: int) -> int:
-        """Return the index of the map of a tile in its recipe."""
-        return row * self.columns + column
 
     def _kind_of(self, column: int) -> int:
         return kind_of_column(column, self.columns, len(self._kinds))

@@ -158,7 +158,7 @@ def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
 
 
 def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) -> bytes:
-    """Return the content of NAME_0000.json: difficulty, kind and origin of each tile; metres, radians.
+    """Return the content of NAME_0000.json: difficulty, kind, map and origin of each tile; metres, radians.
 
     robot_size: length and width of a robot, for which each tile gets a spot to start at
     """
@@ -168,6 +168,7 @@ def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) 
         "tile_size": list(terrain.tile_size),
         "difficulty": terrain.difficulties.tolist(),
         "kinds": list(terrain.kinds),
+        "maps": terrain.maps.tolist(),
         "origins": terrain.origins.tolist(),
         **spots,
     }
