@@ -20,10 +20,13 @@ _ROWS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "matrix": {"rows": _STAIRS},
         "pallet": {"pattern": ("flat", "hill", "diagonal")},
         "peak": {"softness": 80, "first": (1, 1), "last": (8, 8)},
+        "pit": {"gap_width": 2, "beam_width": 2, "first": (0, 0), "last": (9, 9)},
         "platform": {"softness": 20, "first": (3, 3), "last": (6, 6)},
+        "rails": {"levels": 3},
+        "stones": {"uneven": 1},
     }
 )
-"""Parameters beside levels=5, by kind; a kind without any is shown by itself."""
+"""Parameters that differ from levels=5 and the defaults, by kind; a kind without any is shown by itself."""
 
 _CHUNKS = MappingProxyType({"pallet": (3, 1)})
 """Of kinds whose map has more than one chunk."""
@@ -31,7 +34,8 @@ _CHUNKS = MappingProxyType({"pallet": (3, 1)})
 
 def recipe_of(kind: str) -> Recipe:
     """The recipe of a kind's picture: it alone on a map of 10 x 10 blocks, or on several for what differs by chunk."""
-    return Recipe(name=kind, seed=5, chunks=_CHUNKS.get(kind, (1, 1)), obstacles=(obstacle_of(kind),))
+    obstacle = obstacle_of(kind)
+    return Recipe(name=kind, seed=5, chunks=_CHUNKS.get(kind, (1, 1)), **_ground(obstacle), obstacles=(obstacle,))
 
 
 def command(kind: str) -> str:
@@ -54,7 +58,8 @@ def softnesses(kind: str) -> Iterator[tuple[str, Recipe]]:
         if kind == "matrix":
             obstacle = replace(obstacle, first=(0, 0), last=(19, 19))
         name = f"{kind}-{softness}"
-        recipe = Recipe(name=name, seed=5, chunk_size=20, unit_cm=5, boundary="none", obstacles=(obstacle,))
+        shape = {"chunk_size": 20, "unit_cm": 5, "boundary": "none", **_ground(obstacle)}
+        recipe = Recipe(name=name, seed=5, **shape, obstacles=(obstacle,))
         yield f"softness {softness}", recipe
 
 
@@ -63,6 +68,12 @@ def boundaries() -> Iterator[tuple[str, Recipe]]:
     for boundary in ("none", "divided", "outer"):
         row = obstacle_of("normal_random")
         yield boundary, Recipe(name=f"boundary-{boundary}", seed=5, chunks=(2, 2), boundary=boundary, obstacles=(row,))
+
+
+def _ground(obstacle: Obstacle) -> Mapping[str, Any]:
+    """Return the ground that an obstacle reaches down into, without frames, which would be lower than it."""
+    depth = -obstacle.level_range[0]
+    return {"ground_level": depth, "boundary": "none"} if depth else {}
 
 
 def _scaled(cell: tuple[int, int] | None, cells: int) -> tuple[int, int] | None:

@@ -87,7 +87,7 @@ Made by `make docs`. The kinds with all their parameters are on the page of [obs
 ## Softness
 
 `softness` is the width of the slopes as a share of the chunk: 0 gives vertical walls, 100 slopes as wide as a chunk;
-those of a peak end at the edge of its base. It reduces all heights of random kinds, pallets and matrices: at 100 the
+those of a peak end at the edge of its base. It reduces all heights and depths of the other kinds: at 100 the
 map is flat. Maps of 20 x 20 blocks in levels of 5 cm:"""
 
 _BOUNDARIES = """

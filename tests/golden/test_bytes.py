@@ -21,7 +21,20 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen import DiagonalBarrier, HorizontalBarrier, Matrix, NormalRandom, Pallet, Peak, Random, Recipe
+from rsegen import (
+    DiagonalBarrier,
+    HorizontalBarrier,
+    Matrix,
+    NormalRandom,
+    Pallet,
+    Peak,
+    Pit,
+    Rails,
+    Random,
+    Recipe,
+    Stairs,
+    Stones,
+)
 
 FILE = Path(__file__).with_name("bytes.json")
 RECORDED: Mapping[str, str] = json.loads(FILE.read_text("utf-8")) if FILE.is_file() else {}
@@ -104,6 +117,22 @@ RECIPES: Mapping[str, Recipe] = {
         inventory=(9, 7, 5, 2),
         obstacles=[Random(levels=6)],
     ),
+    "deck": Recipe(
+        seed=13,
+        chunk_size=12,
+        chunks=(2, 2),
+        boundary="outer",
+        ground_level=3,
+        frame_height_cm=30,
+        difficulty=0.8,
+        obstacles=[
+            Stairs(levels=4, first=(0, 0), last=(11, 11)),
+            Stones(levels=4, uneven=2, first=(12, 0), last=(23, 11)),
+            Pit(levels=4, gap_width=3, beam_width=2, first=(0, 12), last=(11, 23)),
+            Rails(levels=3, first=(12, 12), last=(23, 23)),
+            Stairs(levels=3, direction="down", shape="y", first="random", last="random", blend="add"),
+        ],
+    ),
     "friction and colours": Recipe(
         seed=9,
         chunk_size=3,
@@ -180,7 +209,7 @@ def _formats() -> Iterator[tuple[str, Case]]:
     for name, cls in rsegen.FORMATS.items():
         for options in ({}, *OPTIONS.get(name, ())):
             told = " ".join([name, *(f"{key}={value}" for key, value in options.items())])
-            for of in ("peak", "matrix", "friction and colours"):
+            for of in ("peak", "matrix", "deck", "friction and colours"):
                 if options.get("shape") != "hfield" or not RECIPES[of].level_friction:  # it has but one
                     yield f"{of}: {told}", partial(_exported, RECIPES[of], cls(**options))
     every = [cls() for cls in rsegen.FORMATS.values()]
@@ -201,7 +230,7 @@ def _datasets() -> Iterator[tuple[str, Case]]:
 
 def _sheets() -> Iterator[tuple[str, Case]]:
     """As tables; their PDF has fonts in it."""
-    for name in ("normal", "pallet", "constraints"):
+    for name in ("normal", "pallet", "deck", "constraints"):
         yield f"{name}: sheet", partial(_listed, RECIPES[name])
 
 
