@@ -35,6 +35,7 @@ from rsegen import (
     Stairs,
     Stones,
 )
+from rsegen.params.sorts import ANYWHERE
 
 FILE = Path(__file__).with_name("bytes.json")
 RECORDED: Mapping[str, str] = json.loads(FILE.read_text("utf-8")) if FILE.is_file() else {}
@@ -130,7 +131,7 @@ RECIPES: Mapping[str, Recipe] = {
             Stones(levels=4, uneven=2, first=(12, 0), last=(23, 11)),
             Pit(levels=4, gap_width=3, beam_width=2, first=(0, 12), last=(11, 23)),
             Rails(levels=3, first=(12, 12), last=(23, 23)),
-            Stairs(levels=3, direction="down", shape="y", first="random", last="random", blend="add"),
+            Stairs(levels=3, direction="down", shape="y", first=ANYWHERE, last=ANYWHERE, blend="add"),
         ],
     ),
     "friction and colours": Recipe(

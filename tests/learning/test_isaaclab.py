@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rsegen import Random, Recipe
+import rsegen
+from rsegen import Pit, Random, Recipe, Stairs
 from rsegen.errors import ParameterError
 
 trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
@@ -54,6 +55,26 @@ def test_the_map_is_amid_level_ground_from_0_to_the_size(kind: str) -> None:
     assert not own.any()
     assert origin[:2] == pytest.approx([1.0, 0.7])
     assert mesh.is_watertight == (kind != "merged")
+
+
+@pytest.mark.parametrize("kind", ["merged", "watertight"])
+def test_holes_are_below_the_ground_that_is_z_0(kind: str) -> None:
+    gap = Pit(levels=4, gap_width=3, first=(0, 0), last=(9, 9))
+    step = Stairs(levels=3, direction="down", first=(4, 4), last=(5, 5))
+    recipe = replace(RECIPE, ground_level=4, obstacles=[gap, step])
+    (mesh,), origin = StepFieldTerrain(recipe, mesh=kind)(1.0, SubTerrain())
+    x, y = np.arange(20) * 0.1 + 0.05, np.arange(15) * 0.1 + 0.05
+    own = rsegen.build(recipe).levels.astype(int) - 4
+    expected = np.zeros((20, 15))
+    expected[5:15, 2:12] = own * 0.05
+    assert (own.min(), own.max(), own[4, 4]) == (-3, 0, -1)
+    assert np.allclose(_heights(mesh, x, y), expected, atol=1e-9)
+    assert origin == pytest.approx([1.0, 0.7, -0.05])
+    assert mesh.bounds[0] == pytest.approx([0, 0, -0.25])
+    assert mesh.is_watertight == (kind != "merged")
+    (flat,), _ = StepFieldTerrain(recipe, mesh=kind)(0.0, SubTerrain())
+    assert flat.bounds[1][2] == pytest.approx(0)
+    assert np.isin(np.round(flat.vertices[:, 2], 9), [0, -0.25]).all()
 
 
 def test_seed_and_difficulty_alone_choose_the_map() -> None:

@@ -10,6 +10,7 @@ import pytest
 import rsegen
 from rsegen import Random, Recipe
 from rsegen.errors import ParameterError, UserError
+from rsegen.recipe.examples import EXAMPLES
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 adapter = pytest.importorskip("rsegen.learning.mujoco")
@@ -131,3 +132,27 @@ def test_an_environment_has_a_new_field_at_each_reset() -> None:
     assert env.reset(options={"map": 17})[1]["map"] == 17
     with pytest.raises(UserError, match=r"has no geom block_0_0; add the blocks by grid\.add_to"):
         wrapper(Dropped(mujoco.MjSpec()), grid)
+
+
+def test_rays_find_every_block_and_hole_of_a_deck() -> None:
+    recipe = rsegen.load(EXAMPLES["stairs-and-stones"])
+    field, spec = rsegen.build(recipe), mujoco.MjSpec()
+    adapter.add_map(spec, rsegen.compose(recipe))
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1])
+    grid = adapter.BlockGrid(recipe, pos=(0, 10, 0))
+    grid.add_to(spec)
+    model = spec.compile()
+    grid.write(model, field.levels)
+    state = mujoco.MjData(model)
+    mujoco.mj_forward(model, state)
+    x, y = (edges[:-1] + field.block_width / 2 for edges in field.edges())
+    for at_y in (0, 10):
+        tops = np.array([[2 - _ray(model, state, i, j + at_y) for j in y] for i in x])
+        assert np.allclose(tops, field.heights, atol=1e-9)
+    assert np.unique(field.levels).tolist() == [0, 5, 6, 7, 8, 9, 10]
+
+
+def _ray(model: Any, state: Any, x: float, y: float) -> float:
+    """The way down to the first geom from a height of 2 m."""
+    hit = np.zeros(1, dtype=np.int32)
+    return float(mujoco.mj_ray(model, state, np.array([x, y, 2.0]), np.array([0, 0, -1.0]), None, 1, -1, hit, None))

@@ -163,7 +163,9 @@ def _on_ground(*rows: Obstacle, **changed: Any) -> Recipe:
 
 
 def test_blocks_that_no_obstacle_covers_are_at_the_level_of_the_ground() -> None:
-    levels = build(_on_ground(Peak(levels=4, first=(3, 3), last=(6, 6)), Pit(levels=3, first=(0, 0), last=(1, 1)))).levels
+    levels = build(
+        _on_ground(Peak(levels=4, first=(3, 3), last=(6, 6)), Pit(levels=3, first=(0, 0), last=(1, 1)))
+    ).levels
     assert (levels[:2, :2] == 1).all()
     assert levels[4, 4] == 6
     assert (levels[8:] == 3).all()

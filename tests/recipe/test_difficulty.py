@@ -84,9 +84,7 @@ def test_any_recipe_comes_near_the_asked_roughness(recipe: Recipe, share: float)
 @given(recipes(), SHARES, SHARES)
 def test_more_difficulty_brings_no_block_nearer_to_the_ground(recipe: Recipe, one: float, other: float) -> None:
     shares = (*sorted((one, other)), 1)
-    low, high, whole = (
-        build(replace(recipe, difficulty=share)).blocks - recipe.ground_level for share in shares
-    )
+    low, high, whole = (build(replace(recipe, difficulty=share)).blocks - recipe.ground_level for share in shares)
     for nearer, farther in ((low, high), (high, whole)):
         assert (np.abs(nearer) <= np.abs(farther)).all()
         assert (nearer.astype(int) * farther >= 0).all()

@@ -11,7 +11,7 @@ import pytest
 
 import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
-from rsegen import Matrix, Random, Recipe, StepField
+from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning import Scan, ScanSettings, find_field
@@ -102,6 +102,19 @@ def test_a_rim_at_ground_level_is_found_by_the_size() -> None:
     assert max(find_field(cloud).levels.shape) <= 6
     scan = find_field(cloud, ScanSettings(blocks=(10, 10), boundary="none"))
     assert right_turn(scan, field) in range(4)
+
+
+@pytest.mark.slow
+def test_holes_in_a_deck_are_found_down_to_the_floor() -> None:
+    stones = Stones(levels=5, stone_width=3, stone_distance=2, uneven=1, first=(1, 1), last=(10, 10))
+    stairs = Stairs(levels=3, first=(4, 4), last=(9, 9))
+    field = rsegen.build(Recipe(seed=2, chunk_size=12, boundary="none", ground_level=4, obstacles=(stones, stairs)), 0)
+    # A rim one block wide looks like a frame, and few edges tell the width of a block.
+    known = ScanSettings(boundary="none", block_width=0.1, unit=0.1)
+    scan = find_field(turned(cloud_of(field), np.random.default_rng(5)), known)
+    seen = np.rot90(scan.seen, right_turn(scan, field))
+    assert seen.mean() > 0.9
+    assert set(field.levels[seen].tolist()) == {0, 3, 4, 5, 6}
 
 
 @pytest.mark.slow

@@ -79,7 +79,9 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         unit=unit,
         frame_height=0.0,
     )
-    origin = np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, (float(amid(own)) - recipe.ground_level) * unit])
+    origin = np.array(
+        [(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, (float(amid(own)) - recipe.ground_level) * unit]
+    )
     return Tile(raised=raised, ground=recipe.ground_level, size=(n_x * width, n_y * width), origin=origin)
 
 

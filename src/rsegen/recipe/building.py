@@ -95,7 +95,10 @@ def _patches(recipe: MapDesign, index: int) -> Iterator[tuple[int, Obstacle, Pat
 
 
 def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
-    """Return 0 levels above the ground for every block: (n_x, n_y), or (maps, n_x, n_y); TooLarge if that does not fit into memory."""
+    """Return level 0, counted from the ground, for every block: (n_x, n_y), or (maps, n_x, n_y).
+
+    TooLarge if that does not fit into memory.
+    """
     try:
         return np.zeros(grid.shape if maps is None else (maps, *grid.shape), dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):

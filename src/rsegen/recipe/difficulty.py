@@ -2,7 +2,9 @@
 
     levels h --scaled--> floor(s h + u), u near 1/2: every block s times as high, rounded to whole units
 
-Levels count from the ground, so pits get shallower. s is the scale at which the rms step is nearest to `difficulty` times that of h. Blocks of one height are raised one
+Levels count from the ground and are negative in pits, which get shallower.
+
+s is the scale at which the rms step is nearest to `difficulty` times that of h. Blocks of one height are raised one
 after the other, in an order given by u: plateau by plateau at random, and from one side over a plateau. So a plateau
 stays flat but for one edge, higher blocks stay higher, and the rms step changes by one block at a time.
 docs/difficulty.md has the formulas and their accuracy.

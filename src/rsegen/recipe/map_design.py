@@ -235,7 +235,9 @@ class MapDesign:
         """Raise a ParameterError if an obstacle reaches below the floor or too high, or no robot gets onto the map."""
         top = MOST_LEVELS - 1
         if self.top_level > top:
-            problem = f"{self.ground_level} and obstacles of {self.level_range[1]} units are above the highest level, {top}"
+            problem = (
+                f"{self.ground_level} and obstacles of {self.level_range[1]} units are above the highest level, {top}"
+            )
             raise ParameterError("ground_level", problem)
         for index, obstacle in self.enabled_obstacles:
             if (depth := -obstacle.level_range[0]) > self.ground_level:

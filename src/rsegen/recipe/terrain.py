@@ -277,7 +277,7 @@ class Terrain(TerrainDesign):
         return share_of(self._kinds[kind], index, metric, spans[index], mean, difficulty)
 
     def _fullness(self, kind: int, index: int) -> float:
-        """Return how far the metric of a map as designed is from that of level ground, in the direction of most maps."""
+        """Return how far the metric of a map as designed is from that of level ground; less for smoother maps."""
         if self.by == RMS:
             return metric_by(RMS)(build(self._kinds[kind], index))
         spans, mean = self._spans[kind]

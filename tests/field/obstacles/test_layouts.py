@@ -113,9 +113,7 @@ def test_a_beam_lies_across_its_pit_in_one_piece() -> None:
 
 
 @given(SIDES, LEVELS, WIDTHS, WIDTHS)
-def test_gaps_between_stones_are_as_wide_as_asked(
-    shape: tuple[int, int], levels: int, stone: int, gap: int
-) -> None:
+def test_gaps_between_stones_are_as_wide_as_asked(shape: tuple[int, int], levels: int, stone: int, gap: int) -> None:
     inner = _laid(Stones(levels=levels, stone_width=stone, stone_distance=gap), shape)[3:-3, 3:-3]
     deep = 1 - levels
     assert set(np.unique(inner)) <= {0, deep}

@@ -355,8 +355,7 @@ def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator)
     given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
     span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
     (x1, x2), (y1, y2) = (
-        random_ends(a, b, min(span, cells - 1), cells, rng)
-        for a, b, cells in zip(first, last, grid.shape, strict=True)
+        random_ends(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
     )
     return (x1, y1), (x2, y2)
 

@@ -2,9 +2,9 @@
 
     n cells, m rails of width w, across:   rail k begins at ((2 k + 1) n - m w) / (2 m), rounded down
 
-so that the spaces between rails differ by one cell at most. Ring k begins k s cells from the rim, where s is half of the
-shorter side over the number of rings. As many rails are made as fit with a cell between them. The cost is a few
-operations per cell.
+so that the spaces between rails differ by one cell at most. Ring k begins k s cells from the rim, where s is half of
+the shorter side over the number of rings, rounded down. As many rails are made as fit with a cell between them. The
+cost is a few operations per cell.
 """
 
 from __future__ import annotations
@@ -40,13 +40,14 @@ class Rails(Layout):
             rings = min(self.rails, max(half // (self.rail_width + 1), 1))
             spacing = half // rings
             rim = to_rim(shape)
-            covered = (rim < rings * spacing) & (rim % spacing < self.rail_width)
+            covered: Mask = (rim < rings * spacing) & (rim % spacing < self.rail_width)
         else:
             along = "xy".index(self.shape)
             cells = shape[along]
             rails = min(self.rails, max(cells // (self.rail_width + 1), 1))
             starts = ((2 * np.arange(rails) + 1) * cells - rails * self.rail_width) // (2 * rails)
-            at = np.arange(cells)[:, None] - starts
-            line = ((at >= 0) & (at < self.rail_width)).any(axis=1)
-            covered = np.broadcast_to(line[:, None] if along == 0 else line, shape)
-        return np.where(covered, np.int16(self.levels - 1), np.int16(0)), covered.copy()
+            covered = np.zeros(shape, dtype=bool)
+            for start in starts.tolist():
+                rail = slice(start, start + self.rail_width)
+                covered[rail if along == 0 else (slice(None), rail)] = True
+        return np.where(covered, np.int16(self.levels - 1), np.int16(0)), covered

@@ -2,8 +2,8 @@
 
     along each axis, from the first end:   gap | stone | gap | stone | ...
 
-Gaps are `levels` - 1 units below the ground. Tops are at the level of the ground, or up to `uneven` units below it, each
-drawn from one random number; the last stone may be cut off by the end of the rectangle, a gap is never wider than
+Gaps are `levels` - 1 units below the ground. Tops are at the level of the ground, or up to `uneven` units below it,
+each drawn from one random number. The end of the rectangle may cut off the last stone or gap; no gap is wider than
 asked. The cost is a few operations per cell. Trainers of legged robots have the same terrain in metres, with stones
 that also differ in width (`stone_width`, `stone_distance`, `platform_width`).
 """
