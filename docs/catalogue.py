@@ -20,7 +20,7 @@ _ROWS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "matrix": {"rows": _STAIRS},
         "pallet": {"pattern": ("flat", "hill", "diagonal")},
         "peak": {"softness": 80, "first": (1, 1), "last": (8, 8)},
-        "pit": {"gap_width": 2, "beam_width": 2, "first": (0, 0), "last": (9, 9)},
+        "pit": {"gap_width": 2, "beam_width": 2, "first": (1, 1), "last": (8, 8)},
         "platform": {"softness": 20, "first": (3, 3), "last": (6, 6)},
         "rails": {"levels": 3},
         "stones": {"uneven": 1},

@@ -1,10 +1,10 @@
 """Stepping stones: tops on which a robot must step, with gaps between them that are too deep to step into.
 
-    along each axis, from the first end:   gap | stone | gap | stone | ...
+    n cells, stones of width s, gaps of width g:   k = (n - g) / (s + g) stones along an axis, rounded up
 
-Gaps are `levels` - 1 units below the ground. Tops are at the level of the ground, or up to `uneven` units below it,
-each drawn from one random number. The end of the rectangle may cut off the last stone or gap; no gap is wider than
-asked. The cost is a few operations per cell. Trainers of legged robots have the same terrain in metres, with stones
+They are the fewest for which no gap is too wide, in the middle of the rectangle; its ends are in a gap, or cut off as
+much of the outer stones as is too long. Gaps are `levels` - 1 units below the ground. Tops are at the level of the
+ground, or up to `uneven` units below it, each drawn from one random number. The cost is a few operations per cell. Trainers of legged robots have the same terrain in metres, with stones
 that also differ in width (`stone_width`, `stone_distance`, `platform_width`).
 """
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles.base import Layout, Obstacle, register
-from rsegen.field.stepfield import Levels, Mask
+from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.sorts import Cell, Integer
 
 
@@ -54,14 +54,19 @@ class Stones(Layout):
 
     def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
         """Return the levels of tops and gaps; all cells are covered."""
-        pitch = self.stone_distance + self.stone_width
-        on_stone = [np.arange(cells) % pitch >= self.stone_distance for cells in shape]
-        tops = np.zeros(shape, dtype=np.int16)
+        (on_x, k_x), (on_y, k_y) = (self._stones(cells) for cells in shape)
+        tops = np.zeros((k_x + 1, k_y + 1), dtype=np.int16)
         if self.uneven:
-            stones = tuple(-(-cells // pitch) for cells in shape)
-            drawn = (rng.random(stones) * (self.uneven + 1)).astype(np.int16)
-            tops = -drawn[np.ix_(*(np.arange(cells) // pitch for cells in shape))]
-        levels = np.where(on_stone[0][:, None] & on_stone[1], tops, np.int16(1 - self.levels))
+            tops[:k_x, :k_y] = -np.floor(rng.random((k_x, k_y)) * (self.uneven + 1))
+        tops[k_x], tops[:, k_y] = 1 - self.levels, 1 - self.levels
+        levels = tops[np.ix_(on_x, on_y)]
         low_x, low_y = (max(cells - self.platform_width, 0) // 2 for cells in shape)
         levels[low_x : low_x + self.platform_width, low_y : low_y + self.platform_width] = 0
         return levels, np.ones(shape, dtype=bool)
+
+    def _stones(self, cells: int) -> tuple[Ints, int]:
+        """Return the stone of each cell along an axis, or their number for a cell of a gap; and their number."""
+        pitch = self.stone_width + self.stone_distance
+        stones = max(-(-(cells - self.stone_distance) // pitch), 0)
+        stone, within = np.divmod(np.arange(cells) - (cells - stones * pitch + self.stone_distance) // 2, pitch)
+        return np.where((within < self.stone_width) & (stone >= 0), np.minimum(stone, stones), stones), stones
