@@ -4,8 +4,9 @@
 
 They are the fewest for which no gap is too wide, in the middle of the rectangle; its ends are in a gap, or cut off as
 much of the outer stones as is too long. Gaps are `levels` - 1 units below the ground. Tops are at the level of the
-ground, or up to `uneven` units below it, each drawn from one random number. The cost is a few operations per cell. Trainers of legged robots have the same terrain in metres, with stones
-that also differ in width (`stone_width`, `stone_distance`, `platform_width`).
+ground, or up to `uneven` units below it, each drawn from one random number. The cost is a few operations per cell.
+Trainers of legged robots have the same terrain in metres, with stones that also differ in width (`stone_width`,
+`stone_distance`, `platform_width`).
 """
 
 from __future__ import annotations
