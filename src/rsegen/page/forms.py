@@ -97,7 +97,7 @@ BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "se
 """The parameters of the paper's figure 5, and the seed."""
 
 _GROUPS = {
-    "Shape": ("block_width_cm", "frame_height_cm", "difficulty"),
+    "Shape": ("block_width_cm", "frame_height_cm", "ground_level", "difficulty"),
     "Constraints": ("max_step", "crossable_by", "inventory"),
     "Files and simulator": ("name", "description", "first_map", "simulator", "mesh", "collision", "tile", "units"),
     "Friction": ("friction", "frame_friction", "level_friction"),

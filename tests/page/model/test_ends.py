@@ -19,10 +19,11 @@ SIZES = [{"chunk_size": 10, "chunks": [1, 1]}, {"chunk_size": 5, "chunks": [4, 2
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_random_position_is_fixed_where_it_was_drawn(kind: str, size: dict[str, object]) -> None:
     entry = {"kind": kind, "levels": 5, "key": "one"}
-    recipe = decode({"seed": 3, "maps": 5, **size, "obstacles": [entry]})
+    given = {"seed": 3, "maps": 5, "ground_level": 4, **size}
+    recipe = decode({**given, "obstacles": [entry]})
     for index in range(5):
         found = fixed(entry, recipe, index)
-        again = decode({"seed": 3, "maps": 5, **size, "obstacles": [dict(found)]})
+        again = decode({**given, "obstacles": [dict(found)]})
         first, last, patch = placed(recipe, recipe.obstacles[0], index)
         assert (found["first"], found["last"]) == (list(first), list(last))
         assert placed(again, again.obstacles[0], index)[:2] == (first, last)
