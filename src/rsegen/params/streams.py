@@ -83,8 +83,8 @@ class Streams:
     A kind's elementwise `ends` takes them in place of a generator.
     """
 
-    def __init__(self, state: Wide, increment: Wide, drawn: int = 0) -> None:
-        self._state, self._increment, self.drawn = state, increment, drawn
+    def __init__(self, state: Wide, increment: Wide) -> None:
+        self._state, self._increment = state, increment
 
     @classmethod
     def of(cls, seed: int, indices: Iterable[int], key: str) -> Streams:
@@ -104,23 +104,22 @@ class Streams:
     def part(self, maps: Any) -> Streams:
         """Return the streams of some of the maps: a slice, a mask or indices."""
         state, increment = ((high[maps], low[maps]) for high, low in (self._state, self._increment))
-        return Streams(state, increment, self.drawn)
+        return Streams(state, increment)
 
     def copy(self) -> Streams:
         """Return streams that go on from the same place."""
-        return Streams(self._state, self._increment, self.drawn)
+        return Streams(self._state, self._increment)
 
     def beside(self, array: Any) -> Streams:
         """Return the streams where an array is: as they are, or as tensors on its device."""
         from rsegen.params.arrays import asarray
 
         state, increment = ((asarray(high, array), asarray(low, array)) for high, low in (self._state, self._increment))
-        return Streams(state, increment, self.drawn)
+        return Streams(state, increment)
 
     def random(self) -> Any:
         """Return the next number of every map, in [0, 1): (maps,), float64."""
         self._state = _plus(_times(self._state, _wide(_MULTIPLIER)), self._increment)
-        self.drawn += 1
         return _fraction(self._state)
 
     def arrays(self, shape: Sequence[int]) -> Any:
