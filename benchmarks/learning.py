@@ -1,4 +1,4 @@
-"""How fast maps for learning are made, and what they cost in engines: `python -m benchmarks.learning`, two minutes.
+"""How fast maps for learning are made, and what they cost in engines: `python -m benchmarks.learning`, five minutes.
 
 Each row is beside another way in the same run, so that the ratio says something on any machine: the median of the
 ratios of several turns, seconds of CPU; engines are beside one another. Kept in benchmarks/results/learning.json;
@@ -13,7 +13,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -23,12 +23,54 @@ import rsegen
 from benchmarks import engines
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
-from rsegen import Random, Recipe, Terrain
+from rsegen import (
+    DiagonalBarrier,
+    HorizontalBarrier,
+    Matrix,
+    NormalRandom,
+    Pallet,
+    Peak,
+    Platform,
+    Random,
+    Recipe,
+    Terrain,
+)
+from rsegen.params.sorts import ANYWHERE
 
 FILE = RESULTS / "learning.json"
 LEVELS = 5
 TURNS = 7
 SIDE_IN_ENGINES = 40
+
+_BARRIER = DiagonalBarrier(levels=LEVELS, softness=30)
+
+DESIGNS: Mapping[str, Mapping[str, Any]] = {
+    "random": {},
+    "random, weights": {"obstacles": [Random(levels=LEVELS, weights=(1, 2, 2, 2, 1))]},
+    "normal random": {"obstacles": [NormalRandom(levels=LEVELS)]},
+    "horizontal barrier": {"obstacles": [HorizontalBarrier(levels=LEVELS, softness=30)]},
+    "diagonal barrier": {"obstacles": [_BARRIER]},
+    "diagonal barrier with drawn ends": {"obstacles": [replace(_BARRIER, first=(0, "random"), last=ANYWHERE)]},
+    "peak": {"obstacles": [Peak(levels=LEVELS, softness=50)]},
+    "platform": {"obstacles": [Platform(levels=LEVELS, softness=20)]},
+    "matrix at a drawn place": {"obstacles": [Matrix(rows=("1 2 1", "2 . 3"), first=ANYWHERE)]},
+    "random, barrier and peak, blends": {
+        "obstacles": [Random(levels=LEVELS), replace(_BARRIER, blend="max"), Peak(levels=LEVELS, blend="add")]
+    },
+    "random, difficulty 0.5": {"difficulty": 0.5},
+    "random, difficulty 0 to 1": {"difficulty": (0, 1)},
+    "diagonal barrier, difficulty 0.5": {"obstacles": [_BARRIER], "difficulty": 0.5},
+    "random, max_step of the recipe": {"max_step": 2},
+}
+"""Recipes of maps that are made together: what changes of one of random blocks."""
+
+LARGE = ("random", "diagonal barrier", "peak", "random, difficulty 0.5", "random, max_step of the recipe")
+"""Designs of which maps of 40 x 40 blocks are measured too."""
+
+MAP_BY_MAP: Mapping[str, Mapping[str, Any]] = {
+    "pallet": {"obstacles": [Pallet(levels=LEVELS)]},
+    "random with its own max_step": {"obstacles": [Random(levels=LEVELS, max_step=2)]},
+}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,8 +89,8 @@ class Row:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     options = _options(arguments)
-    if options.meshes:
-        return _meshes_anew()
+    if options.only:
+        return _measured_anew(options.only)
     in_engines = [asdict(row) for row in engines.rows(_recipe(SIDE_IN_ENGINES))]
     record = {"machine": machine(), "rows": [asdict(row) for row in rows()], "engines": in_engines}
     print("\n".join(table(record)))
@@ -57,38 +99,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _meshes_anew() -> int:
-    """Measure the rows of closed meshes alone; the rest of the record stays. Exit code: 0."""
-    record, anew = json.loads(FILE.read_text("utf-8")), [asdict(row) for row in _meshes()]
-    kept = [row for row in record["rows"] if "rsegen.mesh(" not in row["work"]]
-    place = next(number for number, row in enumerate(kept) if "BlockGrid" in row["work"])
-    record["rows"] = [*kept[:place], *anew, *kept[place:]]
-    record["machine"] = f"{record['machine'].partition('; closed meshes')[0]}; closed meshes later, on {machine()}"
+def _measured_anew(part: str) -> int:
+    """Measure some of the rows; the rest of the record stays. Exit code: 0."""
+    record, (anew, word) = json.loads(FILE.read_text("utf-8")), PARTS[part]
+    place = next(number for number, row in enumerate(record["rows"]) if word in row["work"])
+    kept = [row for row in record["rows"] if word not in row["work"]]
+    record["rows"] = [*kept[:place], *(asdict(row) for row in anew()), *kept[place:]]
+    record["later"] = {**record.get("later", {}), part: machine()}
     FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
     return 0
 
 
 def rows() -> Iterator[Row]:
     """All of them."""
-    for side, maps in ((10, 50_000), (40, 3_000)):
-        recipe = _recipe(side)
-        yield _compared(
-            f"`build_many`, random {side} x {side}",
-            partial(rsegen.build_many, recipe, range(maps)),
-            maps,
-            "maps",
-            "numpy, as many numbers in one call",
-            partial(_in_one_call, side, maps),
-        )
-    small, few = _recipe(10), 2_000
-    yield _compared(
-        "`build_many`, random 10 x 10",
-        lambda: rsegen.build_many(small, range(few)),
-        few,
-        "maps",
-        "`build` in a loop",
-        lambda: [rsegen.build(small, index) for index in range(few)],
-    )
+    yield from _many()
     terrain = Terrain(recipes=_recipe(40), rows=10, columns=20)
     yield _compared(
         "`Terrain`, 10 x 20 tiles of 40 x 40, its field",
@@ -101,6 +125,73 @@ def rows() -> Iterator[Row]:
     yield from _meshes()
     yield from _in_place()
     yield from _worlds()
+
+
+def _many() -> Iterator[Row]:
+    """Many maps at once, of every sort of recipe, beside one after the other."""
+    for side, maps in ((10, 50_000), (40, 3_000)):
+        recipe = _recipe(side)
+        yield _compared(
+            f"`build_many`, random {side} x {side}",
+            partial(rsegen.build_many, recipe, range(maps)),
+            maps,
+            "maps",
+            "numpy, as many numbers in one call",
+            partial(_in_one_call, side, maps),
+        )
+    for side, count, names in ((10, 4096, DESIGNS), (40, 512, LARGE)):
+        for name in names:
+            yield _beside_build(f"{name} {side} x {side}", replace(_recipe(side), **DESIGNS[name]), count)
+    for name, changes in MAP_BY_MAP.items():
+        yield _beside_build(f"{name} 10 x 10, map by map", replace(_recipe(10), **changes), 64)
+    yield from _on_a_device()
+
+
+def _beside_build(name: str, recipe: Recipe, count: int) -> Row:
+    """Many maps at once, beside `build` for each of them."""
+    return _compared(
+        f"`build_many`, {name}",
+        lambda: rsegen.build_many(recipe, range(count)),
+        count,
+        "maps",
+        "`build` in a loop",
+        lambda: [rsegen.build(recipe, index) for index in range(count)],
+    )
+
+
+def _on_a_device() -> Iterator[Row]:
+    """Maps of 16,384 worlds made on a GPU, beside those that numpy makes and copies there; seconds of the clock."""
+    try:
+        import torch
+
+        from rsegen.learning.torch import build_many
+    except ImportError:
+        return
+    if not torch.cuda.is_available():
+        return
+    worlds = range(16_384)
+
+    def made(recipe: Recipe) -> None:
+        build_many(recipe, worlds, device="cuda")
+        torch.cuda.synchronize()
+
+    def copied(recipe: Recipe) -> None:
+        torch.from_numpy(rsegen.build_many(recipe, worlds)).to("cuda")
+        torch.cuda.synchronize()
+
+    for name in ("random", "random, weights", "diagonal barrier", "random, difficulty 0.5"):
+        recipe = replace(_recipe(40), **DESIGNS[name])
+        # By the clock, as the processor waits for the device.
+        seconds, its, ratio = _in_turns(partial(made, recipe), partial(copied, recipe), time.perf_counter)
+        yield Row(
+            work=f"`build_many` of `rsegen.learning.torch`, {name} 40 x 40, on {torch.cuda.get_device_name()}",
+            seconds=seconds,
+            count=len(worlds),
+            unit="maps",
+            beside="`rsegen.build_many`, copied there",
+            beside_seconds=its,
+            ratio=ratio,
+        )
 
 
 def _meshes() -> Iterator[Row]:
@@ -206,18 +297,39 @@ def _in_one_call(side: int, maps: int) -> np.ndarray:
 def _compared(
     work: str, ours: Callable[[], object], count: int, unit: str, beside: str, other: Callable[[], object]
 ) -> Row:
-    """Both in turns, after one of each that is not counted."""
-    pairs = [(_seconds(ours), _seconds(other)) for _ in range(TURNS + 1)][1:]
+    """Both in turns, in seconds of CPU."""
+    seconds, beside_seconds, ratio = _in_turns(ours, other, time.process_time)
+    return Row(
+        work=work,
+        seconds=seconds,
+        count=count,
+        unit=unit,
+        beside=beside,
+        beside_seconds=beside_seconds,
+        ratio=ratio,
+    )
+
+
+def _in_turns(
+    ours: Callable[[], object], other: Callable[[], object], clock: Callable[[], float]
+) -> tuple[float, float, float]:
+    """The medians of both times, and of their ratios, after one turn that is not counted."""
+    pairs = [(_seconds(ours, clock), _seconds(other, clock)) for _ in range(TURNS + 1)][1:]
     mine, its = (statistics.median(times) for times in zip(*pairs, strict=True))
-    ratio = statistics.median(one / two for one, two in pairs)
-    return Row(work=work, seconds=mine, count=count, unit=unit, beside=beside, beside_seconds=its, ratio=ratio)
+    return mine, its, statistics.median(one / two for one, two in pairs)
 
 
-def _seconds(work: Callable[[], object]) -> float:
-    """Of CPU."""
-    begin = time.process_time()
+def _seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
+    begin = clock()
     work()
-    return time.process_time() - begin
+    return clock() - begin
+
+
+PARTS: Mapping[str, tuple[Callable[[], Iterator[Row]], str]] = {
+    "maps at once": (_many, "`build_many`"),
+    "closed meshes": (_meshes, "rsegen.mesh("),
+}
+"""Rows that can be measured alone, and what their names have in common."""
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
@@ -230,13 +342,14 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     side = SIDE_IN_ENGINES
     yield f"\nA random map of {side} x {side} blocks in engines, with nine bodies that lie on it:\n"
     yield from engines.table(record["engines"])
-    yield f"\nMeasured by `python -m benchmarks.learning` on: {record['machine']}."
+    later = (f"; {part} later, on {where}" for part, where in record.get("later", {}).items())
+    yield f"\nMeasured by `python -m benchmarks.learning` on: {record['machine']}{''.join(later)}."
 
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.learning", description=__doc__.splitlines()[0])
     parser.add_argument("--only-print", action="store_true", help="keep no record")
-    parser.add_argument("--meshes", action="store_true", help="closed meshes alone; the rest of the record stays")
+    parser.add_argument("--only", choices=sorted(PARTS), help="these rows alone; the rest of the record stays")
     return parser.parse_args(arguments)
 
 

@@ -81,5 +81,6 @@ def _by_chance(recipe: Recipe, share: float) -> Levels:
     """The blocks where each is rounded by a number of its own, as likely up as its rest says."""
     whole = build(replace(recipe, boundary="none")).levels
     drawn = generator(recipe.seed, 0, "by chance").random(whole.shape)
-    measure = partial(roughness, parts=parts_of(whole, recipe))
-    return nearest(partial(scaled, whole, drawn), measure, share * measure(whole), 40)
+    measure = partial(roughness, parts=parts_of(whole.shape, recipe))
+    found: Levels = nearest(partial(scaled, whole, drawn), measure, share * measure(whole), 40)
+    return found

@@ -83,6 +83,7 @@ SHEET_OF_A_PALLET = DOCS / "pictures" / "sheet-pallet.png"
 ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Recipes": (
         "params/streams",
+        "params/arrays",
         "recipe/building",
         "recipe/batch",
         "recipe/difficulty",

@@ -159,11 +159,11 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
-    terrain, exports, many, _, in_place, reset, *_ = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, exports, legs, many, _, _, in_place, reset, *_ = blocks(ROOT / "docs" / "learning.md", "python")
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
-    script = "\n".join([terrain, exports, many, in_place, write_ant, reset, 'assert info["map"] >= 0'])
+    script = "\n".join([terrain, exports, legs, many, in_place, write_ant, reset, 'assert info["map"] >= 0'])
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds" / "terrain_0000" / "terrain_0000.world").is_file()
     assert (tmp_path / "terrain.glb").stat().st_size > 100_000
@@ -179,6 +179,13 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
     assert "overflow" not in found.stdout + found.stderr
     easy, hard = map(float, found.stdout.splitlines()[-1].split())
     assert easy > 1.3 > 2 * hard
+
+
+def test_the_page_of_learning_gives_a_tensor() -> None:
+    pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
+    terrain, _, _, _, tensor, *_ = blocks(ROOT / "docs" / "learning.md", "python")
+    script = f"{terrain.partition('terrain =')[0]}\n{tensor}\nassert tuple(levels.shape) == (16_384, 20, 20)"
+    subprocess.run([sys.executable, "-c", script], check=True)
 
 
 @pytest.mark.long(reason="needs mjlab")

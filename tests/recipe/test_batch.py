@@ -15,9 +15,10 @@ import rsegen
 from rsegen import Matrix, Random, Recipe
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import Grid, Patch
+from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Levels
-from rsegen.params.sorts import Cell
-from rsegen.params.streams import generator, generators
+from rsegen.params.sorts import ANYWHERE, Cell
+from rsegen.params.streams import Streams, generator
 from rsegen.recipe.examples import EXAMPLES
 from tests.support.strategies import SEEDS, recipes
 
@@ -43,10 +44,72 @@ def test_many_maps_of_every_example_equal_maps_built_one_by_one(example: str, ch
 
 
 @given(seed=SEEDS, index=st.integers(0, 2**63 - 1), key=st.text(max_size=20))
-def test_generators_of_many_maps_equal_the_generators_of_each(seed: int, index: int, key: str) -> None:
-    for at, rng in zip((index, 0), generators(seed, (index, 0), key), strict=True):
-        assert rng.bit_generator.state == generator(seed, at, key).bit_generator.state
-        assert rng.random() == generator(seed, at, key).random()
+def test_streams_of_many_maps_are_the_generators_of_each(seed: int, index: int, key: str) -> None:
+    streams = Streams.of(seed, (index, 0), key)
+    alone = [generator(seed, at, key) for at in (index, 0)]
+    for rng, own in zip(streams.generators(), alone, strict=True):
+        assert rng.bit_generator.state == own.bit_generator.state
+    for _ in range(3):
+        assert streams.random().tolist() == [own.random() for own in alone]
+    arrays = streams.arrays((4, 3))
+    assert np.array_equal(arrays, streams.jumped((4, 3)))
+    assert np.array_equal(arrays, [own.random((4, 3)) for own in alone])
+
+
+@st.composite
+def _designs(draw: st.DrawFn) -> Recipe:
+    """Recipes with everything that many maps share: random kinds of every sort, difficulties, a largest step."""
+    recipe = draw(recipes())
+    cells = recipe.grid.n_x * recipe.grid.n_y
+    weights = tuple(draw(st.lists(st.integers(0, 4), min_size=5, max_size=5).filter(any)))
+    low = draw(st.integers(0, cells))
+    more = draw(
+        st.sampled_from(
+            [
+                Random(levels=5, weights=weights, softness=draw(st.integers(0, 100))),
+                Random(levels=3, counts=(low, 0, cells - low), blend="max"),
+                Random(levels=4, first=("random", 2), last=("random", "random"), blend="add"),
+            ]
+        )
+    )
+    share = st.floats(0, 1)
+    difficulty = draw(
+        st.one_of(
+            share,
+            st.tuples(share, share).filter(lambda pair: pair[0] <= pair[1]),
+            st.tuples(share, st.just(1.0), st.integers(2, 4)),
+        )
+    )
+    max_step = draw(st.sampled_from([None, 1, 2]))
+    return replace(recipe, obstacles=(*recipe.obstacles, more), difficulty=difficulty, max_step=max_step)
+
+
+@given(recipe=_designs())
+def test_many_maps_at_their_difficulties_and_steps_equal_maps_built_one_by_one(recipe: Recipe) -> None:
+    assert np.array_equal(rsegen.build_many(recipe, FAR), _one_by_one(recipe, FAR))
+
+
+@pytest.mark.parametrize("kind", list(rsegen.KINDS))
+@pytest.mark.parametrize("blend", ["replace", "max", "add", "min"])
+@pytest.mark.parametrize("ends", [{}, {"first": "random", "last": "random"}, {"first": (2, "random"), "last": (2, 5)}])
+def test_every_kind_with_drawn_ends_and_every_blend(kind: str, blend: str, ends: dict[str, Any]) -> None:
+    obstacle = rsegen.KINDS[kind](levels=5, softness=40, blend=blend, **ends)
+    recipe = Recipe(seed=11, chunk_size=6, chunks=(2, 1), ground_level=4, obstacles=[Random(levels=4), obstacle])
+    many = rsegen.build_many(recipe, range(40))
+    assert np.array_equal(many, _one_by_one(recipe, range(40)))
+    if ends:  # without them, some kinds are the same on the whole of every map
+        assert len(np.unique(many, axis=0)) > 20
+
+
+@pytest.mark.parametrize("difficulty", [1, 0.6])
+def test_maps_too_large_to_be_made_together_are_those_built_one_by_one(difficulty: float) -> None:
+    obstacles = [
+        Random(levels=3, first=ANYWHERE, last=ANYWHERE),
+        rsegen.Peak(levels=5),
+        rsegen.DiagonalBarrier(levels=4, blend="max"),
+    ]
+    recipe = Recipe(seed=1, chunk_size=70, obstacles=obstacles, difficulty=difficulty)
+    assert np.array_equal(rsegen.build_many(recipe, FAR), _one_by_one(recipe, FAR))
 
 
 def test_maps_beyond_one_batch_are_those_built_one_by_one() -> None:
@@ -97,6 +160,53 @@ class _Drawing(Random):
     def ends(self, grid: Grid, first: object, last: object, rng: np.random.Generator) -> tuple[Cell, Cell]:
         rng.random()
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Wedge(Shaped):
+    """Levels that rise along x, by methods that know numbers only."""
+
+    kind: ClassVar[str] = "wedge"
+
+    def reach(self, grid: Grid) -> float:
+        return 1.0
+
+    def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
+        low = first[0] if first[0] < last[0] else last[0]
+        return np.clip((x - low + 0 * y) / 6, 0, 1)
+
+    def ends(self, grid: Grid, first: object, last: object, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        at = int(rng.random() * grid.n_x)
+        return ((0, 0), (at, at)) if at < 3 else ((at, 1), (1, at))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Post(rsegen.Obstacle):
+    """One block at a cell that its patch draws: a kind with nothing but a patch."""
+
+    kind: ClassVar[str] = "post"
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        i, j = (int(rng.random() * cells) for cells in grid.shape)
+        levels = np.full((1, 1), self.levels - 1, dtype=np.int16)
+        return Patch((slice(i, i + 1), slice(j, j + 1)), levels, levels > 0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Turned(rsegen.Peak):
+    """A peak whose own ends replace those of all maps at once."""
+
+    kind: ClassVar[str] = "turned"
+
+    def ends(self, grid: Grid, first: object, last: object, rng: np.random.Generator) -> tuple[Cell, Cell]:
+        return ((0, 0), (4, 2)) if rng.random() < 0.5 else ((5, 1), (7, 9))
+
+
+@pytest.mark.parametrize("obstacle", [_Wedge(levels=6), _Post(levels=6), _Turned(levels=6)], ids=lambda own: own.kind)
+@pytest.mark.parametrize("difficulty", [1, 0.5])
+def test_kinds_of_others_are_those_built_one_by_one(obstacle: rsegen.Obstacle, difficulty: float) -> None:
+    recipe = Recipe(seed=9, obstacles=[Random(levels=3), replace(obstacle, blend="max")], difficulty=difficulty)
+    assert np.array_equal(rsegen.build_many(recipe, range(60)), _one_by_one(recipe, range(60)))
 
 
 @pytest.mark.parametrize(

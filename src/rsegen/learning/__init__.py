@@ -6,6 +6,7 @@
     mujoco_warp  BlocksOfWorlds: a map of its own for each world
     newton       add_map to a ModelBuilder; BlockGrid
     gymnasium    NewFieldAtReset, a wrapper around an environment
+    torch        build_many, the blocks of many maps in a tensor on any device
 
 Only the file of a framework imports it, so none of them is needed for the others.
 """

@@ -6,9 +6,14 @@ So no obstacle and no map influences another one (decision 2). Nothing but `rand
 for good, while its other distributions may change from one version to the next. The same recipe gives the same bytes
 with every numpy.
 
-`generators` makes those of one obstacle in many maps together, in a tenth of numpy's time: SeedSequence's hash and the
-first two steps of PCG64, both of which numpy keeps as they are, are computed for thousands of maps at once. A test
-compares them with numpy's own.
+`Streams` are those of one obstacle in many maps together: SeedSequence's hash and PCG64, both of which numpy keeps as
+they are, are computed for thousands of maps at once, in integers of 64 bits that numpy and torch share. A number of
+every map costs a 128-bit product of arrays; many numbers of every map are drawn by numpy's own generator, put into the
+state of one map after the other, or on another device by a jump of each number's own:
+
+    s -> A^k s + (A^k - 1) / (A - 1) c  (mod 2^128)     k steps of the generator s -> A s + c at once (Brown 1994)
+
+BLAKE2b remains, one hash at a time, a microsecond each. A test compares all of this with numpy's own.
 """
 
 from __future__ import annotations
@@ -16,7 +21,9 @@ from __future__ import annotations
 import hashlib
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from itertools import cycle
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -24,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Words = NDArray[np.uint32]
+    Wide = tuple[Any, Any]
 
 SEEDS = 2**63
 """Number of seeds: all of them are positive 64-bit integers, which every file format has."""
@@ -47,15 +55,13 @@ def digest(seed: int, index: int, key: str) -> bytes:
 
 
 def randint(rng: np.random.Generator, low: int, high: int) -> int:
-    """Draw an integer from low..high, both included, with equal probabilities."""
-    return low + int(rng.random() * (high - low + 1))
+    """Draw an integer from low..high, both included, with equal probabilities; from `Streams`, one for each map."""
+    drawn = rng.random() * (high - low + 1)
+    return low + (int(drawn) if isinstance(drawn, float) else drawn.astype("int64"))
 
 
 _WORDS = 4
 """32-bit words of a digest, and of the pool into which they are mixed."""
-
-_AT_ONCE = 4096
-"""Generators whose states are computed together: 256 KB of words; more are not faster."""
 
 _MULTIPLIER = 0x2360ED051FC65DA44385DF649FCCF645
 """Multiplier of PCG64's 128-bit linear congruential generator (numpy/random/src/pcg64)."""
@@ -71,20 +77,139 @@ generates.
 """
 
 
-def generators(seed: int, indices: Sequence[int], key: str) -> Iterator[np.random.Generator]:
-    """Yield the generator of the obstacle `key` in each map: one object in another state each time, so use one at a
-    time.
-    """
-    import numpy as np
+class Streams:
+    """The random streams of one obstacle in many maps, read in step: `random()` gives the next number of every map.
 
-    bits = np.random.PCG64(0)
-    rng = np.random.Generator(bits)
-    inner: dict[str, int] = {}
-    state: Any = {"bit_generator": "PCG64", "state": inner, "has_uint32": 0, "uinteger": 0}
-    for low in range(0, len(indices), _AT_ONCE):
-        for inner["state"], inner["inc"] in _states(_digests(seed, indices[low : low + _AT_ONCE], key)):
+    A kind's elementwise `ends` takes them in place of a generator.
+    """
+
+    def __init__(self, state: Wide, increment: Wide) -> None:
+        self._state, self._increment = state, increment
+
+    @classmethod
+    def of(cls, seed: int, indices: Iterable[int], key: str) -> Streams:
+        """Return the streams of the obstacle `key` in these maps."""
+        import numpy as np
+
+        words = _generated(_pooled(_digests(seed, indices, key))).astype("<u4").view("<u8").astype(np.int64)
+        state_high, state_low, inc_high, inc_low = np.ascontiguousarray(words.T)
+        # pcg_setseq_128_srandom: the increment is odd; one step from 0, the initial state added, one more step.
+        increment = (inc_high << 1 | inc_low >> 63 & 1, inc_low << 1 | 1)
+        begun = _plus(increment, (state_high, state_low))
+        return cls(_plus(_times(begun, _wide(_MULTIPLIER)), increment), increment)
+
+    def __len__(self) -> int:
+        return len(self._increment[0])
+
+    def part(self, maps: Any) -> Streams:
+        """Return the streams of some of the maps: a slice, a mask or indices."""
+        state, increment = ((high[maps], low[maps]) for high, low in (self._state, self._increment))
+        return Streams(state, increment)
+
+    def copy(self) -> Streams:
+        """Return streams that go on from the same place."""
+        return Streams(self._state, self._increment)
+
+    def beside(self, array: Any) -> Streams:
+        """Return the streams where an array is: as they are, or as tensors on its device."""
+        from rsegen.params.arrays import asarray
+
+        state, increment = ((asarray(high, array), asarray(low, array)) for high, low in (self._state, self._increment))
+        return Streams(state, increment)
+
+    def random(self) -> Any:
+        """Return the next number of every map, in [0, 1): (maps,), float64."""
+        self._state = _plus(_times(self._state, _wide(_MULTIPLIER)), self._increment)
+        return _fraction(self._state)
+
+    def arrays(self, shape: Sequence[int]) -> Any:
+        """Return the next numbers of every map, (maps, *shape); the streams stay where they are."""
+        import numpy as np
+
+        if isinstance(self._state[0], np.ndarray):
+            numbers = np.empty((len(self), *shape))
+            for own, rng in zip(numbers, self.generators(), strict=True):
+                rng.random(out=own)
+            return numbers
+        return self.jumped(shape)
+
+    def jumped(self, shape: Sequence[int]) -> Any:
+        """Return the numbers of `arrays`, each by a jump of its own: on a device that has no generator of numpy."""
+        from rsegen.params.arrays import asarray
+
+        jumps = ((asarray(high, self._state[0]), asarray(low, self._state[0])) for high, low in _jumps(prod(shape)))
+        state, increment = ((high[:, None], low[:, None]) for high, low in (self._state, self._increment))
+        factor, term = jumps
+        return _fraction(_plus(_times(state, factor), _times(increment, term))).reshape(len(self), *shape)
+
+    def generators(self) -> Iterator[np.random.Generator]:
+        """Yield the generator of each map: one object in another state each time, so use one at a time."""
+        import numpy as np
+
+        bits = np.random.PCG64(0)
+        rng = np.random.Generator(bits)
+        inner: dict[str, int] = {}
+        state: Any = {"bit_generator": "PCG64", "state": inner, "has_uint32": 0, "uinteger": 0}
+        halves = (part.view(np.uint64).tolist() for part in (*self._state, *self._increment))
+        for state_high, state_low, inc_high, inc_low in zip(*halves, strict=True):
+            inner["state"], inner["inc"] = state_high << 64 | state_low, inc_high << 64 | inc_low
             bits.state = state
             yield rng
+
+
+_LOW_32, _LEAST = 0xFFFFFFFF, -(1 << 63)
+
+
+def _wide(number: int) -> tuple[int, int]:
+    """Return an integer of 128 bits as two of 64 with a sign, the high half first."""
+    high, low = number >> 64, number & (1 << 64) - 1
+    return high - (high >> 63 << 64), low - (low >> 63 << 64)
+
+
+def _upper(number: Any) -> Any:
+    """Return the upper 32 bits of integers of 64 bits, which are taken as without a sign."""
+    return number >> 32 & _LOW_32
+
+
+def _plus(one: Wide, other: Wide) -> Wide:
+    """Return the sums of integers of 128 bits."""
+    low = one[1] + other[1]
+    carry = (low ^ _LEAST) < (one[1] ^ _LEAST)  # compared as without a sign
+    return one[0] + other[0] + carry, low
+
+
+def _times(one: Wide, other: Wide) -> Wide:
+    """Return the products of integers of 128 bits, of which the lower 128 bits count: long multiplication."""
+    (a_high, a_low), (b_high, b_low) = one, other
+    a1, a0, b1, b0 = _upper(a_low), a_low & _LOW_32, _upper(b_low), b_low & _LOW_32
+    left, right = a1 * b0, a0 * b1
+    middle = _upper(a0 * b0) + (left & _LOW_32) + (right & _LOW_32)
+    high = a1 * b1 + _upper(left) + _upper(right) + (middle >> 32)
+    return high + a_high * b_low + a_low * b_high, a_low * b_low
+
+
+def _fraction(state: Wide) -> Any:
+    """Return PCG64's output of each state (XSL RR: both halves xor, turned right by the upper 6 bits), in [0, 1)."""
+    from rsegen.params.arrays import cast
+
+    mixed, turn = state[0] ^ state[1], state[0] >> 58 & 63
+    right = mixed >> turn & ~((_LEAST >> turn) << 1)  # zeros from the left
+    return cast((right | mixed << (64 - turn & 63)) >> 11 & (1 << 53) - 1, "float64") * 2.0**-53
+
+
+@lru_cache(maxsize=8)
+def _jumps(count: int) -> tuple[Wide, Wide]:
+    """Return A^k and (A^k - 1) / (A - 1) for k = 1 .. count, by which a generator goes on by k steps."""
+    import numpy as np
+
+    factor, term, factors, terms = 1, 0, list[tuple[int, int]](), list[tuple[int, int]]()
+    for _ in range(count):
+        term = term * _MULTIPLIER + 1 & _BITS_128
+        factor = factor * _MULTIPLIER & _BITS_128
+        factors.append(_wide(factor))
+        terms.append(_wide(term))
+    (a, b), (c, d) = (np.array(rows, dtype=np.int64).T for rows in (factors, terms))
+    return (a, b), (c, d)
 
 
 def _digests(seed: int, indices: Iterable[int], key: str) -> Words:
@@ -93,16 +218,6 @@ def _digests(seed: int, indices: Iterable[int], key: str) -> Words:
 
     digests = b"".join(digest(seed, index, key) for index in indices)
     return np.frombuffer(digests, "<u4").reshape(-1, _WORDS).astype(np.uint32)
-
-
-def _states(digests: Words) -> Iterator[tuple[int, int]]:
-    """Yield state and increment of PCG64 for each row, as integers of 128 bits."""
-    halves = _generated(_pooled(digests)).astype("<u4").view("<u8").T.tolist()
-    for state_high, state_low, inc_high, inc_low in zip(*halves, strict=True):
-        # pcg_setseq_128_srandom: the increment is odd; one step from 0, the initial state added, one more step.
-        increment = ((inc_high << 64 | inc_low) << 1 | 1) & _BITS_128
-        begun = increment + (state_high << 64 | state_low)
-        yield (begun * _MULTIPLIER + increment) & _BITS_128, increment
 
 
 def _pooled(entropy: Words) -> list[Words]:

@@ -1,28 +1,45 @@
 """The blocks of many maps in one array, with the same levels as if built one by one.
 
-An obstacle that is the same in all maps is made once. One that draws a number for each cell is made from the numbers
-of all maps together, since numpy's cost per call exceeds that of the cells of a small map. All other obstacles, maps
-with constraints, and difficulties below 1 are made map by map, which costs as much as `build` in a loop.
+numpy's cost per call exceeds that of the cells of a small map, so thousands of maps are made by the same calls:
+
+    cells that draw a number each      from the numbers of all maps in one array
+    ends that are drawn                for all maps as arrays, if the kind's `ends` is elementwise; else map by map
+    kinds that draw nothing else       one patch for all maps with the same ends, all patches by one profile
+    difficulty, a largest step         all maps at once (difficulty.py, constraints/meeting.py)
+    all else                           map by map, as by `build`: pallets, `max_step` of random blocks, kinds of others
+                                       that draw in their `patch`; maps with an inventory or that have to be crossed
+
+The cost that remains for each map and obstacle is a hash, and for each cell of a map one operation of each step.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.obstacles import Grid, Obstacle, Patch
-from rsegen.field.obstacles.base import Region
-from rsegen.field.stepfield import Levels
-from rsegen.params.streams import SEEDS, generators
-from rsegen.recipe.building import build, flat_ground, impose, placed_by
+from rsegen.field.obstacles.base import Region, is_elementwise
+from rsegen.field.stepfield import Ints, Levels, Mask
+from rsegen.params.arrays import along, asarray
+from rsegen.params.sorts import Cell
+from rsegen.params.streams import SEEDS, Streams
+from rsegen.recipe.building import blocks, flat_ground, impose, placed_by
 from rsegen.recipe.map_design import MapDesign
 
-_CELLS_AT_ONCE = 2**15
-"""Cells that are made together: their random numbers take 256 KB, which fits into the cache of a core."""
+_CELLS_AT_ONCE = 2**17
+"""Cells that are made together: an array of numbers for them takes 1 MB, which fits into the cache of a core."""
+
+_CELLS_SCALED_AT_ONCE = 2**15
+"""Cells that are scaled to their difficulty together, in several arrays of numbers at a time."""
+
+_EVERYWHERE = slice(None), slice(None)
+
+_FEW_CELLS = 2**12
+"""Cells of a map above which patches are made one by one, each in its window: numpy's cost per call is less by then."""
 
 
 def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
@@ -31,29 +48,13 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
     Row k is `build(recipe, indices[k]).blocks`, made in a fraction of the time of `build` in a loop.
     ParameterError if an index is no whole number from 0 on, TooLarge if the array does not fit into memory.
     """
-    wanted = _checked(indices)
+    wanted = checked(indices)
     levels = flat_ground(recipe.grid, len(wanted))
-    if recipe.is_constrained:
-        for own, index in zip(levels, wanted, strict=True):
-            own[:] = build(recipe, index).blocks
-        return levels
-    obstacles = [(row, _InManyMaps(recipe, obstacle, wanted)) for row, obstacle in recipe.enabled_obstacles]
-    at_once = max(_CELLS_AT_ONCE // (recipe.grid.n_x * recipe.grid.n_y), 1)
-    for low in range(0, len(wanted), at_once):
-        for row, obstacle in obstacles:
-            with inside(f"obstacles[{row}]"):
-                obstacle.impose_on_next(levels[low : low + at_once])
-    if recipe.difficulty != 1:
-        from rsegen.recipe.difficulty import scaled_to_difficulty
-
-        for own, index in zip(levels, wanted, strict=True):
-            own[:] = scaled_to_difficulty(own, recipe, index)
-    if recipe.ground_level:
-        levels += np.int16(recipe.ground_level)
+    fill(levels, recipe, wanted, _CELLS_AT_ONCE, _CELLS_SCALED_AT_ONCE)
     return levels
 
 
-def _checked(indices: Iterable[int]) -> Sequence[int]:
+def checked(indices: Iterable[int]) -> Sequence[int]:
     """Return map indices as a sequence; ParameterError if any is no whole number or out of range."""
     try:
         wanted = indices if isinstance(indices, range) else [operator.index(index) for index in indices]
@@ -65,44 +66,150 @@ def _checked(indices: Iterable[int]) -> Sequence[int]:
     return wanted
 
 
+def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, scaled_cells: int) -> None:
+    """Make these maps in place of flat ground (maps, n_x, n_y), an array or a tensor.
+
+    cells, scaled_cells: how many are made, and how many are scaled to their difficulty, together.
+    """
+    if len(indices) == 1 or (recipe.is_constrained and not _is_of_steps_alone(recipe)):
+        for own, index in zip(levels, indices, strict=True):
+            own[:] = asarray(blocks(recipe, index), own)
+        return
+    obstacles = [(row, _InManyMaps(recipe, obstacle)) for row, obstacle in recipe.enabled_obstacles]
+    of_a_map = recipe.grid.n_x * recipe.grid.n_y
+    for part, own in _parts(levels, indices, cells // of_a_map):
+        for row, obstacle in obstacles:
+            with inside(f"obstacles[{row}]"):
+                obstacle.impose_on(part, own)
+        if recipe.difficulty != 1:
+            from rsegen.recipe.difficulty import scaled_to_difficulties
+
+            for few, indices_of_few in _parts(part, own, scaled_cells // of_a_map):
+                few[:] = scaled_to_difficulties(few, recipe, indices_of_few)
+        part[:] += recipe.ground_level
+        if recipe.max_step is not None:
+            from rsegen.recipe.constraints.meeting import blocks_step_limited
+
+            part[:] = blocks_step_limited(part, recipe)
+
+
+def _is_of_steps_alone(recipe: MapDesign) -> bool:
+    from rsegen.recipe.constraints.meeting import is_of_steps_alone
+
+    return is_of_steps_alone(recipe)
+
+
+def _parts(levels: Any, indices: Sequence[int], maps: int) -> Iterator[tuple[Any, Sequence[int]]]:
+    """Yield the levels of a number of maps at a time, with their indices."""
+    for low in range(0, len(indices), max(maps, 1)):
+        part = slice(low, low + max(maps, 1))
+        yield levels[part], indices[part]
+
+
 class _InManyMaps:
-    """An obstacle that is imposed on one map after the other, in the order of the indices."""
+    """An obstacle that is imposed on many maps at once."""
 
-    def __init__(self, recipe: MapDesign, obstacle: Obstacle, indices: Sequence[int]) -> None:
-        self._grid, self._obstacle = recipe.grid, obstacle
-        self._impose = partial(impose, blend=obstacle.blend, level_range=recipe.level_range)
-        self._rngs = generators(recipe.seed, indices, obstacle.key or "")
-        self._patch = _patch_of_all(recipe.grid, obstacle)
+    def __init__(self, recipe: MapDesign, obstacle: Obstacle) -> None:
+        self._recipe, self._grid, self._obstacle = recipe, recipe.grid, obstacle
+        self._ends = _ends_of_all(recipe.grid, obstacle)
+        self._patch = _patch_of_all(recipe.grid, obstacle, self._ends)
 
-    def impose_on_next(self, levels: Levels) -> None:
-        """Impose the obstacle on the next maps, (maps, n_x, n_y), in place."""
+    def impose_on(self, levels: Any, indices: Sequence[int]) -> None:
+        """Impose the obstacle on these maps, (maps, n_x, n_y), in place."""
+        if self._patch is not None:
+            self._impose(levels, self._patch)
+            return
         obstacle = self._obstacle
-        if self._patch is None:
-            for own, rng in zip(levels, self._rngs, strict=False):
+        streams = Streams.of(self._recipe.seed, indices, obstacle.key or "")
+        is_small = self._grid.n_x * self._grid.n_y <= _FEW_CELLS
+        region = obstacle if obstacle.draws_by_cell and isinstance(obstacle, Region) else None
+        if region and self._ends is not None:
+            self._impose(levels, _drawn_by_cell(self._grid, region, self._ends, streams, levels))
+        elif region and is_small and _is_drawn_anywhere(region):
+            self._impose(levels, self._drawn_anywhere(region, streams, levels))
+        elif obstacle.draws_nothing and is_small:
+            self._impose(levels, self._patches(streams))
+        else:
+            for own, rng in zip(levels, streams.generators(), strict=True):
                 *_, patch = placed_by(self._grid, obstacle, rng)
                 self._impose(own, patch)
-            return
-        patch = self._patch
-        if obstacle.draws_by_cell and isinstance(obstacle, Region):
-            uniform = np.empty((len(levels), *patch.levels.shape))
-            for own, rng in zip(uniform, self._rngs, strict=False):
-                rng.random(out=own)
-            rows = uniform.reshape(-1, uniform.shape[-1])
-            patch = patch._replace(levels=obstacle.levels_of(rows).reshape(uniform.shape))
-        self._impose(levels, patch)
+
+    def _impose(self, levels: Any, patch: Patch) -> None:
+        patch = patch._replace(levels=asarray(patch.levels, levels), footprint=asarray(patch.footprint, levels))
+        impose(levels, patch, self._obstacle.blend, self._recipe.level_range)
+
+    def _patches(self, streams: Streams) -> Patch:
+        """Return the patch of every map, of which each that several maps have is made once."""
+        n_x, n_y = self._grid.shape
+        (x1, y1), (x2, y2) = ends = self._ends_of(streams)
+        numbers = ((x1 * n_y + y1) * n_x + x2) * n_y + y2
+        _, first_of, place = np.unique(numbers, return_index=True, return_inverse=True)
+        pairs = np.stack([np.stack([at[first_of] for at in end], axis=-1) for end in ends], axis=1)
+        patch = self._obstacle.patches(self._grid, pairs)
+        return patch._replace(levels=patch.levels[place], footprint=patch.footprint[place])
+
+    def _drawn_anywhere(self, obstacle: Region, streams: Streams, like: Any) -> Patch:
+        """Return the patch of every map of an obstacle that draws a number for each cell between drawn ends."""
+        grid, rest = self._grid, streams.copy()
+        # The numbers of the cells are those that follow the ends.
+        obstacle.ends(grid, *obstacle.wanted_ends(grid), rest)  # type: ignore[arg-type]  # elementwise
+        ends = zip(*self._ends_of(streams), grid.shape, strict=True)
+        (x, in_x, _), (y, in_y, n_y) = (_between(*pair) for pair in ends)
+        number = np.where(in_x[:, :, None] & in_y[:, None], x[:, :, None] * n_y[:, None] + y[:, None], 0)
+        uniform = rest.beside(like).arrays((int(number.max()) + 1,))
+        drawn = along(uniform, asarray(number.reshape(len(number), -1), like)).reshape(number.shape)
+        return Patch(_EVERYWHERE, obstacle.drawn(drawn), in_x[:, :, None] & in_y[:, None])
+
+    def _ends_of(self, streams: Streams) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
+        """Return both coordinates of both ends, each (maps,)."""
+        obstacle, grid = self._obstacle, self._grid
+        first, last = obstacle.wanted_ends(grid)
+        if is_elementwise(obstacle.ends):
+            drawn: Any = obstacle.ends(grid, first, last, streams.copy())  # type: ignore[arg-type]  # elementwise
+            (x1, y1), (x2, y2) = (tuple(np.broadcast_to(at, len(streams)) for at in end) for end in drawn)
+        else:
+            drawn = np.array([obstacle.ends(grid, first, last, rng) for rng in streams.generators()])
+            (x1, y1), (x2, y2) = np.moveaxis(drawn, 0, -1)
+        return (x1, y1), (x2, y2)
 
 
-def _patch_of_all(grid: Grid, obstacle: Obstacle) -> Patch | None:
-    """Return the patch of an obstacle that is the same in all maps, or differs only in the numbers of its cells.
-
-    None for all others: those with random ends, and those whose `ends` draw even though both ends are given.
-    """
+def _ends_of_all(grid: Grid, obstacle: Obstacle) -> tuple[Cell, Cell] | None:
+    """Return the ends of an obstacle that has the same ones in all maps; None if they are drawn, or draws precede."""
     rng = np.random.Generator(np.random.PCG64(0))
     first, last = obstacle.wanted_ends(grid)
-    if "random" in (*first, *last) or not (obstacle.draws_nothing or obstacle.draws_by_cell):
+    if "random" in (*first, *last):
         return None
     before = rng.bit_generator.state
     ends = obstacle.ends(grid, first, last, rng)
-    if rng.bit_generator.state != before:
+    return ends if rng.bit_generator.state == before else None
+
+
+def _patch_of_all(grid: Grid, obstacle: Obstacle, ends: tuple[Cell, Cell] | None) -> Patch | None:
+    """Return the patch of an obstacle that is the same in all maps; None for all others."""
+    if ends is None or not obstacle.draws_nothing:
         return None
-    return obstacle.patch(grid, *ends, rng)
+    return obstacle.patch(grid, *ends, np.random.Generator(np.random.PCG64(0)))
+
+
+def _is_drawn_anywhere(obstacle: Region) -> bool:
+    """Return whether the cells of an obstacle may be drawn between other ends in every map."""
+    return is_elementwise(obstacle.ends) and is_elementwise(obstacle.drawn) and obstacle.draws_per_cell == 1
+
+
+def _between(first: Ints, last: Ints, cells: int) -> tuple[Ints, Mask, Ints]:
+    """Return the place of each cell of an axis between two ends, whether it lies there, and the number of such cells.
+
+    (maps, cells), and (maps, 1) for the number.
+    """
+    low, high = np.minimum(first, last)[:, None], np.maximum(first, last)[:, None]
+    at = np.arange(cells)
+    return at - low, (at >= low) & (at <= high), high - low + 1
+
+
+def _drawn_by_cell(grid: Grid, obstacle: Region, ends: tuple[Cell, Cell], streams: Streams, like: Any) -> Patch:
+    """Return the patch of every map of an obstacle that draws a number for each cell between fixed ends."""
+    window = obstacle.window(grid, *ends)
+    shape = tuple(part.stop - part.start for part in window)
+    beside = streams.beside(like) if is_elementwise(obstacle.drawn) else streams  # a tensor only where one is expected
+    uniform = beside.arrays((obstacle.draws_per_cell, *shape))[:, -1]
+    return Patch(window, obstacle.levels_in_maps(uniform), np.ones(shape, dtype=bool))

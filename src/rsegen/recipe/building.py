@@ -10,6 +10,7 @@ The cost is one pass over the cells that each obstacle covers; constraints cost 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from rsegen.errors import TooLarge, inside
 from rsegen.field.obstacles import Grid, Obstacle, Patch
 from rsegen.field.stepfield import Levels, StepField, framed
+from rsegen.params.arrays import cast, namespace, overwrite
 from rsegen.params.sorts import Cell, Integer
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.map_design import MapDesign
@@ -117,19 +119,18 @@ def ends_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[C
     return obstacle.ends(grid, *obstacle.wanted_ends(grid), rng)
 
 
-def impose(levels: Levels, patch: Patch, blend: str, level_range: tuple[int, int]) -> None:
-    """Combine a patch with the levels of a map, or of many along the first axis, in place.
+def impose(levels: Any, patch: Patch, blend: str, level_range: tuple[int, int]) -> None:
+    """Combine a patch with the levels of a map, or of many along the first axis, in place; arrays or tensors.
 
     level_range: the lowest and the highest level of any obstacle of the map, where sums are cut off.
     """
     below = levels[(..., *patch.window)]
-    np.copyto(below, _BLENDS[blend](below, patch.levels, level_range), where=patch.footprint)
+    overwrite(below, _BLENDS[blend](below, patch.levels, level_range), patch.footprint)
 
 
-_Blend = Callable[[NDArray[np.int16], NDArray[np.int16], tuple[int, int]], NDArray[np.integer]]
-_BLENDS: dict[str, _Blend] = {
+_BLENDS: dict[str, Callable[[Any, Any, tuple[int, int]], Any]] = {
     "replace": lambda below, own, between: own,
-    "max": lambda below, own, between: np.maximum(below, own),
-    "min": lambda below, own, between: np.minimum(below, own),
-    "add": lambda below, own, between: np.clip(below.astype(np.int32) + own, *between).astype(np.int16),
+    "max": lambda below, own, between: namespace(below).maximum(below, own),
+    "min": lambda below, own, between: namespace(below).minimum(below, own),
+    "add": lambda below, own, between: cast(namespace(below).clip(cast(below, "int32") + own, *between), "int16"),
 }

@@ -10,21 +10,33 @@ stays flat but for one edge, higher blocks stay higher, and the rms step changes
 docs/difficulty.md has the formulas and their accuracy.
 
 The scale is found by bisection, in as many halvings as it takes to separate any two blocks: 14 for a pallet of five
-levels, each a pass over the cells. On a field of few blocks one block is a large share of the roughness, so there the
-result is as near as one block allows, and no nearer.
+levels, each a pass over the cells. Many maps are scaled by the same passes. On a field of few blocks one block is a
+large share of the roughness, so there the result is as near as one block allows, and no nearer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
-from rsegen.field.metrics.graphs import connected, neighbours
-from rsegen.field.stepfield import Array, Ints, Levels
-from rsegen.params.streams import generator
+from rsegen.field.metrics.graphs import connected
+from rsegen.field.stepfield import Levels
+from rsegen.params.arrays import (
+    asarray,
+    cast,
+    least,
+    maps_first,
+    maps_last,
+    namespace,
+    places_of,
+    ranks_of_draws,
+    where,
+)
+from rsegen.params.streams import Streams, generator
 from rsegen.recipe.map_design import MapDesign
 
 _KEY = "difficulty of the map"
@@ -33,70 +45,110 @@ _KEY = "difficulty of the map"
 
 def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Levels:
     """Return the levels of map `index` at the difficulty of its design; a field without steps is lowered as a whole."""
-    measure = partial(roughness, parts=parts_of(levels, design))
     difficulty = design.difficulty_of(index)
     if difficulty == 1:
         return levels
-    asked = difficulty * measure(levels)
+    field, measure = levels.astype(float), partial(roughness, parts=parts_of(levels.shape, design))
+    asked = difficulty * measure(field)
     if not asked:
-        return scaled(levels, 0.5, difficulty)
-    drawn = generator(design.seed, index, _KEY).random(levels.shape)
-    return nearest(partial(scaled, levels, _rounding(levels, drawn)), measure, asked, _halvings(levels))
+        return scaled(field, 0.5, difficulty).astype(np.int16)  # type: ignore[no-any-return]  # as the field
+    rounding = _rounding(levels[None], generator(design.seed, index, _KEY).random((1, *levels.shape)))[0]
+    found: Levels = nearest(partial(scaled, field, rounding), measure, asked, int(_halvings(levels[None])[0]))
+    return found.astype(np.int16)
 
 
-def scaled(levels: Levels, rounding: Array | float, scale: float) -> Levels:
-    """Return floor(s h + u): `levels` unchanged at scale s = 1, flat ground at 0."""
-    return np.asarray(np.floor(levels * scale + rounding), dtype=np.int16)
+def scaled_to_difficulties(levels: Any, design: MapDesign, indices: Sequence[int]) -> Any:
+    """Return the levels of many maps (maps, n_x, n_y), an array or a tensor, each at its difficulty."""
+    fields, measure = maps_last(levels), partial(roughness, parts=parts_of(levels.shape[1:], design))
+    difficulties = asarray(np.array(design.difficulties_of(indices)), levels)
+    asked = difficulties * measure(fields)
+    result = maps_first(scaled(fields, 0.5, difficulties))
+    steep = places_of((asked > 0) & (difficulties < 1))
+    if len(steep):
+        chosen = levels[steep]
+        drawn = Streams.of(design.seed, indices, _KEY).part(steep.tolist()).beside(levels).arrays(levels.shape[1:])
+        at = partial(scaled, maps_last(chosen), maps_last(_rounding(chosen, drawn)))
+        result[steep] = maps_first(nearest(at, measure, asked[steep], _halvings(chosen)))
+    return namespace(levels).where(difficulties[:, None, None] == 1, levels, result)
 
 
-def parts_of(levels: Levels, design: MapDesign) -> tuple[int, int]:
-    """Return the size of the parts of a map that no frame divides, in cells along x and y."""
-    n_x, n_y = levels.shape
-    return (design.chunk_size, design.chunk_size) if design.boundary == "divided" else (n_x, n_y)
+def scaled(field: Any, rounding: Any, scale: Any) -> Any:
+    """Return floor(s h + u) of a field (n_x, n_y), or of many (n_x, n_y, maps) with a scale each, as floats.
 
-
-def roughness(levels: Levels, parts: tuple[int, int]) -> float:
-    """Return sqrt(sum dh^2) over all neighbours without a frame between them: proportional to the rms step."""
-    n_x, n_y = levels.shape
-    x, y = levels.reshape(-1, parts[0], n_y), levels.reshape(n_x, -1, parts[1])
-    steps = (x[:, 1:], x[:, :-1]), (y[:, :, 1:], y[:, :, :-1])
-    rises = [np.subtract(high, low, dtype=np.int64) for high, low in steps]
-    return sqrt(sum(int(np.vdot(rise, rise)) for rise in rises))
-
-
-def nearest(at: Callable[[float], Levels], measure: Callable[[Levels], float], asked: float, halvings: int) -> Levels:
-    """Return the field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale.
-
-    Larger `asked` never gives a smaller scale, so the fields of rising difficulty are nested.
+    A field is unchanged at s = 1, flat ground at 0.
     """
-    low, high = 0.0, 1.0
-    for _ in range(halvings):
+    raised = field * scale
+    raised += rounding  # in place, as memory limits this, not arithmetic
+    return namespace(raised).floor(raised)
+
+
+def parts_of(shape: tuple[int, int], design: MapDesign) -> tuple[int, int]:
+    """Return the size of the parts of a map of this shape that no frame divides, in cells along x and y."""
+    return (design.chunk_size, design.chunk_size) if design.boundary == "divided" else shape
+
+
+_MOST_IN_FLOATS = 2**20
+"""Cells up to which squared steps, of 2^33 at the most, are summed as floats: these sums are below 2^53, so exact."""
+
+
+def roughness(field: Any, parts: tuple[int, int]) -> Any:
+    """Return sqrt(sum dh^2) over all neighbours without a frame between them: proportional to the rms step.
+
+    A number for a field (n_x, n_y); an array for many (n_x, n_y, maps).
+    """
+    n_x, n_y, *maps = field.shape
+    numbers = cast(field, "float64" if maps and n_x * n_y <= _MOST_IN_FLOATS else "int64")
+    x, y = numbers.reshape(-1, parts[0], n_y, *maps), numbers.reshape(n_x, -1, parts[1], *maps)
+    rises = x[:, 1:] - x[:, :-1], y[:, :, 1:] - y[:, :, :-1]
+    if not maps:
+        return sqrt(sum(int(np.vdot(rise, rise)) for rise in rises))
+    xp = namespace(field)
+    return xp.sqrt(cast(sum((rise * rise).sum((0, 1, 2)) for rise in rises), "float64"))
+
+
+def nearest(at: Callable[[Any], Any], measure: Callable[[Any], Any], asked: Any, halvings: Any) -> Any:
+    """Return the field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale; or many fields.
+
+    asked, halvings: numbers, or (maps,). Larger `asked` never gives a smaller scale, so the fields of rising difficulty
+    are nested.
+    """
+    low, high = 0 * asked, 0 * asked + 1
+    fewest, most = (halvings, halvings) if isinstance(halvings, int) else (int(halvings.min()), int(halvings.max()))
+    for halving in range(most):
         middle = (low + high) / 2
-        low, high = (middle, high) if measure(at(middle)) < asked else (low, middle)
+        is_below = measure(at(middle)) < asked
+        halved = where(is_below, middle, low), where(is_below, high, middle)
+        goes_on = halving < fewest or halving < halvings
+        low, high = (where(goes_on, new, old) for new, old in zip(halved, (low, high), strict=True))
     lower, upper = at(low), at(high)
-    return upper if asked - measure(lower) > measure(upper) - asked else lower
+    return where(asked - measure(lower) > measure(upper) - asked, upper, lower)
 
 
-def _rounding(levels: Levels, drawn: Array) -> Array:
+def _rounding(levels: Any, drawn: Any) -> Any:
     """Return u of every cell: 1/2, changed by its place in the order so little that higher blocks are raised first."""
-    draw_of_plateau = drawn.ravel()[_plateaus(levels)]
-    order = np.empty(levels.size)
-    order[np.argsort(draw_of_plateau, kind="stable")] = np.arange(levels.size) / levels.size
-    return np.asarray(0.5 + (order.reshape(levels.shape) - 0.5) / (4 * _farthest(levels)))
+    cells = levels.shape[1] * levels.shape[2]
+    draw_of_plateau = drawn.reshape(-1)[_plateaus(levels)]
+    order = cast(ranks_of_draws(draw_of_plateau.reshape(-1, cells)), "float64") / cells
+    return 0.5 + (order.reshape(levels.shape) - 0.5) / (4 * _top(levels))[:, None, None]
 
 
-def _plateaus(levels: Levels) -> Ints:
-    """Return for each cell, in one row, the first cell of its connected component of equal level."""
-    row, (low, high) = levels.ravel(), neighbours(levels.shape)
-    level = row[low] == row[high]
-    return connected(levels.size, low[level], high[level])
+def _plateaus(levels: Any) -> Any:
+    """Return for each cell, all maps in one row, the first cell of its connected component of equal level."""
+    maps, n_x, n_y = levels.shape
+    # Whether the next cell along x, and along y, has the same level; false at the end of an axis.
+    on_x, on_y = (namespace(levels).zeros_like(levels) > 0 for _ in range(2))
+    on_x[:, :-1], on_y[:, :, :-1] = levels[:, :-1] == levels[:, 1:], levels[:, :, :-1] == levels[:, :, 1:]
+    x, y = places_of(on_x.reshape(-1)), places_of(on_y.reshape(-1))
+    join = namespace(levels).concatenate
+    return connected(maps * n_x * n_y, join([x, y]), join([x + n_y, y + 1]))
 
 
-def _halvings(levels: Levels) -> int:
+def _halvings(levels: Any) -> Any:
     """Return the number of halvings that separates any two blocks: their scales differ by 1 / (4 N top^2) or more."""
-    return min((4 * levels.size * _farthest(levels) ** 2).bit_length() + 1, 52)  # the bits of a float
+    apart = 4 * levels.shape[1] * levels.shape[2] * _top(levels) ** 2
+    return least(namespace(levels).frexp(apart)[1] + 1, 52)  # one more than its binary digits; the bits of a float
 
 
-def _farthest(levels: Levels) -> int:
-    """Return the level that is farthest from the ground, up or down."""
-    return max(int(levels.max()), -int(levels.min()))
+def _top(levels: Any) -> Any:
+    """Return the largest distance of any block of each map from level 0, as a float."""
+    return cast(namespace(levels).amax(abs(levels), (1, 2)), "float64")

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rsegen.errors import ParameterError, shown
 from rsegen.field.limits import StepLimits
 from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
-from rsegen.params.streams import SEEDS, fresh_seed, generator
+from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 
 if TYPE_CHECKING:
     from rsegen.field.obstacles import Grid, Obstacle
@@ -67,13 +67,18 @@ class DifficultySort:
         return "a number from 0 to 1, or a range as in [0.2, 1] or, in 10 steps, [0.2, 1, 10]"
 
 
-def difficulty_of_map(given: Difficulty, seed: int, index: int) -> float:
-    """Return the difficulty of map `index`: of a range a uniform draw by the seed, or with steps the next in turn."""
+def difficulties_of_maps(given: Difficulty, seed: int, indices: Sequence[int]) -> list[float]:
+    """Return the difficulties of maps: of a range a draw by the seed for each, or with steps the next in turn."""
     if not isinstance(given, tuple):
-        return given
+        return [given] * len(indices)
     low, high, *steps = given
-    share = index % steps[0] / (steps[0] - 1) if steps else generator(seed, index, _KEY).random()
-    return round(low + (high - low) * share, 9)  # a number that files have in full: 0.3, not 0.30000000000000004
+    if steps:
+        shares = [index % steps[0] / (steps[0] - 1) for index in indices]
+    elif len(indices) == 1:  # streams of many maps cost more than one generator
+        shares = [generator(seed, indices[0], _KEY).random()]
+    else:
+        shares = Streams.of(seed, indices, _KEY).random().tolist()
+    return [round(low + (high - low) * share, 9) for share in shares]  # as files have it: not 0.30000000000000004
 
 
 @dataclass(frozen=True)
@@ -202,7 +207,11 @@ class MapDesign:
 
     def difficulty_of(self, index: int) -> float:
         """Return the difficulty of map `index`."""
-        return difficulty_of_map(self.difficulty, self.seed, index)
+        return self.difficulties_of([index])[0]
+
+    def difficulties_of(self, indices: Sequence[int]) -> list[float]:
+        """Return the difficulties of several maps."""
+        return difficulties_of_maps(self.difficulty, self.seed, indices)
 
     @property
     def is_constrained(self) -> bool:

@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from rsegen.field.stepfield import Ints, Mask
+from rsegen.params.arrays import arange, least_at, where
 
 
 def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
@@ -31,14 +32,15 @@ def connected(nodes: int, a: Ints, b: Ints) -> Ints:
 
     Every root is attached to the smallest adjacent root and pointers are shortened, until no edge joins two roots.
     """
-    root = np.arange(nodes)
+    root: Ints = arange(nodes, a)
     while True:
         a, b = root[a], root[b]
         apart = a != b
         if not apart.any():
             return root
         a, b = a[apart], b[apart]
-        np.minimum.at(root, np.maximum(a, b), np.minimum(a, b))
+        smaller = a < b
+        least_at(root, where(smaller, b, a), where(smaller, a, b))
         while (root != (above := root[root])).any():
             root = above
 

@@ -11,12 +11,13 @@ of cells of which some meet at corners only.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Shaped, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Shaped, elementwise, ends_of_one, register
 from rsegen.field.stepfield import Array
 from rsegen.params.sorts import ANYWHERE, Cell, Place
 from rsegen.params.streams import randint
@@ -35,6 +36,7 @@ class Barrier(Shaped):
         """Return w + 1/2 cells, beyond which the profile is 0."""
         return self.run_out(grid) + 0.5
 
+    @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
         """Return 1 - (d - 1/2) / w on the slopes, with the distance d from the axis; vertical walls if w = 0."""
         beyond = _distance_to_segment(x, y, first, last) - 0.5
@@ -48,9 +50,9 @@ def _distance_to_segment(x: Array, y: Array, first: Cell, last: Cell) -> Array:
     (x1, y1), (x2, y2) = first, last
     along_x, along_y = x2 - x1, y2 - y1
     squared = along_x**2 + along_y**2
-    t = ((x - x1) * along_x + (y - y1) * along_y) / squared if squared else np.zeros((1, 1))
+    t = ((x - x1) * along_x + (y - y1) * along_y) / np.maximum(squared, 1)  # 0 / 1 for a segment of one cell
     t = np.clip(t, 0, 1)
-    return np.sqrt((x - x1 - t * along_x) ** 2 + (y - y1 - t * along_y) ** 2)
+    return np.asarray(np.sqrt((x - x1 - t * along_x) ** 2 + (y - y1 - t * along_y) ** 2))
 
 
 @register
@@ -66,18 +68,22 @@ class HorizontalBarrier(Barrier):
             ends = f"first {list(self.first)} and last {list(self.last)}"
             raise ParameterError("last", f"{ends} share neither x nor y; a horizontal barrier needs the same x or y")
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends that share x or y; missing coordinates are drawn; without ends the barrier spans the map."""
-        axes = _shareable(first, last)
-        shared = axes[randint(rng, 0, len(axes) - 1)]
-        given = _given(first[shared], last[shared])
-        line = randint(rng, 0, grid.shape[shared] - 1) if given is None else given
-        cells = grid.shape[1 - shared]
-        start, stop = first[1 - shared], last[1 - shared]
-        if start == stop == "random":
-            start, stop = 0, cells - 1
-        start, stop = (randint(rng, 0, cells - 1) if end == "random" else end for end in (start, stop))
-        return ((start, line), (stop, line)) if shared else ((line, start), (line, stop))
+        return ends_of_one([partial(_ends_along, grid, first, last, axis) for axis in _shareable(first, last)], rng)
+
+
+def _ends_along(grid: Grid, first: Place, last: Place, shared: int, rng: np.random.Generator) -> tuple[Cell, Cell]:
+    """Return ends of one coordinate on the axis `shared`."""
+    given = _given(first[shared], last[shared])
+    line = randint(rng, 0, grid.shape[shared] - 1) if given is None else given
+    cells = grid.shape[1 - shared]
+    start, stop = first[1 - shared], last[1 - shared]
+    if start == stop == "random":
+        start, stop = 0, cells - 1
+    start, stop = (randint(rng, 0, cells - 1) if end == "random" else end for end in (start, stop))
+    return ((start, line), (stop, line)) if shared else ((line, start), (line, stop))
 
 
 def _shareable(first: Place, last: Place) -> list[int]:
@@ -99,11 +105,11 @@ class DiagonalBarrier(Barrier):
 
     kind: ClassVar[str] = "diagonal_barrier"
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return random cells on two opposite map edges if no coordinate is given; else random ones are uniform."""
-        if first == last == ANYWHERE:
-            across = randint(rng, 0, 1)
-            opposite: tuple[Place, Place] = ((0, "random"), (grid.n_x - 1, "random"))
-            upright: tuple[Place, Place] = (("random", 0), ("random", grid.n_y - 1))
-            first, last = upright if across else opposite
-        return Barrier.ends(self, grid, first, last, rng)
+        if not first == last == ANYWHERE:
+            return Barrier.ends(self, grid, first, last, rng)
+        opposite: tuple[Place, Place] = ((0, "random"), (grid.n_x - 1, "random"))
+        upright: tuple[Place, Place] = (("random", 0), ("random", grid.n_y - 1))
+        return ends_of_one([partial(Barrier.ends, self, grid, *ends) for ends in (opposite, upright)], rng)

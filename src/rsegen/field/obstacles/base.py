@@ -4,21 +4,27 @@ A kind is a frozen dataclass under `@register` whose annotated fields are its pa
 A row of a recipe becomes levels in three steps, the last two with the random generator of its key:
 
     first, last --wanted_ends--> places that may be "random" --ends--> two cells --patch--> levels in a window
+
+Many maps are made at once where a kind allows it (recipe/batch.py). An `@elementwise` method may be given an array,
+with a value for each map, in place of a number, and gives arrays then, so no second formula is written. A method
+without the mark, also one that overrides a marked one, is called with numbers: for each map, or for each pair of ends
+of a kind that `draws_nothing`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import Annotated, ClassVar, NamedTuple, TypeVar
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
 from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
+from rsegen.params.arrays import greatest, least, where
 from rsegen.params.registry import Contract, Registry, clash
 from rsegen.params.sorts import (
     ANYWHERE,
@@ -38,10 +44,24 @@ from rsegen.params.sorts import (
     parameters,
     validate,
 )
-from rsegen.params.streams import randint
+from rsegen.params.streams import Streams, randint
 
 SLACK = 1e-9
 """Added before a product of floats is rounded down: (n - 1) f of 2.9999999999999996 is level 3, as in exact numbers."""
+
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+
+def elementwise(method: _Method) -> _Method:
+    """Mark a method that takes arrays, a value for each map, in place of numbers: it branches on no drawn value."""
+    method.is_elementwise = True  # type: ignore[attr-defined]  # of the function, so what overrides it has no mark
+    return method
+
+
+def is_elementwise(method: Callable[..., Any]) -> bool:
+    """Return whether a method is marked as `elementwise`."""
+    return getattr(method, "is_elementwise", False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +154,7 @@ class Obstacle(ABC):
         first, last = self.default_ends(grid)
         return self.first or first, self.last or last
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return the cells of the two ends; random coordinates are uniform over the map."""
         (x1, y1), (x2, y2), n_x, n_y = first, last, grid.n_x, grid.n_y
@@ -162,6 +183,19 @@ class Obstacle(ABC):
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels of the obstacle, from the ground, between these two cells, which `ends` gave."""
 
+    def patches(self, grid: Grid, ends: Ints) -> Patch:
+        """Return the levels between many pairs of ends (pairs, 2, 2), on the whole map, if they draw nothing."""
+        levels = np.zeros((len(ends), *grid.shape), dtype=np.int16)
+        footprint = np.zeros(levels.shape, dtype=bool)
+        for number, (first, last) in enumerate(ends.tolist()):
+            patch = self.patch(grid, tuple(first), tuple(last), _NO_DRAW)
+            levels[(number, *patch.window)], footprint[(number, *patch.window)] = patch.levels, patch.footprint
+        return Patch((slice(None), slice(None)), levels, footprint)
+
+
+_NO_DRAW = np.random.Generator(np.random.PCG64(0))
+"""Generator for a `patch` that draws nothing."""
+
 
 PLACING: Mapping[str, Parameter] = MappingProxyType(
     {name: parameters(Obstacle)[name] for name in ("first", "last", "blend", "key", "enabled")}
@@ -182,7 +216,10 @@ def row_parameters(cls: type[Obstacle]) -> Mapping[str, Parameter]:
 
 
 class Shaped(Obstacle):
-    """An obstacle with a profile in [0, 1], such as a barrier or peak; it covers the cells of level 1 or more."""
+    """An obstacle with a profile in [0, 1], such as a barrier or peak; it covers the cells of level 1 or more.
+
+    An elementwise `profile` is given the ends of many maps as floats of shape (maps, 1, 1).
+    """
 
     __slots__ = ()
 
@@ -202,15 +239,37 @@ class Shaped(Obstacle):
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels floor((n - 1) f): the highest on the axis or apex alone, lower in steps on the sides."""
         window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
+        x, y = np.ogrid[window]
 
         def part(rows: slice) -> Levels:
-            x, y = np.ogrid[rows, window[1]]
+            along_x = np.arange(rows.start, rows.stop, dtype=float)[:, None]
             with np.errstate(over="ignore"):  # a slope of almost no width
-                f = self.profile(x.astype(float), y.astype(float), first, last, grid)
+                f = self.profile(along_x, y.astype(float), first, last, grid)
             return np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
 
         levels = _by_rows(window, part)
-        return Patch(window, levels, levels >= 1)
+        return Patch(window, levels, self.covers(levels, x, y, first, last))
+
+    @elementwise
+    def covers(self, levels: Levels, x: Ints, y: Ints, first: Cell, last: Cell) -> Mask:
+        """Return the mask of the cells that the obstacle covers: those of level 1 or more."""
+        return levels >= 1
+
+    def patches(self, grid: Grid, ends: Ints) -> Patch:
+        """Return the levels between many pairs of ends (pairs, 2, 2), on the whole map, by one profile of them all."""
+        if not (is_elementwise(self.profile) and is_elementwise(self.covers) and type(self).patch is Shaped.patch):
+            return Obstacle.patches(self, grid, ends)
+        x, y = (at.astype(float) for at in np.ogrid[: grid.n_x, : grid.n_y])
+        columns = np.moveaxis(ends.astype(float), 0, -1)[..., None, None]
+        first, last = ((at[0], at[1]) for at in columns)  # arrays in place of numbers
+        with np.errstate(over="ignore"):  # a slope of almost no width
+            f = self.profile(x, y, first, last, grid)
+        levels = np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
+        footprint = self.covers(levels, x, y, first, last)
+        margin = np.ceil(self.reach(grid))
+        for at, a, b in zip((x, y), first, last, strict=True):
+            footprint = footprint & (at >= np.minimum(a, b) - margin) & (at <= np.maximum(a, b) + margin)
+        return Patch((slice(None), slice(None)), levels, footprint)
 
 
 class Region(Obstacle):
@@ -234,10 +293,23 @@ class Region(Obstacle):
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the level of each cell, made from a random number of its own."""
-        window = _window(grid, first, last, 0)
+        window = self.window(grid, first, last)
         width = window[1].stop - window[1].start
         levels = _by_rows(window, lambda rows: self.levels_of(rng.random((rows.stop - rows.start, width))))
         return Patch(window, levels, np.ones(levels.shape, dtype=bool))
+
+    def window(self, grid: Grid, first: Cell, last: Cell) -> tuple[slice, slice]:
+        """Return the rectangle between two cells."""
+        return _window(grid, first, last, 0)
+
+    @property
+    def draws_per_cell(self) -> int:
+        """Return how many numbers are drawn for each cell, one for all cells after the other; the last one counts."""
+        return 1
+
+    def levels_in_maps(self, uniform: Array) -> Levels:
+        """Return the levels of many maps from the random numbers of their cells, (maps, n, m)."""
+        return self.levels_of(uniform.reshape(-1, uniform.shape[-1])).reshape(uniform.shape)
 
     def levels_of(self, uniform: Array) -> Levels:
         """Return `drawn(uniform)`; PluginError if that is not one level per number."""
@@ -260,6 +332,7 @@ class Layout(Obstacle):
         """Return two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
         return square_ends(grid, first, last, rng)
@@ -355,11 +428,28 @@ def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator)
     given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
     span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
     (x1, x2), (y1, y2) = (
-        random_ends(a, b, min(span, cells - 1), cells, rng) for a, b, cells in zip(first, last, grid.shape, strict=True)
+        random_ends(a, b, least(span, cells - 1), cells, rng)
+        for a, b, cells in zip(first, last, grid.shape, strict=True)
     )
     return (x1, y1), (x2, y2)
 
 
 def _at_distance(at: int, span: int, cells: int) -> int:
     """Return the coordinate `span` cells further, or back if that is outside the map; always on the map."""
-    return at + span if at + span < cells else max(at - span, 0)
+    return where(at + span < cells, at + span, greatest(at - span, 0))  # type: ignore[no-any-return]  # as its arguments
+
+
+def ends_of_one(
+    options: Sequence[Callable[[np.random.Generator], tuple[Cell, Cell]]], rng: np.random.Generator
+) -> tuple[Cell, Cell]:
+    """Return the ends that one of several functions gives, each with equal probability; nothing is drawn after them."""
+    drawn = randint(rng, 0, len(options) - 1)
+    if len(options) == 1:
+        return options[0](rng)
+    if not isinstance(rng, Streams):
+        return options[drawn](rng)
+    ends = [option(rng.copy()) for option in options]  # type: ignore[arg-type]  # streams in place of a generator
+    return tuple(
+        tuple(np.select([drawn == option for option in range(len(ends))], at) for at in zip(*end, strict=True))
+        for end in zip(*ends, strict=True)
+    )  # type: ignore[return-value]  # two ends of two arrays

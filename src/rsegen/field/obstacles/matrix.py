@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, random_ends, register
+from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, elementwise, random_ends, register
 from rsegen.field.stepfield import Ints
 from rsegen.params.sorts import ANYWHERE, MOST_LEVELS, Cell, Json, Place, as_int, parameters, refuse_longer
 
@@ -131,6 +131,7 @@ class Matrix(Obstacle):
         """Return cell (0, 0) and no given end: the matrix has its own size."""
         return (0, 0), ANYWHERE
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a rectangle of the size of the matrix inside the map."""
         (x1, x2), (y1, y2) = (

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from rsegen.field.obstacles.base import Grid, Shaped, register, square_ends
+from rsegen.field.obstacles.base import Grid, Shaped, elementwise, register, square_ends
 from rsegen.field.stepfield import Array
 from rsegen.params.sorts import Cell, Place
 
@@ -30,20 +30,22 @@ class Peak(Shaped):
         """Return 0: the peak stays inside its rectangle."""
         return 0.0
 
+    @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
         """Return clip((R - d) / w, 0, 1), as in the module's docstring; if w = 0, 1 inside R and 0 outside."""
         half_x, half_y = ((abs(a - b) + 1) / 2 for a, b in zip(first, last, strict=True))
-        radius = min(half_x, half_y)
+        radius = np.minimum(half_x, half_y)
         middle_x, middle_y = (first[0] + last[0]) / 2, (first[1] + last[1]) / 2
 
         def distance(x: Array, y: Array) -> Array:
             dx, dy = (x - middle_x) * (radius / half_x), (y - middle_y) * (radius / half_y)
-            return np.sqrt(dx**2 + dy**2)
+            return np.asarray(np.sqrt(dx**2 + dy**2))
 
         d, d0 = distance(x, y), distance(np.floor(middle_x), np.floor(middle_y))
         w = self.softness / 100 * (radius - d0)
-        return np.clip((radius - d) / w, 0, 1) if w else np.where(d < radius, 1.0, 0.0)
+        return np.clip((radius - d) / w, 0, 1) if np.all(w) else np.where(d < radius, 1.0, 0.0)
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
         return square_ends(grid, first, last, rng)

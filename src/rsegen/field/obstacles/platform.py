@@ -14,8 +14,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Shaped, random_ends, register
-from rsegen.field.stepfield import Array
+from rsegen.field.obstacles.base import Grid, Obstacle, Shaped, elementwise, random_ends, register
+from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.params.sorts import Cell, Integer, Place, Size2D
 
 
@@ -43,6 +43,7 @@ class Platform(Shaped):
         """Level of the cells of the rectangle."""
         return self.levels - 1 if self.level is None else self.level
 
+    @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a rectangle of `size` inside the map."""
         (x1, x2), (y1, y2) = (
@@ -59,28 +60,22 @@ class Platform(Shaped):
         """Return w + 1/2 cells, beyond which the profile is 0."""
         return self.run_out(grid) + 0.5
 
+    @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
         """Return level / (levels - 1) inside, times 1 - (d - 1/2) / w at a distance d from the rectangle."""
-        (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
-        away_x, away_y = np.maximum(np.maximum(x1 - x, x - x2), 0), np.maximum(np.maximum(y1 - y, y - y2), 0)
+        away_x, away_y = _away(x, first[0], last[0]), _away(y, first[1], last[1])
         beyond = np.hypot(away_x, away_y) - 0.5
         w = self.run_out(grid)
         slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0
         return np.asarray(np.where(beyond <= 0, 1.0, slope) * (self.top / (self.levels - 1)))
 
-    @property
-    def draws_nothing(self) -> bool:
-        """Return whether `patch` is still the one of this class."""
-        return type(self).patch is Platform.patch
+    @elementwise
+    def covers(self, levels: Levels, x: Ints, y: Ints, first: Cell, last: Cell) -> Mask:
+        """Return the mask of the cells that it covers: the rectangle also at level 0, the slopes from level 1 on."""
+        is_inside = (_away(x, first[0], last[0]) == 0) & (_away(y, first[1], last[1]) == 0)
+        return np.asarray((levels >= 1) | is_inside)
 
-    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
-        """Return the levels floor((n - 1) f); the rectangle is covered also at level 0, the slopes from level 1 on."""
-        patch = Shaped.patch(self, grid, first, last, rng)
-        low, high = (tuple(map(best, zip(first, last, strict=True))) for best in (min, max))
-        part = tuple(
-            slice(begin - window.start, end + 1 - window.start)
-            for window, begin, end in zip(patch.window, low, high, strict=True)
-        )
-        footprint = patch.footprint.copy()
-        footprint[part] = True
-        return patch._replace(footprint=footprint)
+
+def _away(at: Array | Ints, first: int, last: int) -> Array:
+    """Return the distance of each coordinate from the interval between two others; 0 inside."""
+    return np.asarray(np.maximum(np.maximum(np.minimum(first, last) - at, at - np.maximum(first, last)), 0))

@@ -2,8 +2,9 @@
 
 Each level is a function of one random number u of the cell, by the inverse of its distribution, so a cell's draw does
 not depend on any other cell's, and all cells of many maps are drawn by one call. The cost is O(1) per cell; weighted
-and normal levels take a binary search among the levels. `counts` (a shuffle of given blocks) and `max_step` (the same
-blocks in an order without larger steps, see `rearranged`) tie the cells together and are made map by map.
+and normal levels take a binary search among the levels, `counts` (a shuffle of given blocks) a sort of the cells.
+`max_step` (the same blocks in an order without larger steps, see `rearranged`) ties the cells together and is made map
+by map.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, elementwise, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
+from rsegen.params.arrays import asarray, cast, least, level_of, order_of_draws
 from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, parse_int, refuse_longer
 
 
@@ -120,15 +122,26 @@ class Random(Region):
 
     @property
     def draws_by_cell(self) -> bool:
-        """Return whether no blocks are counted or reordered, and `patch` is still the one of this class."""
-        return type(self).patch is Random.patch and self.counts is None and self.max_step is None
+        """Return whether no blocks are reordered, and `patch` is still the one of this class."""
+        return type(self).patch is Random.patch and self.max_step is None
+
+    @property
+    def draws_per_cell(self) -> int:
+        """Return 2 if blocks are shuffled: the first number is the one of a level that is not counted."""
+        return 1 if self.counts is None else 2
+
+    def levels_in_maps(self, uniform: Array) -> Levels:
+        """Return levels sampled per cell, or shuffled from `counts` in each map."""
+        if self.counts is None:
+            return Region.levels_in_maps(self, uniform)
+        return self._shuffled(uniform.reshape(len(uniform), -1)).reshape(uniform.shape)
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return levels sampled per cell or shuffled from `counts`, reordered until no step exceeds `max_step`."""
         patch = Region.patch(self, grid, first, last, rng)
         if self.counts is None and self.max_step is None:
             return patch
-        levels = patch.levels if self.counts is None else self._shuffled(patch.levels.shape, rng)
+        levels = patch.levels if self.counts is None else self.levels_in_maps(rng.random((1, *patch.levels.shape)))[0]
         if self.max_step is not None:
             order = rearranged(levels, self.max_step, rng)
             if order is None:
@@ -139,19 +152,21 @@ class Random(Region):
             levels = order
         return patch._replace(levels=levels)
 
-    def _shuffled(self, shape: tuple[int, ...], rng: np.random.Generator) -> Levels:
-        """Return the blocks of `counts` in an order in which all permutations are equally likely."""
+    def _shuffled(self, uniform: Array) -> Levels:
+        """Return the blocks of `counts` in each row, in an order in which all permutations are equally likely."""
         blocks = np.repeat(np.arange(self.levels, dtype=np.int16), self.counts or ())
-        return blocks[np.argsort(rng.random(len(blocks)), kind="stable")].reshape(shape)
+        levels: Levels = asarray(blocks, uniform)[order_of_draws(uniform)]
+        return levels
 
+    @elementwise
     def drawn(self, uniform: Array) -> Levels:
         """Return floor(n f) with f = u (1 - s/100); with weights, the level whose part of [0, 1) contains f."""
         f = uniform * (1 - self.softness / 100) if self.softness else uniform
         if self.weights is None:
-            return (self.levels * f).astype(np.int16)  # f is never below 0, so this is the floor
+            return cast(self.levels * f, "int16")  # type: ignore[no-any-return]  # f is never below 0: the floor
         shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
         top = max(level for level, weight in enumerate(self.weights) if weight)
-        return np.minimum(np.searchsorted(shares, f, side="right"), top).astype(np.int16)
+        return cast(least(level_of(shares, f), top), "int16")  # type: ignore[no-any-return]  # an array as the numbers
 
 
 @register
@@ -163,6 +178,7 @@ class NormalRandom(Region):
 
     spread: Annotated[float, Float(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
 
+    @elementwise
     def drawn(self, uniform: Array) -> Levels:
         """Return floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100), z the normal quantile of u.
 
@@ -171,7 +187,7 @@ class NormalRandom(Region):
         scale = self.levels * (1 - self.softness / 100)
         levels = range(1, math.ceil(scale))
         bounds = [_normal_cdf((level / scale - 0.5) / self.spread) for level in levels]
-        return np.searchsorted(np.array(bounds), uniform, side="right").astype(np.int16)
+        return cast(level_of(np.array(bounds), uniform), "int16")  # type: ignore[no-any-return]  # as the numbers
 
 
 def _normal_cdf(z: float) -> float:

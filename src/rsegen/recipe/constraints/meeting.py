@@ -24,6 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,8 @@ from rsegen.errors import ParameterError
 from rsegen.field.limits import StepLimits
 from rsegen.field.metrics.traversability import cells_to_each_side, crossing, lane, percolation_step
 from rsegen.field.obstacles.random import Random
-from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.arrays import maps_first, maps_last, namespace
 from rsegen.params.sorts import NANOMETRES
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints.inventory import (
@@ -44,6 +46,7 @@ from rsegen.recipe.constraints.inventory import (
     refilled,
     used,
 )
+from rsegen.recipe.difficulty import parts_of
 from rsegen.recipe.map_design import MapDesign
 from rsegen.standing.kinds import Standing
 from rsegen.standing.lanes import straight_lane
@@ -61,16 +64,42 @@ def step_limited(field: StepField, limit: int) -> Ints:
     return np.asarray(np.where(field.frame, 0, (low + high) // 2))
 
 
+def is_of_steps_alone(design: MapDesign) -> bool:
+    """Return whether a largest step is the only constraint, and no obstacle counts its blocks."""
+    return design.crossable_by is None and design.inventory is None and not _counts_blocks(design)
+
+
+def blocks_step_limited(levels: Any, design: MapDesign) -> Any:
+    """Return the blocks of many maps (maps, n_x, n_y), an array or a tensor, as `step_limited` by their design.
+
+    No other constraint would change them: half-way between two fields within the limit every step is within it.
+    """
+    (n_x, n_y), limit = parts_of(levels.shape[1:], design), design.max_step or 1
+    parts = levels.reshape(-1, levels.shape[1] // n_x, n_x, levels.shape[2] // n_y, n_y).swapaxes(2, 3)
+    fields = maps_last(parts.reshape(-1, n_x, n_y), "int32")  # what lies between frames, each a field of its own
+    low, high = _lowered_to_limit(fields, limit), -_lowered_to_limit(-fields, limit)
+    return maps_first((low + high) // 2).reshape(parts.shape).swapaxes(2, 3).reshape(levels.shape)
+
+
 def envelope(levels: Ints, field: StepField, limit: int) -> Ints:
-    """Return the highest levels that meet the limit and are not above `levels`, (n_x, n_y); _ANYTHING in frame cells.
+    """Return the highest levels (n_x, n_y) that meet the limit and are not above `levels`; _ANYTHING in frames."""
+    highest = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
+    return _lowered_to_limit(highest, limit, field.frame)  # type: ignore[no-any-return]  # an array as the levels
+
+
+def _lowered_to_limit(levels: Any, limit: int, frame: Mask | None = None) -> Any:
+    """Return the highest levels within the limit and not above `levels`, (n_x, n_y, ...).
 
     Each pass brings the cap of a block one cell farther, so there are as many as the longest slope has cells.
     """
-    highest = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
+    minimum, highest = namespace(levels).minimum, levels
     while True:
-        p = np.pad(highest, 1, constant_values=_ANYTHING)
-        lowest = np.minimum(np.minimum(p[2:, 1:-1], p[:-2, 1:-1]), np.minimum(p[1:-1, 2:], p[1:-1, :-2]))
-        lower = np.where(field.frame, _ANYTHING, np.minimum(highest, lowest + limit))
+        lower = highest + 0
+        for ahead, behind in ((slice(1, None), slice(-1)), (slice(-1), slice(1, None))):
+            lower[ahead] = minimum(lower[ahead], highest[behind] + limit)
+            lower[:, ahead] = minimum(lower[:, ahead], highest[:, behind] + limit)
+        if frame is not None:
+            lower[frame] = _ANYTHING
         if (lower == highest).all():
             return highest
         highest = lower
