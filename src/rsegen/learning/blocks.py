@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.recipe.recipe import Recipe
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
@@ -36,9 +38,13 @@ class BlockArrays:
         look = Scene(recipe=recipe, index=0, field=field)
         levels = range(1, recipe.highest_level + 1)
         self._rgba = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
-        self._friction = np.array([recipe.friction, *map(look.friction_of, levels)])
+        self._friction = friction_by_level(recipe)
         self._x, self._y = (edges[:-1] + width / 2 for edges in field.edges())
         self._half, self._unit = width / 2, unit
+
+    def ground(self, levels: Any) -> Ground:
+        """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
+        return Ground(self.recipe, levels, self.position)
 
     @property
     def names(self) -> list[str]:
