@@ -6,6 +6,7 @@ without a copy, as numpy's on the CPU and as torch's on a GPU.
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -24,12 +25,12 @@ def library_of(where: str, given: Any) -> tuple[Any, Any]:
         given = np.asarray(given)
     if _package(given) not in _LIBRARIES or str(given.dtype) == "object":
         raise ParameterError(where, f"{shown(given)} is not an array of numpy, torch, jax or Warp")
-    return import_module(_LIBRARIES[_package(given)]), given
+    return _library(_package(given)), given
 
 
 def array_like(other: Any, values: Any, dtype: Any = None) -> Any:
     """Return values as an array of the library of another one, in torch on its device; jax places them itself."""
-    library = import_module(_LIBRARIES[_package(other)])
+    library = _library(_package(other))
     return library.asarray(values, dtype=dtype, **({"device": other.device} if library.__name__ == "torch" else {}))
 
 
@@ -48,3 +49,8 @@ def is_traced(array: Any) -> bool:
 
 def _package(value: Any) -> str:
     return type(value).__module__.split(".")[0]
+
+
+@cache
+def _library(package: str) -> Any:
+    return import_module(_LIBRARIES[package])

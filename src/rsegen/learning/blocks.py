@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ class BlockArrays:
         """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
         return Ground(self.recipe, levels, self.position)
 
-    @property
+    @cached_property
     def names(self) -> list[str]:
         """The names of the blocks."""
         n_x, n_y = self.shape

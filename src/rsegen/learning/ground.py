@@ -16,6 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
+from itertools import product
 from math import ceil, floor
 from typing import Any
 
@@ -211,30 +213,25 @@ class Ground:
 
     def _materials(self, points: Any, radius: float | Array, worlds: Any) -> Any:
         """Return the material of the highest block in squares around points: an index into the tables."""
-        library, cells = self._library, self._cells
-        x, y = (
-            (points[..., axis] - float(self.position[axis])) / self.block_width + cells.shape[axis - 2] / 2
-            for axis in (0, 1)
-        )
         # The places are less than a block apart: a whole block between two of them would be missed.
         reach = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
-        count = floor(2 * float(reach.max())) + 2
+        shares = np.linspace(-1, 1, floor(2 * float(reach.max())) + 2)
+        reach_x, reach_y = (reach, reach) if reach.ndim == 0 else (reach[..., 0], reach[..., 1])
+        i, j = (
+            [self._cell(points[..., axis], share * own, axis) for share in shares]
+            for axis, own in enumerate((reach_x, reach_y))
+        )
         worlds_of = self._along(points, worlds)
-        highest = None
-        for share_x in np.linspace(-1, 1, count):
-            i = self._cell(x, share_x * (reach if reach.ndim == 0 else reach[..., 0]), 0)
-            for share_y in np.linspace(-1, 1, count):
-                j = self._cell(y, share_y * (reach if reach.ndim == 0 else reach[..., 1]), 1)
-                own = cells[(*worlds_of, i, j)]
-                highest = own if highest is None else library.maximum(highest, own)
-        return self._index(highest)
+        every = [self._cells[(*worlds_of, *cell)] for cell in product(i, j)]
+        return reduce(self._library.maximum, every)
 
-    def _cell(self, place: Any, offset: Any, axis: int) -> Any:
-        """Return the index of cells along an axis; one that is no number is outside."""
-        library = self._library
-        offset = float(offset) if np.ndim(offset) == 0 else array_like(place, offset, place.dtype)
-        cell = library.nan_to_num(place + offset, nan=0.0)
-        return self._index(library.clip(cell, 0, self._cells.shape[axis - 2] - 1))
+    def _cell(self, coordinates: Any, offset: Array, axis: int) -> Any:
+        """Return the index of cells along an axis, offset by a number of cells; one that is no number is outside."""
+        library, cells = self._library, self._cells.shape[axis - 2]
+        start = cells / 2 - float(self.position[axis]) / self.block_width
+        own = start + offset if np.ndim(offset) == 0 else array_like(coordinates, start + offset, coordinates.dtype)
+        cell = library.clip(coordinates / self.block_width + own, 0, cells - 1)
+        return self._index(library.where(library.isnan(cell), 0.0, cell))
 
     def _along(self, points: Any, worlds: Any) -> tuple[Any, ...]:
         """Return the index of worlds along the first axis of points: nothing for one map."""
@@ -262,10 +259,7 @@ class Ground:
         combine, found = getattr(self._library, name), self._index(self.levels)
         for axis, cells in zip((-2, -1), wide, strict=True):
             places = found.shape[axis] - cells + 1
-            parts = [_part(found, axis, begin, places) for begin in range(cells)]
-            found = parts[0]
-            for part in parts[1:]:
-                found = combine(found, part)
+            found = reduce(combine, [_part(found, axis, begin, places) for begin in range(cells)])
         return found
 
     def _own(self, where: str, given: Any, least: int = 2) -> Any:
