@@ -6,7 +6,8 @@ without a copy, as numpy's on the CPU and as torch's on a GPU.
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Sequence
+from functools import cache, reduce
 from importlib import import_module
 from typing import Any
 
@@ -40,6 +41,23 @@ def put(array: Any, place: tuple[Any, ...], values: Any) -> Any:
         return array.at[place].set(values)
     array[place] = values
     return array
+
+
+def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
+    """Return the least and the highest level in each rectangle of so many cells along x and y: (..., n_x, n_y) each."""
+    library, found = _library(_package(levels)), []
+    for combine in (library.minimum, library.maximum):
+        own = levels
+        for axis, cells in zip((-2, -1), wide, strict=True):
+            places = own.shape[axis] - cells + 1
+            own = reduce(combine, [_part(own, axis, begin, places) for begin in range(cells)])
+        found.append(own)
+    return found[0], found[1]
+
+
+def _part(array: Any, axis: int, begin: int, count: int) -> Any:
+    part = slice(begin, begin + count)
+    return array[..., part, :] if axis == -2 else array[..., part]
 
 
 def is_traced(array: Any) -> bool:

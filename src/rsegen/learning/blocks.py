@@ -16,7 +16,7 @@ from rsegen.recipe.recipe import Recipe
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
 
-_DEPTH = 0.1
+BELOW = 0.1
 """Metres that the blocks of a grid reach below the ground, so that blocks of level 0 have a size."""
 
 
@@ -62,13 +62,13 @@ class BlockArrays:
         """The centres of the blocks from the middle of the map, (..., blocks, 3), metres."""
         x, y = np.broadcast_to(self._x[:, None], self.shape), np.broadcast_to(self._y, self.shape)
         centres = np.empty((*np.shape(levels), 3))
-        centres[..., 0], centres[..., 1], centres[..., 2] = x, y, (self._heights(levels) - _DEPTH) / 2
+        centres[..., 0], centres[..., 1], centres[..., 2] = x, y, (self._heights(levels) - BELOW) / 2
         return _rows(centres)
 
     def size(self, levels: Ints) -> Array:
         """Half of the sides of the blocks, (..., blocks, 3), metres."""
         halves = np.full((*np.shape(levels), 3), self._half)
-        halves[..., 2] = (self._heights(levels) + _DEPTH) / 2
+        halves[..., 2] = (self._heights(levels) + BELOW) / 2
         return _rows(halves)
 
     def rgba(self, levels: Ints) -> Array:

@@ -26,7 +26,7 @@ import numpy as np
 from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.arrays import array_like, is_traced, library_of, put
+from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, put
 from rsegen.recipe.recipe import Recipe
 
 _EDGE = 1e-5
@@ -183,7 +183,7 @@ class Ground:
         n_x, n_y = self.levels.shape[-2:]
         if wide[0] > n_x or wide[1] > n_y:
             raise ParameterError("size", f"{size[0]:g} x {size[1]:g} m is larger than the map of {n_x} x {n_y} blocks")
-        low, high = (self._windows(wide, name) for name in ("minimum", "maximum"))
+        low, high = extremes(self._index(self.levels), wide)
         *many, along_x, along_y = low.shape
         places = along_x * along_y
         if not 0 < count <= places:
@@ -254,14 +254,6 @@ class Ground:
             raise ParameterError("worlds", f"{int(rows.min())}..{int(rows.max())} are not all in 0..{self.worlds - 1}")
         return rows
 
-    def _windows(self, wide: Sequence[int], name: str) -> Any:
-        """Return the `minimum` or `maximum` of the materials in all rectangles of so many cells."""
-        combine, found = getattr(self._library, name), self._index(self.levels)
-        for axis, cells in zip((-2, -1), wide, strict=True):
-            places = found.shape[axis] - cells + 1
-            found = reduce(combine, [_part(found, axis, begin, places) for begin in range(cells)])
-        return found
-
     def _own(self, where: str, given: Any, least: int = 2) -> Any:
         """Return an array of the library of the levels, whose last axis has so many numbers at least."""
         library, array = library_of(where, given)
@@ -298,11 +290,6 @@ class Ground:
         """Return the values of materials in a table, in the type of an array of numbers."""
         values = table[self._index(materials)]
         return array_like(values, values, like.dtype) if "float" in str(like.dtype) else values
-
-
-def _part(array: Any, axis: int, begin: int, count: int) -> Any:
-    part = slice(begin, begin + count)
-    return array[..., part, :] if axis == -2 else array[..., part]
 
 
 def _field(levels: Ints, block_width: float, unit: float) -> StepField:

@@ -18,7 +18,7 @@ import numpy as np
 from rsegen.exporters.formats.parts import Column, columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
-from rsegen.learning.blocks import BlockArrays
+from rsegen.learning.blocks import BELOW, BlockArrays
 
 _TORSIONAL, _ROLLING = 0.005, 0.0001
 """Friction coefficients, MuJoCo's defaults."""
@@ -43,6 +43,27 @@ def add_box(body: Any, column: Column, friction: float) -> Any:
         friction=[friction, _TORSIONAL, _ROLLING],
         mass=0,
     )
+
+
+def add_height_field(spec: Any, body: Any, name: str, heights: Array, size: Sequence[float]) -> tuple[Any, Any]:
+    """Add a height field to a body of an MjSpec, from (0, 0) to a size in metres; gives it and its geom.
+
+    heights: (n_x, n_y), metres, from one side to the other.
+    """
+    low, high = float(heights.min()), float(heights.max())
+    # MuJoCo has samples from 0 to 1, along x first; a flat field has a height that nothing uses, as 0 is not allowed.
+    rise, (n_x, n_y) = high - low or 1.0, heights.shape
+    field = spec.add_hfield(
+        name=name,
+        size=[size[0] / 2, size[1] / 2, rise, BELOW],
+        nrow=n_y,
+        ncol=n_x,
+        userdata=((heights.T - low) / rise).ravel().astype(np.float32),
+    )
+    geom = body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname=name, pos=[size[0] / 2, size[1] / 2, low], mass=0
+    )
+    return field, geom
 
 
 def roots_of(model: Any) -> list[tuple[int, Ints]]:
