@@ -118,7 +118,9 @@ def real(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Any, type, Callable[
     }
     for package, modules in homes.items():
         for module in (import_module(f"{package}.{name}") for name in modules):
-            vars(sys.modules[package]).update({name: value for name, value in vars(module).items() if name[0] != "_"})
+            for name, value in list(vars(module).items()):
+                if getattr(value, "__module__", None) == module.__name__:
+                    setattr(sys.modules[package], name, value)
     generator_cfg = import_module("isaaclab.terrains.terrain_generator_cfg").TerrainGeneratorCfg
 
     def generated(cfg: Any) -> Tiles:
