@@ -98,7 +98,7 @@ def isaaclab(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     monkeypatch.setattr(sys.modules["isaaclab.terrains"], "SubTerrainBaseCfg", SubTerrainBaseCfg, raising=False)
     monkeypatch.setattr(sys.modules["isaaclab.utils"], "configclass", dataclass, raising=False)
     yield import_module(ADAPTER)
-    monkeypatch.delitem(sys.modules, ADAPTER)
+    sys.modules.pop(ADAPTER)
 
 
 @pytest.fixture
@@ -130,7 +130,7 @@ def real(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Any, type, Callable[
 
     yield import_module(ADAPTER), generator_cfg, generated
     for name in [name for name in sys.modules if name.startswith("isaaclab.") or name == ADAPTER]:
-        monkeypatch.delitem(sys.modules, name)
+        sys.modules.pop(name)
 
 
 def _shapes(tiles: Tiles) -> list[bytes]:
