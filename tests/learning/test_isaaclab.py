@@ -181,7 +181,7 @@ def test_tiles_of_isaac_lab_are_distinct_and_the_same_again(real: Any, tmp_path:
     assert _shapes(generated(other)) == _shapes(tiles)
     surface = trimesh.util.concatenate([mesh for mesh, _ in tiles])
     for x, y, z in (origin for _, origin in tiles):
-        corners = surface.vertices
+        corners = surface.vertices - (4, 5, 0)  # the generator puts the middle of all tiles there at last
         near = (np.abs(corners[:, 0] - x) <= 1 + 1e-6) & (np.abs(corners[:, 1] - y) <= 1 + 1e-6)
         assert z == pytest.approx(corners[near, 2].max())
 
