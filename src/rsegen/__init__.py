@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from rsegen.io.scans import scan as scan
     from rsegen.learning.curriculum import next_rows as next_rows
     from rsegen.learning.ground import Ground as Ground
+    from rsegen.learning.ground import scan_points as scan_points
     from rsegen.page.notebook import Gui as Gui
     from rsegen.page.notebook import gui as gui
     from rsegen.params.plugins import load_plugin as load_plugin
@@ -149,7 +150,7 @@ _HOMES = {
     "rsegen.io.scan_options": ("ScanOptions",),
     "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
     "rsegen.learning.curriculum": ("next_rows",),
-    "rsegen.learning.ground": ("Ground",),
+    "rsegen.learning.ground": ("Ground", "scan_points"),
     "rsegen.page.notebook": ("Gui", "gui"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
