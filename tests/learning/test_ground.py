@@ -232,6 +232,8 @@ def test_arrays_of_warp_are_viewed() -> None:
         (lambda: GROUND.heights(np.zeros((5, 1))), r"points: of shape \(5, 1\); give \(..., 2\)"),
         (lambda: GROUND.heights("here"), "points: 'here' is not an array"),
         (lambda: GROUND.lift(np.zeros((5, 4, 2))), r"points: of shape \(5, 4, 2\); give \(..., 3\)"),
+        (lambda: GROUND.heights(np.zeros((1, 2)), worlds=0), "worlds: 0 is not a list of indices of worlds"),
+        (lambda: GROUND.write(LEVELS, np.ones(5, dtype=bool)), r"worlds: array\(.*\) is not a list of indices"),
         (lambda: GROUND.heights(np.zeros((1, 2)), worlds=[5]), r"worlds: 5..5 are not all in 0..4"),
         (lambda: Ground(RECIPE, LEVELS[0]).heights(np.zeros(2), worlds=[0]), "worlds: .* is of one map; give none"),
         (lambda: GROUND.write(LEVELS[:2]), r"levels: of shape \(2, 6, 12\); give \(5, 6, 12\)"),

@@ -97,6 +97,8 @@ def test_values_that_a_grid_cannot_hold_are_refused() -> None:
         adapter.BlockGrid(Recipe(seed=1))
     with pytest.raises(ParameterError, match=r"levels: of shape \(3, 3\) for a grid of \(6, 12\)"):
         adapter.BlockGrid(RECIPE).pos(np.zeros((3, 3), dtype=int))
+    with pytest.raises(ParameterError, match=r"levels: 6..6 are not all in 0..5, the levels of the recipe"):
+        adapter.BlockGrid(RECIPE).pos(np.full((6, 12), 6))
 
 
 def test_rays_find_every_block_and_hole_of_a_deck() -> None:

@@ -82,7 +82,11 @@ class BlockArrays:
     def _heights(self, levels: Ints) -> Array:
         if np.shape(levels)[-2:] != self.shape:
             raise ParameterError("levels", f"of shape {np.shape(levels)} for a grid of {self.shape}")
-        return np.asarray(np.asarray(levels) * self._unit, dtype=float)
+        own, highest = np.asarray(levels), self.recipe.highest_level
+        if own.size and not 0 <= own.min() <= own.max() <= highest:
+            given = f"{own.min()}..{own.max()}"
+            raise ParameterError("levels", f"{given} are not all in 0..{highest}, the levels of the recipe")
+        return np.asarray(own * self._unit, dtype=float)
 
 
 def _rows(values: Array) -> Array:

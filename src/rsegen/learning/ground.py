@@ -110,11 +110,12 @@ class Ground:
     def write(self, levels: Any, worlds: Any = None) -> None:
         """Put maps into these worlds, (worlds, n_x, n_y), or into all: at a reset, as in BlocksOfWorlds."""
         _, given = library_of("levels", levels)
-        shape = tuple(self.levels.shape) if worlds is None else (len(worlds), *self.levels.shape[1:])
+        rows = None if worlds is None else self._rows(worlds)
+        shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
         if tuple(given.shape) != shape:
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give {shape}")
         inner = (slice(1, -1), slice(1, -1))
-        place = (..., *inner) if worlds is None else (self._rows(worlds), *inner)
+        place = (..., *inner) if rows is None else (rows, *inner)
         self._cells = put(self._cells, place, array_like(self._cells, self._checked(given)))
 
     def heights(self, points: Any, worlds: Any = None) -> Any:
@@ -189,11 +190,13 @@ class Ground:
         if not 0 < count <= places:
             raise ParameterError("count", f"{count} is outside 1..{places}, the number of places on a map")
         rng, library = np.random.default_rng(seed), self._library
-        # Ties are broken by a random number below 1, the least difference of two levels that differ.
+        # Ties are broken by a random number below 1, a unit: the least difference of two levels that differ.
         chance = array_like(low, rng.random((*many, along_x, along_y), dtype=np.float32))
-        best = library.argsort((high - low + chance).reshape((*many, places)), -1)[..., :count]
+        bottoms, tops = (self._values(self._heights, own, like=chance) for own in (low, high))
+        uneven = (tops - bottoms) / self.unit + chance
+        best = library.argsort(uneven.reshape((*many, places)), -1)[..., :count]
         rows = (array_like(low, np.arange(many[0]))[:, None],) if many else ()
-        z = self._values(self._heights, high.reshape((*many, places))[(*rows, best)], like=chance)
+        z = tops.reshape((*many, places))[(*rows, best)]
         i, j = best // along_y, best % along_y
         x, y = (
             (at + (cells - side) / 2) * self.block_width + float(middle)
@@ -249,7 +252,9 @@ class Ground:
         """Return indices of worlds as an array; ParameterError if any is not there."""
         if self.worlds is None:
             raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
-        rows = array_like(self._cells, worlds)
+        rows = array_like(self._cells, library_of("worlds", worlds)[1])
+        if rows.ndim != 1 or (len(rows) and "int" not in str(rows.dtype)):
+            raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
         if len(rows) and not 0 <= int(rows.min()) <= int(rows.max()) < self.worlds:
             raise ParameterError("worlds", f"{int(rows.min())}..{int(rows.max())} are not all in 0..{self.worlds - 1}")
         return rows

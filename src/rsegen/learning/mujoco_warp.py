@@ -51,13 +51,13 @@ class BlocksOfWorlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
         if len(levels) != len(rows):
             raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; give one for each")
+        self.ground.write(np.asarray(levels), rows)  # refuses levels that are not there before anything is written
         grid, model, position = self.grid, self._model, self.grid.pos(levels)
         self._put(model.geom_pos, rows, position)
         self._put(self._data.geom_xpos, rows, position + self._place)
         self._put(model.geom_size, rows, grid.size(levels))
         self._put(model.geom_rgba, rows, grid.rgba(levels))
         self._put(model.geom_friction, rows, grid.friction(levels))
-        self.ground.write(levels, rows)
 
     def _put(self, array: Any, rows: Ints, values: Array) -> None:
         """Write the values of the blocks into some rows of an array (worlds, geoms)."""
