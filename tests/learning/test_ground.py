@@ -77,6 +77,12 @@ def test_rays_of_mujoco_end_on_the_ground_of_a_scene_with_frames() -> None:
     asked = np.array([ground.heights(points), ground.friction(points)])
     assert np.transpose(list(_rays(spec.compile(), points))) == pytest.approx(asked, abs=1e-8)
     assert (asked[1] == 0.1).sum() > 20
+    assert ground.field() == scene.field
+    assert np.array_equal(ground.levels, scene.field.levels)
+    x, y, z, _ = ground.spots((0.3, 0.3))[0]
+    assert ground.highest([x, y], 0.149) == pytest.approx(z)
+    with pytest.raises(ParameterError, match="levels: the ground is that of the map rse_0003; give Ground a recipe"):
+        ground.write(scene.field.levels)
 
 
 @given(st.integers(0, WORLDS - 1), st.integers(0, 6), st.integers(0, 12), st.floats(-1e-6, 1e-6))

@@ -81,10 +81,11 @@ class Ground:
             raise TooLarge(f"levels: {worlds} are more than this machine's memory; give fewer") from None
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
         self._cells = put(around, (..., slice(1, -1), slice(1, -1)), self._checked(given))
+        self._scene: Scene | None = None
 
     @classmethod
     def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Ground:
-        """Return the ground of a scene of `rsegen.compose`, whose map may have frames."""
+        """Return the ground of a scene of `rsegen.compose`, whose map may have frames; it cannot be written."""
         field, recipe = scene.field, scene.recipe
         # A frame is one more material. Materials are sorted by height, so the higher of two cells has the higher index.
         levels = range(recipe.highest_level + 1)
@@ -95,12 +96,13 @@ class Ground:
         ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
         ground._keep_tables(heights[order], friction[order], like=ground._cells)
         ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
+        ground._scene = scene
         return ground
 
     @property
     def levels(self) -> Any:
         """The levels of the blocks, as they are now: (n_x, n_y), or (worlds, n_x, n_y)."""
-        return self._cells[..., 1:-1, 1:-1]
+        return self._inner if self._scene is None else self._scene.field.levels
 
     @property
     def worlds(self) -> int | None:
@@ -110,6 +112,8 @@ class Ground:
     def write(self, levels: Any, worlds: Any = None) -> None:
         """Put maps into these worlds, (worlds, n_x, n_y), or into all: at a reset, as in BlocksOfWorlds."""
         _, given = library_of("levels", levels)
+        if self._scene is not None:
+            raise ParameterError("levels", f"the ground is that of the map {self._scene.name}; give Ground a recipe")
         rows = None if worlds is None else self._rows(worlds)
         shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
         if tuple(given.shape) != shape:
@@ -181,10 +185,10 @@ class Ground:
         level places random ones, which may overlap. z: of the highest block below; yaw: of a square one of four.
         """
         wide = [max(ceil(side / self.block_width - _EDGE), 1) for side in size]
-        n_x, n_y = self.levels.shape[-2:]
+        n_x, n_y = self._inner.shape[-2:]
         if wide[0] > n_x or wide[1] > n_y:
             raise ParameterError("size", f"{size[0]:g} x {size[1]:g} m is larger than the map of {n_x} x {n_y} blocks")
-        low, high = extremes(self._index(self.levels), wide)
+        low, high = extremes(self._index(self._inner), wide)
         *many, along_x, along_y = low.shape
         places = along_x * along_y
         if not 0 < count <= places:
@@ -210,9 +214,16 @@ class Ground:
 
     def field(self, world: int = 0) -> StepField:
         """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
+        if self._scene is not None:
+            return self._scene.field
         levels = self.levels if self.worlds is None else self.levels[world]
         own = np.array(levels.cpu() if hasattr(levels, "cpu") else levels)
         return _field(own, self.block_width, self.unit)
+
+    @property
+    def _inner(self) -> Any:
+        """The materials of the cells of the map, without those around it."""
+        return self._cells[..., 1:-1, 1:-1]
 
     def _materials(self, points: Any, radius: float | Array, worlds: Any) -> Any:
         """Return the material of the highest block in squares around points: an index into the tables."""
