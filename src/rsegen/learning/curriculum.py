@@ -1,4 +1,4 @@
-"""Which row of a terrain a robot goes to next: a harder one if it walked far, an easier one if it hardly moved.
+"""The next row of a terrain for a robot: a harder one if it walked far, an easier one if it hardly moved.
 
 The rule is that of legged_gym (Rudin et al., Learning to walk in minutes, CoRL 2021; `_update_terrain_curriculum`) and
 of Isaac Lab (`terrain_levels_vel`, `TerrainImporter.update_env_origins`). What breaks it: a robot that walks in circles
