@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen import Ground, Random, Recipe
+from rsegen import Ground, Pit, Random, Recipe
 from rsegen.errors import ParameterError, TooLarge
 from rsegen.learning.ground import scan_points
 
@@ -156,6 +156,14 @@ def test_spots_are_on_the_most_level_ground() -> None:
         assert many[world, :, 2] == pytest.approx(POS[2] + 0.05 * windows[i, j].max(axis=(1, 2)))
     assert set(np.rint(spots[..., 3].ravel() * 2 / np.pi)) <= {0, 1, 2, 3}
     assert set(np.rint(many[..., 3].ravel() * 2 / np.pi)) == {0, 2}
+
+
+def test_spots_are_not_in_holes() -> None:
+    gap = Pit(levels=4, gap_width=3, first=(0, 0), last=(9, 9))
+    pit = Recipe(seed=1, boundary="none", ground_level=4, obstacles=[gap])
+    ground = Ground(pit, rsegen.build_many(pit, range(3)))
+    assert ground.levels.min() == 1
+    assert (ground.spots((0.1, 0.1), 10)[..., 2] >= 4 * ground.unit - 1e-6).all()
 
 
 def test_written_maps_are_in_their_worlds_alone() -> None:

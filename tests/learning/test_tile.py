@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
 
-from rsegen import Random, Recipe
+from rsegen import Pit, Random, Recipe
 from rsegen.learning.tile import Tile, tile
 
 RECIPE = Recipe(seed=3, unit_cm=5, boundary="none", obstacles=[Random(levels=6)])
@@ -58,3 +59,11 @@ def test_level_squares_are_all_squares_on_level_ground(rough: Tile) -> None:
     expected = np.column_stack([i * 0.1 + 0.15, j * 0.1 + 0.15, windows[i, j].max(axis=(1, 2))])
     assert squares == pytest.approx(expected)
     assert len(rough.level_squares(3.0, 1.0)) == 0
+
+
+def test_level_squares_are_not_in_holes() -> None:
+    pit = replace(RECIPE, ground_level=4, obstacles=[Pit(levels=4, gap_width=3, first=(0, 0), last=(9, 9))])
+    ground = tile(pit, 1.0, 5, SIZE)
+    assert ground.samples(1).min() == pytest.approx(-0.15)
+    assert 0 < len(ground.level_squares(0.1, 0.05)) < 16 * 14
+    assert ground.level_squares(0.1, 0.05)[:, 2] == pytest.approx(0)

@@ -36,6 +36,10 @@ _PLANE = 5
 """Places along each side of a square, through whose heights the plane of a normal is laid."""
 
 
+_HOLE = 1e4
+"""Units by which a place in a hole counts as more uneven than any other one."""
+
+
 def friction_by_level(recipe: Recipe) -> Array:
     """Return the friction coefficient of each level from 0 to the highest of a recipe; 0 is the ground."""
     scene = Scene(recipe=recipe, index=0, field=_field(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
@@ -66,6 +70,7 @@ class Ground:
             raise ParameterError("boundary", f"'{recipe.boundary}' has frames; give none, or take Ground.of(scene)")
         self.block_width: float = recipe.block_width_cm / 100
         self.unit: float = recipe.unit_cm / 100
+        self._floor: float = recipe.ground_level * self.unit
         self.position: Array = np.array(pos, dtype=float)
         self._library, given = library_of("levels", levels)
         if given.ndim not in (2, 3):
@@ -182,7 +187,8 @@ class Ground:
         """Return places for a robot to start, (count, 4) or (worlds, count, 4): x, y, z [m], yaw.
 
         size: length and width of a rectangle along x and y, metres, that has the most level ground below it; of equally
-        level places random ones, which may overlap. z: of the highest block below; yaw: of a square one of four.
+        level places random ones, which may overlap; holes come last. z: of the highest block below; yaw: of a square
+        one of four.
         """
         wide = [max(ceil(side / self.block_width - _EDGE), 1) for side in size]
         n_x, n_y = self._inner.shape[-2:]
@@ -197,7 +203,7 @@ class Ground:
         # Ties are broken by a random number below 1, a unit: the least difference of two levels that differ.
         chance = array_like(low, rng.random((*many, along_x, along_y), dtype=np.float32))
         bottoms, tops = (self._values(self._heights, own, like=chance) for own in (low, high))
-        uneven = (tops - bottoms) / self.unit + chance
+        uneven = (tops - bottoms) / self.unit + chance + _HOLE * (bottoms < self._floor - _EDGE)
         best = library.argsort(uneven.reshape((*many, places)), -1)[..., :count]
         rows = (array_like(low, np.arange(many[0]))[:, None],) if many else ()
         z = tops.reshape((*many, places))[(*rows, best)]

@@ -72,14 +72,14 @@ class Tile:
     def level_squares(self, side: float, most: float) -> Array:
         """Return the middles of the squares of blocks, `side` metres or wider, on ground that differs by `most` metres.
 
-        (squares, 3), z that of their highest block.
+        (squares, 3), z that of their highest block; none of them is in a hole.
         """
         width, unit = self.raised.block_width, self.raised.unit
         wide = max(ceil(side / width - _SAME), 1)
         if wide > min(self.raised.shape):
             return np.empty((0, 3))
         low, high = extremes(self.raised.levels.astype(np.int32), (wide, wide))
-        i, j = np.nonzero((high - low) * unit <= most + _SAME)
+        i, j = np.nonzero(((high - low) * unit <= most + _SAME) & (low > self.ground))  # it is a level higher too
         return np.column_stack([(i + wide / 2) * width, (j + wide / 2) * width, high[i, j] * unit + self._corner[2]])
 
     @property
