@@ -124,6 +124,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/ways",
         "standing/spots",
     ),
+    "Ground for robots that learn": ("learning/ground", "learning/curriculum"),
     "Files and pictures": (
         "exporters/sheet/timber",
         "exporters/formats/posture",

@@ -75,6 +75,9 @@ if TYPE_CHECKING:
     from rsegen.io.scans import ScannedMap as ScannedMap
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
+    from rsegen.learning.curriculum import next_rows as next_rows
+    from rsegen.learning.ground import Ground as Ground
+    from rsegen.learning.ground import scan_points as scan_points
     from rsegen.page.notebook import Gui as Gui
     from rsegen.page.notebook import gui as gui
     from rsegen.params.plugins import load_plugin as load_plugin
@@ -146,6 +149,8 @@ _HOMES = {
     "rsegen.io.recipe_file": ("load",),
     "rsegen.io.scan_options": ("ScanOptions",),
     "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
+    "rsegen.learning.curriculum": ("next_rows",),
+    "rsegen.learning.ground": ("Ground", "scan_points"),
     "rsegen.page.notebook": ("Gui", "gui"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),

@@ -159,11 +159,13 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
-    terrain, exports, legs, many, _, _, in_place, reset, *_ = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, exports, stairs, ground, many, _tensor, _isaaclab, _mjlab, in_place, reset, *_ = blocks(
+        ROOT / "docs" / "learning.md", "python"
+    )
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
-    script = "\n".join([terrain, exports, legs, many, in_place, write_ant, reset, 'assert info["map"] >= 0'])
+    script = "\n".join([terrain, exports, stairs, ground, many, in_place, write_ant, reset, 'assert info["map"] >= 0'])
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds" / "terrain_0000" / "terrain_0000.world").is_file()
     assert (tmp_path / "terrain.glb").stat().st_size > 100_000
@@ -173,7 +175,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
     pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
-    terrain, *_, race, _ = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, *_, race, _mjx, _quadruped = blocks(ROOT / "docs" / "learning.md", "python")
     script = f"{terrain.partition('terrain =')[0]}\n{race}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
     assert "overflow" not in found.stdout + found.stderr
@@ -183,9 +185,20 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
 
 def test_the_page_of_learning_gives_a_tensor() -> None:
     pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
-    terrain, _, _, _, tensor, *_ = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, _exports, _stairs, _ground, _many, tensor, *_ = blocks(ROOT / "docs" / "learning.md", "python")
     script = f"{terrain.partition('terrain =')[0]}\n{tensor}\nassert tuple(levels.shape) == (16_384, 20, 20)"
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+@pytest.mark.long(reason="needs MJX, with jax 0.6 GB")
+@pytest.mark.slow
+def test_the_balls_of_the_page_of_learning_rest_on_the_ground_in_mjx(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco.mjx", reason="MJX is not installed")
+    terrain, *_, mjx, _quadruped = blocks(ROOT / "docs" / "learning.md", "python")
+    imports = "import mujoco\nfrom dataclasses import replace\nfrom rsegen.learning.mujoco import BlockGrid"
+    script = f"{terrain.partition('terrain =')[0]}\n{imports}\n{mjx}"
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert float(found.stdout) < 0.001
 
 
 @pytest.mark.long(reason="needs mjlab")

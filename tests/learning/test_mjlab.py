@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, TooLarge, UnknownName
 
 pytestmark = pytest.mark.long(reason="mjlab, which only make learners brings")
 
@@ -45,11 +46,11 @@ def mjlab(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         monkeypatch.delitem(sys.modules, name)
 
 
-def _compiled(mjlab: Any, **values: Any) -> tuple[Any, Any, Any]:
-    """The model, its state and the generator of a terrain of one column."""
+def _compiled(mjlab: Any, own: dict[str, Any] | None = None, **values: Any) -> tuple[Any, Any, Any]:
+    """The model, its state and the generator of a terrain of one column; `own`: parameters of the sub-terrain."""
     from mjlab.terrains.terrain_generator import TerrainGenerator, TerrainGeneratorCfg
 
-    sub_terrains = {"rubble": mjlab.StepFieldTerrainCfg(recipe=RECIPE)}
+    sub_terrains = {"rubble": mjlab.StepFieldTerrainCfg(**{"recipe": RECIPE, **(own or {})})}
     given = {"size": (2.0, 2.0), "num_rows": 5, "curriculum": True, "seed": 1, "border_width": 1.0} | values
     generator, spec = TerrainGenerator(TerrainGeneratorCfg(sub_terrains=sub_terrains, **given)), mujoco.MjSpec()
     generator.compile(spec)
@@ -77,7 +78,7 @@ def test_rows_rise_from_flat_to_full_with_level_ground_around(mjlab: Any) -> Non
         assert np.allclose(levels, np.rint(levels), atol=1e-6)
         assert np.allclose(heights[:5], 0, atol=1e-9)
         assert np.allclose(heights[:, 15:], 0, atol=1e-9)
-        assert z == pytest.approx(heights[9:11, 9:11].max())
+        assert z == pytest.approx(heights.max())
         rough.append(np.abs(np.diff(heights, axis=0)).mean())
     assert rough[0] == 0
     assert np.diff(rough).min() > 0
@@ -99,7 +100,106 @@ def test_the_generator_s_seed_chooses_the_maps(mjlab: Any) -> None:
     assert once.shape != other.shape or not np.array_equal(once, other)
 
 
+def test_a_height_field_has_the_heights_of_the_boxes(mjlab: Any) -> None:
+    smooth = replace(RECIPE, level_friction=None, friction=0.7)
+    boxes, fields = (_compiled(mjlab, {"recipe": smooth, "shape": shape}) for shape in ("boxes", "hfield"))
+    assert np.array_equal(boxes[2].terrain_origins, fields[2].terrain_origins)
+    assert fields[0].nhfield == 5
+    assert fields[0].geom_friction[fields[0].geom_type == mujoco.mjtGeom.mjGEOM_HFIELD, 0] == pytest.approx(0.7)
+    assert fields[0].body_mass.sum() == 0
+    # From the middle of a block to a quarter before its edge, where a height field begins to slope.
+    for x, y in (np.random.default_rng(0).integers((-50, -10), (50, 10), (300, 2)) + 0.5) * 0.1:
+        dx, dy = np.random.default_rng(1).uniform(-0.024, 0.024, 2)
+        expected, _ = _height(*boxes[:2], x + dx, y + dy)
+        assert _height(*fields[:2], x + dx, y + dy)[0] == pytest.approx(expected, abs=1e-6)
+    # Nowhere below the boxes, and without a gap between tiles.
+    for x, y in np.random.default_rng(2).uniform((-5, -1), (5, 1), (500, 2)):
+        assert _height(*fields[:2], x, y)[0] >= _height(*boxes[:2], x, y)[0] - 1e-6
+    for x in (-3.0, -1.0, 1.0, 3.0):
+        assert _height(*fields[:2], x - 1e-5, 0.3)[0] == pytest.approx(0, abs=1e-6)
+
+
+def test_the_origin_is_above_all_blocks_within_the_spawn_radius(mjlab: Any) -> None:
+    for radius in (0.0, 0.25, 0.8):
+        model, state, generator = _compiled(mjlab, {"spawn_radius": radius}, curriculum=False)
+        for x, y, z in generator.terrain_origins.reshape(-1, 3):
+            around = np.random.default_rng(0).uniform(-radius, radius, (200, 2))
+            heights = [_height(model, state, x + dx, y + dy)[0] for dx, dy in around]
+            assert max(heights) <= z + 1e-9
+            assert radius < 0.8 or max(heights) == pytest.approx(z)
+
+
+def test_level_places_are_level_in_the_compiled_model(mjlab: Any) -> None:
+    from mjlab.terrains.terrain_generator import FlatPatchSamplingCfg
+
+    wanted = FlatPatchSamplingCfg(num_patches=7, patch_radius=0.15, max_height_diff=0.05, x_range=(0.7, 1.3))
+    own = {"flat_patch_sampling": {"spawn": wanted}, "spawn_radius": 0.0}
+    model, state, generator = _compiled(mjlab, own, curriculum=False, difficulty_range=(0.3, 0.6))
+    places = generator.flat_patches["spawn"]
+    assert places.shape == (5, 1, 7, 3)
+    real = 0
+    for row in range(5):
+        corner, origin = np.array([-5.0 + 2 * row, -1.0]), generator.terrain_origins[row, 0]
+        for x, y, z in places[row, 0]:
+            if np.allclose((x, y, z), origin):
+                continue
+            real += 1
+            assert 0.7 - 1e-9 <= x - corner[0] <= 1.3 + 1e-9
+            around = np.random.default_rng(0).uniform(-0.149, 0.149, (100, 2))
+            heights = [_height(model, state, x + dx, y + dy)[0] for dx, dy in around]
+            assert np.ptp(heights) <= 0.05 + 1e-9
+            assert max(heights) <= z + 1e-9
+    assert real > 20
+
+
+def test_balls_of_mujoco_warp_rest_on_a_height_field(mjlab: Any) -> None:
+    mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+    from mjlab.terrains.terrain_generator import TerrainGenerator, TerrainGeneratorCfg
+
+    smooth = replace(RECIPE, level_friction=None)
+    cfg = TerrainGeneratorCfg(
+        size=(2.0, 2.0),
+        num_rows=2,
+        curriculum=True,
+        seed=1,
+        difficulty_range=(1.0, 1.0),
+        sub_terrains={"rubble": mjlab.StepFieldTerrainCfg(recipe=smooth, shape="hfield")},
+    )
+    spec = mujoco.MjSpec()
+    TerrainGenerator(cfg).compile(spec)
+    ball = spec.worldbody.add_body(name="ball", pos=[0, 0, 1])
+    ball.add_freejoint()
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.02, 0, 0])
+    compiled = spec.compile()
+    cells = np.random.default_rng(0).integers((-15, -5), (15, 5), (32, 2)) * 0.1 + 0.05
+    state = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, state)
+    tops = []
+    for x, y in cells:
+        state.qpos[:3] = [x, y, 50]
+        mujoco.mj_forward(compiled, state)
+        tops.append(_height(compiled, state, x, y)[0])
+    model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=32, nconmax=64, njmax=256)
+    poses = np.zeros((32, 7), dtype=np.float32)
+    poses[:, :2], poses[:, 2], poses[:, 3] = cells, np.array(tops) + 0.03, 1
+    data.qpos.assign(poses)
+    for _ in range(300):
+        mjw.step(model, data)
+    assert data.qpos.numpy()[:, 2] == pytest.approx(np.array(tops) + 0.02, abs=0.002)
+
+
+def test_more_boxes_than_the_budget_are_refused(mjlab: Any) -> None:
+    with pytest.raises(TooLarge, match=r"most_boxes: more than 100 boxes, the budget of the terrain; \d+ need 0.0"):
+        _compiled(mjlab, {"most_boxes": 100})
+
+
 def test_impossible_values_are_refused(mjlab: Any) -> None:
+    with pytest.raises(ParameterError, match="level_friction: a height field has one friction; give only `friction`"):
+        mjlab.StepFieldTerrainCfg(recipe=RECIPE, shape="hfield")
+    with pytest.raises(UnknownName, match=r"unknown shape 'mesh' .*boxes, hfield"):
+        mjlab.StepFieldTerrainCfg(recipe=RECIPE, shape="mesh")
+    with pytest.raises(ParameterError, match=r"recipe: \[.*\] is not a recipe; give one, and a sub-terrain for each"):
+        mjlab.StepFieldTerrainCfg(recipe=[RECIPE])
     with pytest.raises(ParameterError, match="size: a map of 10 x 10 cells is larger than a tile of 5 x 5"):
         _compiled(mjlab, size=(0.5, 0.5))
     with pytest.raises(ParameterError, match="difficulty"):

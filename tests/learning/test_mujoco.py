@@ -9,7 +9,7 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe
-from rsegen.errors import ParameterError, UserError
+from rsegen.errors import ParameterError
 from rsegen.recipe.examples import EXAMPLES
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
@@ -97,41 +97,8 @@ def test_values_that_a_grid_cannot_hold_are_refused() -> None:
         adapter.BlockGrid(Recipe(seed=1))
     with pytest.raises(ParameterError, match=r"levels: of shape \(3, 3\) for a grid of \(6, 12\)"):
         adapter.BlockGrid(RECIPE).pos(np.zeros((3, 3), dtype=int))
-
-
-def test_an_environment_has_a_new_field_at_each_reset() -> None:
-    gymnasium = pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
-    wrapper = pytest.importorskip("rsegen.learning.gymnasium").NewFieldAtReset
-    grid = adapter.BlockGrid(RECIPE)
-
-    class Dropped(gymnasium.Env):  # type: ignore[misc,name-defined]  # imported here
-        """A ball that falls; what is seen is its height."""
-
-        def __init__(self, spec: Any) -> None:
-            self.model, self.state = _with_ball(spec)
-
-        def reset(
-            self, *, seed: int | None = None, options: dict[str, Any] | None = None
-        ) -> tuple[Any, dict[str, Any]]:
-            super().reset(seed=seed)
-            mujoco.mj_resetData(self.model, self.state)
-            self.state.qpos[:3] = [0.05, 0.05, 0.4]
-            mujoco.mj_step(self.model, self.state, 1000)
-            return self.state.qpos[2] - RADIUS, {"own": 1}
-
-    spec = mujoco.MjSpec()
-    grid.add_to(spec)
-    env = wrapper(Dropped(spec), grid)
-    seen = [env.reset(seed=5 if first else None) for first in (True, False, False)]
-    again = [env.reset(seed=5 if first else None) for first in (True, False, False)]
-    assert len({info["map"] for _, info in seen}) == 3
-    assert [info["map"] for _, info in again] == [info["map"] for _, info in seen]
-    for height, info in [*seen, env.reset(options={"map": 17})]:
-        assert info["own"] == 1
-        assert height == pytest.approx(0.05 * rsegen.build(RECIPE, info["map"]).levels[3, 6], abs=0.001)
-    assert env.reset(options={"map": 17})[1]["map"] == 17
-    with pytest.raises(UserError, match=r"has no geom block_0_0; add the blocks by grid\.add_to"):
-        wrapper(Dropped(mujoco.MjSpec()), grid)
+    with pytest.raises(ParameterError, match=r"levels: 6..6 are not all in 0..5, the levels of the recipe"):
+        adapter.BlockGrid(RECIPE).pos(np.full((6, 12), 6))
 
 
 def test_rays_find_every_block_and_hole_of_a_deck() -> None:

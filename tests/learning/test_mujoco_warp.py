@@ -101,6 +101,18 @@ def test_balls_rest_on_the_maps_of_their_worlds(worlds: Any) -> None:
         assert data.qpos.numpy()[:, 2] == pytest.approx(0.5 + levels[:, 2, 4] * 0.05 + RADIUS, abs=0.001)
 
 
+def test_the_ground_follows_the_blocks(compiled: Any, worlds: Any) -> None:
+    *_, blocks = worlds
+    levels = rsegen.build_many(RECIPE, range(WORLDS))
+    blocks.write(levels)
+    blocks.write(levels[:2], worlds=[30, 4])
+    levels[[30, 4]] = levels[:2]
+    poses = [_touching(own.flat[world % own.size], world % own.size) for world, own in enumerate(levels)]
+    bottoms = np.array(poses)[:, None, :3] - (0, 0, RADIUS - 0.001)
+    assert blocks.ground.heights(bottoms)[:, 0] == pytest.approx(bottoms[:, 0, 2])
+    assert blocks.ground.lift(bottoms) == pytest.approx(0, abs=1e-9)
+
+
 def test_colours_match_the_levels(worlds: Any) -> None:
     model, _, blocks = worlds
     levels = rsegen.build_many(RECIPE, range(WORLDS))

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.recipe.recipe import Recipe
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
 
-_DEPTH = 0.1
+BELOW = 0.1
 """Metres that the blocks of a grid reach below the ground, so that blocks of level 0 have a size."""
 
 
@@ -36,11 +39,15 @@ class BlockArrays:
         look = Scene(recipe=recipe, index=0, field=field)
         levels = range(1, recipe.highest_level + 1)
         self._rgba = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
-        self._friction = np.array([recipe.friction, *map(look.friction_of, levels)])
+        self._friction = friction_by_level(recipe)
         self._x, self._y = (edges[:-1] + width / 2 for edges in field.edges())
         self._half, self._unit = width / 2, unit
 
-    @property
+    def ground(self, levels: Any) -> Ground:
+        """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
+        return Ground(self.recipe, levels, self.position)
+
+    @cached_property
     def names(self) -> list[str]:
         """The names of the blocks."""
         n_x, n_y = self.shape
@@ -55,13 +62,13 @@ class BlockArrays:
         """The centres of the blocks from the middle of the map, (..., blocks, 3), metres."""
         x, y = np.broadcast_to(self._x[:, None], self.shape), np.broadcast_to(self._y, self.shape)
         centres = np.empty((*np.shape(levels), 3))
-        centres[..., 0], centres[..., 1], centres[..., 2] = x, y, (self._heights(levels) - _DEPTH) / 2
+        centres[..., 0], centres[..., 1], centres[..., 2] = x, y, (self._heights(levels) - BELOW) / 2
         return _rows(centres)
 
     def size(self, levels: Ints) -> Array:
         """Half of the sides of the blocks, (..., blocks, 3), metres."""
         halves = np.full((*np.shape(levels), 3), self._half)
-        halves[..., 2] = (self._heights(levels) + _DEPTH) / 2
+        halves[..., 2] = (self._heights(levels) + BELOW) / 2
         return _rows(halves)
 
     def rgba(self, levels: Ints) -> Array:
@@ -75,7 +82,11 @@ class BlockArrays:
     def _heights(self, levels: Ints) -> Array:
         if np.shape(levels)[-2:] != self.shape:
             raise ParameterError("levels", f"of shape {np.shape(levels)} for a grid of {self.shape}")
-        return np.asarray(np.asarray(levels) * self._unit, dtype=float)
+        own, highest = np.asarray(levels), self.recipe.highest_level
+        if own.size and not 0 <= own.min() <= own.max() <= highest:
+            given = f"{own.min()}..{own.max()}"
+            raise ParameterError("levels", f"{given} are not all in 0..{highest}, the levels of the recipe")
+        return np.asarray(own * self._unit, dtype=float)
 
 
 def _rows(values: Array) -> Array:

@@ -2,33 +2,55 @@
 
     env = NewFieldAtReset(gymnasium.make("Ant-v5", xml_file="./ant_on_blocks.xml"), grid)
     observation, info = env.reset(seed=7)    # info["map"] is the index of the map
+    env.ground.heights(env.unwrapped.data.qpos[:2])
 
 The model has the blocks of the grid: `grid.add_to(spec)`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
+import mujoco
 import numpy as np
 
-from rsegen.errors import UserError
-from rsegen.learning.mujoco import BlockGrid
+from rsegen.errors import ParameterError, UserError
+from rsegen.field.stepfield import Array, Levels
+from rsegen.learning.ground import Ground
+from rsegen.learning.mujoco import BlockGrid, geom_bounds, roots_of
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
 
+_AHEAD = 64
+"""Maps that are made together: `build_many` makes dozens of small maps in little more than the time of one."""
+
+_CLEARANCE = 1e-3
+"""Metres that stay free below a raised robot."""
+
 
 class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Draws a map of the grid's recipe at each reset, by the seed of the resets; of a recipe of one map any index."""
+    """Draws a map of the grid's recipe at each reset, by the seed of the resets; of a recipe of one map any index.
+
+    An environment of Gymnasium's MujocoEnv starts above the blocks: each body that can rise is raised until none of its
+    geoms is in the ground, and the observation is the one after that. Other environments place their robots themselves;
+    `ground` is the map as it is now, such as `ground.lift(feet)`.
+    """
 
     def __init__(self, env: Any, grid: BlockGrid) -> None:
         super().__init__(env)
         self.grid = grid
         self._rng = np.random.default_rng()
+        self._drawn: list[tuple[int, Levels]] = []
         model = getattr(self.unwrapped, "model", None)
+        if not isinstance(grid, BlockGrid):
+            raise ParameterError("grid", f"a {type(grid).__name__}; give the BlockGrid of rsegen.learning.mujoco")
         if model is None or grid.names[0] not in {model.geom(geom).name for geom in range(model.ngeom)}:
             raise UserError(f"the model of {self.unwrapped} has no geom {grid.names[0]}; add the blocks by grid.add_to")
+        self.ground: Ground = grid.ground(grid.highest)
+        self._roots, self._state = roots_of(model), mujoco.MjData(model)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Draw a map, write it into the model and reset the environment; `options={"map": 17}` takes that map.
@@ -37,13 +59,49 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
         """
         if seed is not None:
             self._rng = np.random.default_rng(seed)
-        index = (options or {}).get("map", self._drawn())
-        self.grid.write(self.unwrapped.model, build_many(self.grid.recipe, [index])[0])  # type: ignore[attr-defined]
-        observation, info = self.env.reset(seed=seed, options=options)
+            self._drawn = []
+        if options and "map" in options:
+            index = options["map"]
+            levels = build_many(self.grid.recipe, [index])[0]
+        else:
+            index, levels = self._next()
+        self.grid.write(self.unwrapped.model, levels)  # type: ignore[attr-defined]
+        self.ground.write(levels)
+        with self._robots_above_the_blocks():
+            observation, info = self.env.reset(seed=seed, options=options)
         return observation, {**info, "map": index}
 
-    def _drawn(self) -> int:
-        recipe = self.grid.recipe
-        if recipe.maps == 1:
-            return int(self._rng.integers(SEEDS))
-        return recipe.indices[int(self._rng.integers(recipe.maps))]
+    def _next(self) -> tuple[int, Levels]:
+        """Return the next index that is drawn, and its map; many are drawn and made together."""
+        if not self._drawn:
+            recipe = self.grid.recipe
+            draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
+            indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
+            self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
+        return self._drawn.pop()
+
+    @contextmanager
+    def _robots_above_the_blocks(self) -> Iterator[None]:
+        """Raise the state in which a MujocoEnv starts: what it observes after `set_state` is then right."""
+        env: Any = self.unwrapped
+        if not hasattr(env, "set_state"):
+            yield
+            return
+        own = env.set_state
+        env.set_state = lambda qpos, qvel: own(self._raised(env.model, qpos), qvel)
+        try:
+            yield
+        finally:
+            del env.set_state
+
+    def _raised(self, model: Any, qpos: Array) -> Array:
+        """Return positions of joints with each body that can rise above the blocks."""
+        state, raised = self._state, np.array(qpos, dtype=float)
+        state.qpos[:] = raised
+        mujoco.mj_kinematics(model, state)
+        for joint, geoms in self._roots:
+            low, high = geom_bounds(model, state, geoms)
+            lowest = np.column_stack([(low + high)[:, :2] / 2, low[:, 2]])
+            lift = self.ground.lift(lowest, (high - low)[:, :2] / 2)
+            raised[joint] += max(float(lift) + _CLEARANCE, 0.0)
+        return raised

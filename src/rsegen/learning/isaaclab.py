@@ -1,59 +1,90 @@
-"""Isaac Lab: step fields as sub-terrains of its TerrainGenerator (2.3, 3.0).
+"""Isaac Lab: step fields as sub-terrains of its TerrainGenerator (2.3).
 
-from isaaclab.terrains import SubTerrainBaseCfg
-from rsegen.learning.isaaclab import StepFieldTerrain
+from rsegen.learning.isaaclab import StepFieldTerrainCfg
 
-sub_terrains = {"rubble": SubTerrainBaseCfg(function=StepFieldTerrain(rsegen.load("rubble.yaml")), proportion=0.3)}
+sub_terrains = {"rubble": StepFieldTerrainCfg(recipe=rsegen.load("rubble.yaml"), proportion=0.3)}
+
+Isaac Lab writes a configuration as a dictionary and reads it again (Hydra), and names what it caches by that
+dictionary. So all that decides a tile is a number or a text there: the recipe as JSON, and the number of the tile. A
+generator sets the size of its sub-terrains before it makes tiles, and copies the configuration for each: that counts
+them. What breaks it: a generator that does neither has one tile for each difficulty.
 """
 
 from __future__ import annotations
 
-import hashlib
-from typing import TYPE_CHECKING, Protocol
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from isaaclab.terrains import SubTerrainBaseCfg
+from isaaclab.utils import configclass
 
-from rsegen.errors import ParameterError, UserError, pip_install
+from rsegen.errors import ParameterError, UnknownName, UserError, pip_install
 from rsegen.field.stepfield import Array
-from rsegen.learning.tile import index_of, tile
+from rsegen.geometry.meshes import MESHES
+from rsegen.learning.tile import check_recipe, index_of, tile
 from rsegen.params.extras import MESH
-from rsegen.recipe.codec import to_json
+from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import check_tile
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
 
-class SubTerrain(Protocol):
-    """The used part of a SubTerrainBaseCfg: its size in metres; the generator gives it its seed."""
+def step_field(difficulty: float, cfg: StepFieldTerrainCfg) -> tuple[list[Trimesh], Array]:
+    """Return the mesh of a tile, from (0, 0) to the sub-terrain's size, and the origin, in metres."""
+    try:
+        import trimesh
+    except ImportError:
+        raise UserError(f"trimesh is not installed; {pip_install([MESH.name])}") from None
+    index = index_of(getattr(cfg, "seed", None), difficulty, cfg.tile)
+    ground = tile(_recipe(cfg.recipe), difficulty, index, cfg.size)
+    vertices, triangles = ground.mesh(cfg.mesh)
+    return [trimesh.Trimesh(vertices, triangles, process=False)], ground.origin_above(cfg.spawn_radius)
 
-    size: tuple[float, float]
+
+@configclass
+class _Parameters(SubTerrainBaseCfg):  # type: ignore[misc]  # Isaac Lab has no types for mypy
+    function: Callable[..., Any] = step_field
+    recipe: Any = None
+    mesh: str = "merged"
+    spawn_radius: float = 1.0
+    tile: int = 0
 
 
-class StepFieldTerrain:
-    """The `function` of a SubTerrainBaseCfg: a map of a recipe at a difficulty, amid level ground.
+class StepFieldTerrainCfg(_Parameters):
+    """A map of a recipe at a difficulty, amid level ground; it follows from the seed, the difficulty and the tile.
 
-    The map follows from the recipe, the generator's seed and the difficulty alone. mesh: `merged`, the surface
-    in few faces; or closed: `watertight`. The surface has one friction, which the TerrainImporter gives it.
+    recipe: a Recipe, kept as JSON; mesh: `merged`, the surface in few faces; or closed: `watertight`.
+    spawn_radius: metres along x and y from the middle of a tile, above whose highest block its origin is: a reset that
+    spreads robots this far, their size included, puts none into a block. tile: counted by the generator.
+    The surface of a terrain has one friction, which the TerrainImporter gives it.
     """
 
-    def __init__(self, recipe: Recipe, mesh: str = "merged") -> None:
-        check_tile(recipe)
-        if not recipe.is_of_one_friction:
-            raise ParameterError("level_friction", "a terrain of Isaac Lab has one friction; give only `friction`")
-        self.recipe: Recipe = recipe
-        self.kind: str = mesh
-        content = to_json(recipe).encode() + mesh.encode()
-        self.__name__: str = f"{recipe.name}_{hashlib.blake2b(content, digest_size=8).hexdigest()}"
-        """Isaac Lab calls what it keeps in its cache after this."""
+    def __post_init__(self) -> None:
+        if not isinstance(self.recipe, str):
+            check_recipe(self.recipe)
+            self.recipe = to_json(self.recipe)
+        if not _recipe(self.recipe).is_of_one_friction:
+            problem = "a terrain of Isaac Lab is one mesh with one friction; give only `friction`"
+            raise ParameterError("level_friction", problem)
+        if self.mesh not in MESHES:
+            raise UnknownName.among("mesh", "mesh", self.mesh, MESHES)
+        super().__post_init__()
 
-    def __call__(self, difficulty: float, cfg: SubTerrain) -> tuple[list[Trimesh], Array]:
-        """The mesh, from (0, 0) to the sub-terrain's size, and the origin, in metres."""
-        try:
-            import trimesh
-        except ImportError:
-            raise UserError(f"trimesh is not installed; {pip_install([MESH.name])}") from None
-        ground = tile(self.recipe, difficulty, index_of(getattr(cfg, "seed", None), difficulty), cfg.size)
-        vertices, triangles = ground.mesh(self.kind)
-        return [trimesh.Trimesh(vertices, triangles, process=False)], np.array(ground.origin)
+    def __setattr__(self, name: str, value: object) -> None:
+        if name == "size":  # a generator begins
+            super().__setattr__("tile", 0)
+        super().__setattr__(name, value)
+
+    def copy(self) -> StepFieldTerrainCfg:
+        """Return a copy, the configuration of the next tile."""
+        copied: StepFieldTerrainCfg = super().copy()
+        copied.tile, self.tile = self.tile, self.tile + 1
+        return copied
+
+
+@cache
+def _recipe(text: str) -> Recipe:
+    return decode(json.loads(text))

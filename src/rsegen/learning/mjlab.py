@@ -3,6 +3,9 @@
 from rsegen.learning.mjlab import StepFieldTerrainCfg
 
 sub_terrains = {"rubble": StepFieldTerrainCfg(recipe=rsegen.load("rubble.yaml"), proportion=0.3)}
+
+Boxes are exact, but mujoco_warp lists every pair of geoms, so a terrain has a budget of them. A height field is one
+geom for a tile of any size; it slopes from the edge of a block to the next sample.
 """
 
 from __future__ import annotations
@@ -11,37 +14,78 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from mjlab.terrains.terrain_generator import SubTerrainCfg, TerrainGeometry, TerrainOutput
+from mjlab.terrains.terrain_generator import FlatPatchSamplingCfg, SubTerrainCfg, TerrainGeometry, TerrainOutput
 
-from rsegen.exporters.formats.parts import Column
+from rsegen.errors import ParameterError, TooLarge, UnknownName
 from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array
 from rsegen.learning.blocks import GROUND_COLOUR
-from rsegen.learning.mujoco import add_box
-from rsegen.learning.tile import tile
+from rsegen.learning.mujoco import add_box, add_height_field
+from rsegen.learning.tile import Tile, check_recipe, tile
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import check_tile
+
+_SHAPES = ("boxes", "hfield")
+
+_PAIR_BYTES = 70
+"""Bytes at the peak of mujoco_warp's `put_model` per squared number of geoms, measured with 2,000 and 4,000 (4.0)."""
 
 
 @dataclass(kw_only=True)
 class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no types for mypy
-    """A map of a recipe at a difficulty, amid level ground; the generator's random numbers choose the map."""
+    """A map of a recipe at a difficulty, amid level ground; the generator's random numbers choose the map.
+
+    shape: `boxes`, or `hfield`, with `samples` along each side of a block, for large terrains.
+    most_boxes: of the whole terrain; 4,000 take 1.1 GB while mujoco_warp loads them, and twice as many four times that.
+    spawn_radius: metres along x and y from the middle of a tile, above whose highest block its origin is: a reset that
+    spreads robots this far, their size included, puts none into a block.
+    """
 
     recipe: Recipe
+    shape: str = "boxes"
+    samples: int = 4
+    most_boxes: int = 4000
+    spawn_radius: float = 1.0
 
     def __post_init__(self) -> None:
-        check_tile(self.recipe)
+        check_recipe(self.recipe)
+        if self.shape not in _SHAPES:
+            raise UnknownName.among("shape", "shape", self.shape, _SHAPES)
+        if self.shape == "hfield" and not self.recipe.is_of_one_friction:
+            raise ParameterError("level_friction", "a height field has one friction; give only `friction`, or boxes")
 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
-        """Boxes of the body `terrain`, from (0, 0) to the sub-terrain's size, and the origin, in metres."""
-        ground, body = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size), spec.body("terrain")
+        """Geoms of the body `terrain`, from (0, 0) to the sub-terrain's size, the origin and level places, metres."""
+        ground = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size)
         look = Scene(recipe=self.recipe, index=0, field=ground.raised)
-        geometries = [
-            TerrainGeometry(geom=add_box(body, column, look.friction_of(column.material)), color=_colour(look, column))
-            for column in ground.columns()
+        geometries = self._boxes(spec, ground, look) if self.shape == "boxes" else [self._height_field(spec, ground)]
+        patches = {name: _patches(ground, wanted, rng) for name, wanted in (self.flat_patch_sampling or {}).items()}
+        return TerrainOutput(
+            origin=ground.origin_above(self.spawn_radius), geometries=geometries, flat_patches=patches or None
+        )
+
+    def _boxes(self, spec: mujoco.MjSpec, ground: Tile, look: Scene) -> list[TerrainGeometry]:
+        body, columns = spec.body("terrain"), list(ground.columns())
+        count = len(body.geoms) + len(columns)
+        if count > self.most_boxes:
+            peak = f"{_PAIR_BYTES * count**2 / 1e9:.1f} GB in mujoco_warp"
+            problem = f"more than {self.most_boxes:,} boxes, the budget of the terrain; {count:,} need {peak}"
+            raise TooLarge(f"most_boxes: {problem}; give shape='hfield', fewer tiles, or a larger most_boxes")
+        colours = (look.colour(column.material) if column.material else GROUND_COLOUR for column in columns)
+        return [
+            TerrainGeometry(geom=add_box(body, column, look.friction_of(column.material)), color=(*colour, 1.0))
+            for column, colour in zip(columns, colours, strict=True)
         ]
-        return TerrainOutput(origin=np.array(ground.origin), geometries=geometries)
+
+    def _height_field(self, spec: mujoco.MjSpec, ground: Tile) -> TerrainGeometry:
+        name = f"{self.recipe.name}_{len(spec.hfields)}"
+        field, geom = add_height_field(spec, spec.body("terrain"), name, ground.samples(self.samples), ground.size)
+        geom.friction[0] = self.recipe.friction
+        return TerrainGeometry(geom=geom, hfield=field, color=(*GROUND_COLOUR, 1.0))
 
 
-def _colour(look: Scene, column: Column) -> tuple[float, float, float, float]:
-    """Return the colour of a column's level, with opacity."""
-    return (*(look.colour(column.material) if column.material else GROUND_COLOUR), 1.0)
+def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, rng: np.random.Generator) -> Array:
+    """Return level places on a tile, (patches, 3): fewer where there are fewer, and mjlab fills up with the origin."""
+    places = ground.level_squares(2 * wanted.patch_radius, wanted.max_height_diff)
+    for axis, (low, high) in enumerate((wanted.x_range, wanted.y_range, wanted.z_range)):
+        places = places[(places[:, axis] >= low) & (places[:, axis] <= high)]
+    return places[np.argsort(rng.random(len(places)))[: wanted.num_patches]]

@@ -18,7 +18,7 @@ import numpy as np
 from rsegen.exporters.formats.parts import Column, columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
-from rsegen.learning.blocks import BlockArrays
+from rsegen.learning.blocks import BELOW, BlockArrays
 
 _TORSIONAL, _ROLLING = 0.005, 0.0001
 """Friction coefficients, MuJoCo's defaults."""
@@ -43,6 +43,71 @@ def add_box(body: Any, column: Column, friction: float) -> Any:
         friction=[friction, _TORSIONAL, _ROLLING],
         mass=0,
     )
+
+
+def add_height_field(spec: Any, body: Any, name: str, heights: Array, size: Sequence[float]) -> tuple[Any, Any]:
+    """Add a height field to a body of an MjSpec, from (0, 0) to a size in metres; gives it and its geom.
+
+    heights: (n_x, n_y), metres, from one side to the other.
+    """
+    low, high = float(heights.min()), float(heights.max())
+    # MuJoCo has samples from 0 to 1, along x first; a flat field has a height that nothing uses, as 0 is not allowed.
+    rise, (n_x, n_y) = high - low or 1.0, heights.shape
+    field = spec.add_hfield(
+        name=name,
+        size=[size[0] / 2, size[1] / 2, rise, BELOW],
+        nrow=n_y,
+        ncol=n_x,
+        userdata=((heights.T - low) / rise).ravel().astype(np.float32),
+    )
+    geom = body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname=name, pos=[size[0] / 2, size[1] / 2, low], mass=0
+    )
+    return field, geom
+
+
+def roots_of(model: Any) -> list[tuple[int, Ints]]:
+    """Return the bodies that can rise: each as the index of its z in `qpos`, and its colliding geoms with its links'.
+
+    Such a body is on the world by a free joint, or by a slide joint along z, as in models of a plane.
+    """
+    collides = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
+    roots: list[tuple[int, Ints]] = []
+    for joint in range(model.njnt):
+        body, kind, start = model.jnt_bodyid[joint], model.jnt_type[joint], model.jnt_qposadr[joint]
+        is_free = kind == mujoco.mjtJoint.mjJNT_FREE
+        is_upright = kind == mujoco.mjtJoint.mjJNT_SLIDE and np.allclose(model.jnt_axis[joint], (0, 0, 1))
+        if is_free or (is_upright and model.body_parentid[body] == 0):
+            geoms = np.flatnonzero(collides & (model.body_rootid[model.geom_bodyid] == body))
+            if len(geoms):
+                roots.append((int(start) + (2 if is_free else 0), geoms))
+    return roots
+
+
+def geom_bounds(model: Any, data: Any, geoms: Ints) -> tuple[Array, Array]:
+    """Return the least and the largest x, y and z of geoms, (geoms, 3), metres; of meshes those of a box around them.
+
+    By their support functions along the axes: that of a box is the sum of its half sides, of an ellipsoid the root of
+    the sum of their squares, of a cylinder its axis and its disc; a capsule is a line and a ball.
+    """
+    turn = data.geom_xmat[geoms].reshape(-1, 3, 3)
+    size, kind = model.geom_size[geoms][:, None, :], model.geom_type[geoms][:, None]
+    along, disc = np.abs(turn[..., 2]), np.sqrt(np.clip(1 - turn[..., 2] ** 2, 0, 1))
+    radius, length = size[..., 0], size[..., 1]
+    shapes = mujoco.mjtGeom
+    half = np.select(
+        [kind == shape for shape in (shapes.mjGEOM_SPHERE, shapes.mjGEOM_CAPSULE, shapes.mjGEOM_CYLINDER)]
+        + [kind == shapes.mjGEOM_ELLIPSOID],
+        [
+            np.broadcast_to(radius, along.shape),
+            radius + length * along,
+            length * along + radius * disc,
+            np.sqrt(((turn * size) ** 2).sum(-1)),
+        ],
+        (np.abs(turn) * model.geom_aabb[geoms][:, None, 3:]).sum(-1),
+    )
+    centre = data.geom_xpos[geoms] + np.einsum("nij,nj->ni", turn, model.geom_aabb[geoms][:, :3])
+    return centre - half, centre + half
 
 
 class BlockGrid(BlockArrays):

@@ -15,6 +15,7 @@ import warp as wp
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid
 
 
@@ -23,6 +24,8 @@ class BlocksOfWorlds:
 
     compiled: the MjModel with the blocks, from which model and data were made. The arrays of the model get a row for
     each world here, so a CUDA graph has to be captured after this; `write` then changes them in place.
+    ground: the blocks as heights, friction and scans; it follows `write`. It is of numpy; for tensors on a GPU make one
+    of a tensor of the levels, `grid.ground(tensor)`, and write into both.
     """
 
     def __init__(self, grid: BlockGrid, compiled: Any, model: Any, data: Any) -> None:
@@ -36,6 +39,7 @@ class BlocksOfWorlds:
             rows = np.broadcast_to(array.numpy(), (self.worlds, *array.numpy().shape[1:]))
             setattr(model, name, wp.array(rows, dtype=array.dtype, device=array.device))
         self._model = model
+        self.ground: Ground = grid.ground(np.broadcast_to(np.int16(grid.highest), (self.worlds, *grid.shape)))
 
     def write(self, levels: Ints, worlds: Sequence[int] | None = None) -> None:
         """Put maps, (worlds, n_x, n_y), into these worlds, or into all: heights, friction and colours.
@@ -47,6 +51,7 @@ class BlocksOfWorlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
         if len(levels) != len(rows):
             raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; give one for each")
+        self.ground.write(np.asarray(levels), rows)  # refuses levels that are not there before anything is written
         grid, model, position = self.grid, self._model, self.grid.pos(levels)
         self._put(model.geom_pos, rows, position)
         self._put(self._data.geom_xpos, rows, position + self._place)

@@ -9,13 +9,15 @@ import hashlib
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import ceil, floor
 
 import numpy as np
 
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, shown
 from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.geometry.meshes import mesh
+from rsegen.learning.arrays import extremes
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
@@ -48,6 +50,37 @@ class Tile:
         for centre, size, material in columns(self.raised):
             x, y, z = (np.array(centre) + corner).tolist()
             yield Column((x, y, z), size, material - 1)
+
+    def samples(self, per_block: int) -> Array:
+        """Heights at the corners of small squares, `per_block` along each side of a block: (n_x, n_y) of them and one.
+
+        An edge has the height of the higher block, so the outermost samples are on the sides of the tile.
+        """
+        small = np.pad(np.repeat(np.repeat(self.raised.heights, per_block, axis=0), per_block, axis=1), 1, mode="edge")
+        along_x = np.maximum(small[:-1], small[1:])
+        return np.asarray(np.maximum(along_x[:, :-1], along_x[:, 1:]) + self._corner[2])
+
+    def origin_above(self, radius: float) -> Array:
+        """Return the origin, as high as the highest block that is up to `radius` metres from it along x and y."""
+        x, y = (
+            slice(max(floor((middle - radius) / width + _SAME), 0), ceil((middle + radius) / width - _SAME))
+            for middle, width in zip(self.origin[:2], [self.raised.block_width] * 2, strict=True)
+        )
+        highest = float(self.raised.heights[x, y].max(initial=-np.inf)) + self._corner[2]
+        return np.array([*self.origin[:2], max(highest, self.origin[2])])
+
+    def level_squares(self, side: float, most: float) -> Array:
+        """Return the middles of the squares of blocks, `side` metres or wider, on ground that differs by `most` metres.
+
+        (squares, 3), z that of their highest block; none of them is in a hole.
+        """
+        width, unit = self.raised.block_width, self.raised.unit
+        wide = max(ceil(side / width - _SAME), 1)
+        if wide > min(self.raised.shape):
+            return np.empty((0, 3))
+        low, high = extremes(self.raised.levels.astype(np.int32), (wide, wide))
+        i, j = np.nonzero(((high - low) * unit <= most + _SAME) & (low > self.ground))  # it is a level higher too
+        return np.column_stack([(i + wide / 2) * width, (j + wide / 2) * width, high[i, j] * unit + self._corner[2]])
 
     @property
     def _corner(self) -> Array:
@@ -83,6 +116,13 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         [(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, (float(amid(own)) - recipe.ground_level) * unit]
     )
     return Tile(raised=raised, ground=recipe.ground_level, size=(n_x * width, n_y * width), origin=origin)
+
+
+def check_recipe(recipe: object) -> None:
+    """Raise a ParameterError if a sub-terrain cannot be of this."""
+    if not isinstance(recipe, Recipe):
+        raise ParameterError("recipe", f"{shown(recipe)} is not a recipe; give one, and a sub-terrain for each")
+    check_tile(recipe)
 
 
 def index_of(*numbers: float | None) -> int:

@@ -1,0 +1,74 @@
+"""Arrays of numpy, torch and jax by one set of names: what comes in on a device goes out on it.
+
+The three agree on most functions, if axes are given by position. Warp's arrays have no functions: they are viewed
+without a copy, as numpy's on the CPU and as torch's on a GPU.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache, reduce
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from rsegen.errors import ParameterError, shown
+
+_LIBRARIES = {"numpy": "numpy", "torch": "torch", "jax": "jax.numpy", "jaxlib": "jax.numpy"}
+
+
+def library_of(where: str, given: Any) -> tuple[Any, Any]:
+    """Return the library of an array, and the array; numbers in lists become numpy's. ParameterError if it is none."""
+    if _package(given) == "warp":
+        given = given.numpy() if given.device.is_cpu else import_module("warp").to_torch(given)
+    if isinstance(given, list | tuple | int | float):
+        given = np.asarray(given)
+    if _package(given) not in _LIBRARIES or str(given.dtype) == "object":
+        raise ParameterError(where, f"{shown(given)} is not an array of numpy, torch, jax or Warp")
+    return _library(_package(given)), given
+
+
+def array_like(other: Any, values: Any, dtype: Any = None) -> Any:
+    """Return values as an array of the library of another one, in torch on its device; jax places them itself."""
+    library = _library(_package(other))
+    return library.asarray(values, dtype=dtype, **({"device": other.device} if library.__name__ == "torch" else {}))
+
+
+def put(array: Any, place: tuple[Any, ...], values: Any) -> Any:
+    """Return an array with values at a place: the same one, in place, but for jax, whose arrays do not change."""
+    if hasattr(array, "at"):
+        return array.at[place].set(values)
+    array[place] = values
+    return array
+
+
+def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
+    """Return the least and the highest level in each rectangle of so many cells along x and y: (..., n_x, n_y) each."""
+    library, found = _library(_package(levels)), []
+    for combine in (library.minimum, library.maximum):
+        own = levels
+        for axis, cells in zip((-2, -1), wide, strict=True):
+            places = own.shape[axis] - cells + 1
+            own = reduce(combine, [_part(own, axis, begin, places) for begin in range(cells)])
+        found.append(own)
+    return found[0], found[1]
+
+
+def _part(array: Any, axis: int, begin: int, count: int) -> Any:
+    part = slice(begin, begin + count)
+    return array[..., part, :] if axis == -2 else array[..., part]
+
+
+def is_traced(array: Any) -> bool:
+    """Return whether the numbers of an array may not be known yet, as in a function that jax compiles."""
+    return _package(array) == "jax"
+
+
+def _package(value: Any) -> str:
+    return type(value).__module__.split(".")[0]
+
+
+@cache
+def _library(package: str) -> Any:
+    return import_module(_LIBRARIES[package])

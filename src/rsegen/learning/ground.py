@@ -1,0 +1,319 @@
+"""The ground under robots that learn: heights, friction, scans and places to start, of one map or of many worlds.
+
+    levels = rsegen.build_many(recipe, range(4096))  # or a torch tensor of them, on any device
+    ground = rsegen.Ground(recipe, levels)
+    ground.heights(feet)                             # (4096, 4, 3) -> (4096, 4), metres
+
+Idea: a point divided by the block width is its cell; one that is on an edge gets the higher block, as everywhere in
+rsegen. A square around a point is looked at in places less than a block apart, so no cell under it is missed. Levels
+and results stay arrays of the library that the levels came from (numpy, torch or jax), on their device. Arrays of Warp
+are viewed without a copy: as numpy's on the CPU, as torch's on a GPU.
+
+Cost: four look-ups per point, and as many more as blocks are under a square. What breaks it: a ground that overhangs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import reduce
+from itertools import product
+from math import ceil, floor
+from typing import Any
+
+import numpy as np
+
+from rsegen.errors import ParameterError, TooLarge, shown
+from rsegen.exporters.scene import Scene
+from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, put
+from rsegen.recipe.recipe import Recipe
+
+_EDGE = 1e-5
+"""Metres from an edge up to which a point is on both blocks: single precision has steps of 1e-6 m at 10 m."""
+
+_PLANE = 5
+"""Places along each side of a square, through whose heights the plane of a normal is laid."""
+
+
+_HOLE = 1e4
+"""Units by which a place in a hole counts as more uneven than any other one."""
+
+
+def friction_by_level(recipe: Recipe) -> Array:
+    """Return the friction coefficient of each level from 0 to the highest of a recipe; 0 is the ground."""
+    scene = Scene(recipe=recipe, index=0, field=_field(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
+    return np.array([recipe.friction, *map(scene.friction_of, range(1, recipe.highest_level + 1))])
+
+
+def scan_points(size: Sequence[float] = (1.6, 1.0), distance: float = 0.1) -> Array:
+    """Return a grid of points around a robot, (points, 2), x first: its length and width, and their distance, metres.
+
+    The usual ones are those of legged_gym: 17 x 11 points.
+    """
+    x, y = (np.linspace(-side / 2, side / 2, round(side / distance) + 1) for side in size)
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+class Ground:
+    """The ground of one map, or of many worlds with a map each, in the frame of the world.
+
+    levels: (n_x, n_y), or (worlds, n_x, n_y), of numpy, torch or jax; pos: where the middle of the map is, metres;
+    outside: level of the ground around the map.
+
+    Points are (..., 2) or (..., 3), metres, with as many axes in front as one likes; z is not looked at. Of many worlds
+    the first axis is the world, and `worlds` are the indices of the worlds that it goes along; without them, all.
+    """
+
+    def __init__(self, recipe: Recipe, levels: Any, pos: Sequence[float] | Array = (0, 0, 0), outside: int = 0) -> None:
+        if recipe.boundary != "none":
+            raise ParameterError("boundary", f"'{recipe.boundary}' has frames; give none, or take Ground.of(scene)")
+        self.block_width: float = recipe.block_width_cm / 100
+        self.unit: float = recipe.unit_cm / 100
+        self._floor: float = recipe.ground_level * self.unit
+        self.position: Array = np.array(pos, dtype=float)
+        self._library, given = library_of("levels", levels)
+        if given.ndim not in (2, 3):
+            raise ParameterError("levels", f"of shape {tuple(given.shape)}; give (n_x, n_y) or (worlds, n_x, n_y)")
+        if not 0 <= outside <= recipe.highest_level:
+            raise ParameterError("outside", f"level {outside} is outside 0..{recipe.highest_level}")
+        # A row of the ground around is kept on each side, so that every point has a cell.
+        *many, n_x, n_y = given.shape
+        try:
+            around = array_like(given, np.full((*many, n_x + 2, n_y + 2), outside, dtype=np.int16))
+        except MemoryError:
+            worlds = f"{many[0] if many else 1} maps of {n_x} x {n_y} blocks"
+            raise TooLarge(f"levels: {worlds} are more than this machine's memory; give fewer") from None
+        self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
+        self._cells = put(around, (..., slice(1, -1), slice(1, -1)), self._checked(given))
+        self._scene: Scene | None = None
+
+    @classmethod
+    def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Ground:
+        """Return the ground of a scene of `rsegen.compose`, whose map may have frames; it cannot be written."""
+        field, recipe = scene.field, scene.recipe
+        # A frame is one more material. Materials are sorted by height, so the higher of two cells has the higher index.
+        levels = range(recipe.highest_level + 1)
+        heights = np.array([*(level * field.unit for level in levels), field.frame_height])
+        friction = np.append(friction_by_level(recipe), scene.friction_of(0))
+        order = np.argsort(heights, kind="stable")
+        material = np.where(field.frame, len(levels), field.levels)
+        ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
+        ground._keep_tables(heights[order], friction[order], like=ground._cells)
+        ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
+        ground._scene = scene
+        return ground
+
+    @property
+    def levels(self) -> Any:
+        """The levels of the blocks, as they are now: (n_x, n_y), or (worlds, n_x, n_y)."""
+        return self._inner if self._scene is None else self._scene.field.levels
+
+    @property
+    def worlds(self) -> int | None:
+        """Number of worlds; None for one map."""
+        return self._cells.shape[0] if self._cells.ndim == 3 else None
+
+    def write(self, levels: Any, worlds: Any = None) -> None:
+        """Put maps into these worlds, (worlds, n_x, n_y), or into all: at a reset, as in BlocksOfWorlds."""
+        _, given = library_of("levels", levels)
+        if self._scene is not None:
+            raise ParameterError("levels", f"the ground is that of the map {self._scene.name}; give Ground a recipe")
+        rows = None if worlds is None else self._rows(worlds)
+        shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
+        if tuple(given.shape) != shape:
+            raise ParameterError("levels", f"of shape {tuple(given.shape)}; give {shape}")
+        inner = (slice(1, -1), slice(1, -1))
+        place = (..., *inner) if rows is None else (rows, *inner)
+        self._cells = put(self._cells, place, array_like(self._cells, self._checked(given)))
+
+    def heights(self, points: Any, worlds: Any = None) -> Any:
+        """Return the height of the ground at points, (...,), metres."""
+        return self.highest(points, 0.0, worlds)
+
+    def friction(self, points: Any, worlds: Any = None) -> Any:
+        """Return the coefficient of sliding friction of the ground at points, (...,)."""
+        points = self._own("points", points)
+        return self._values(self._friction, self._materials(points, 0.0, worlds), like=points)
+
+    def highest(self, points: Any, radius: float | Array, worlds: Any = None) -> Any:
+        """Return the height of the highest block in squares around points, (...,), metres.
+
+        radius: half of their side along x and y, metres; or, in numpy, (..., 2) of rectangles.
+        """
+        points = self._own("points", points)
+        tops = self._values(self._heights, self._materials(points, radius, worlds), like=points)
+        return tops + float(self.position[2])
+
+    def normals(self, points: Any, radius: float, worlds: Any = None) -> Any:
+        """Return unit normals, (..., 3), of the planes through the ground in squares around points.
+
+        Tops are level, so the normal of the ground at a point says nothing. This is the plane of least squares through
+        5 x 5 heights up to `radius` metres along x and y: that of the ground under a foot or a robot.
+        """
+        if not radius > 0:
+            raise ParameterError("radius", f"{shown(radius)} m; give one above 0, as tops are level")
+        points, library = self._own("points", points), self._library
+        offsets = np.linspace(-radius, radius, _PLANE)
+        grid = np.stack(np.meshgrid(offsets, offsets, indexing="ij"), axis=-1).reshape(-1, 2)
+        own = array_like(points, grid, points.dtype)
+        heights = self.heights(points[..., None, :2] + own, worlds)
+        slopes = [(heights * own[:, axis]).sum(-1) / float((grid[:, axis] ** 2).sum()) for axis in (0, 1)]
+        length = (slopes[0] ** 2 + slopes[1] ** 2 + 1) ** 0.5
+        return library.stack([-slopes[0] / length, -slopes[1] / length, 1 / length], -1)
+
+    def scan(self, pattern: Any, poses: Any, worlds: Any = None) -> Any:
+        """Return heights of the ground around robots, (..., points), from each robot's z: an observation.
+
+        pattern: (points, 2), x and y in the robot's frame, such as `scan_points()`; poses: (..., 4), x, y, z [m], yaw.
+        """
+        poses = self._own("poses", poses, 4)
+        pattern = array_like(poses, self._own("pattern", pattern), poses.dtype)
+        cosine, sine = self._library.cos(poses[..., 3:]), self._library.sin(poses[..., 3:])
+        x = poses[..., :1] + cosine * pattern[:, 0] - sine * pattern[:, 1]
+        y = poses[..., 1:2] + sine * pattern[:, 0] + cosine * pattern[:, 1]
+        return self.heights(self._library.stack([x, y], -1), worlds) - poses[..., 2:3]
+
+    def lift(self, points: Any, radius: float | Array = 0.0, worlds: Any = None) -> Any:
+        """Return how far each robot has to be raised so that none of its points is in the ground, (...,), metres.
+
+        points: (..., points, 3), its feet, or the lowest points of its shapes; radius: half of their width, metres.
+        Negative for a robot above the ground, which has to be lowered so far to stand on it.
+        """
+        points = self._own("points", points, 3)
+        return self._library.amax(self.highest(points, radius, worlds) - points[..., 2], -1)
+
+    def spots(self, size: Sequence[float], count: int = 1, *, seed: int = 0) -> Any:
+        """Return places for a robot to start, (count, 4) or (worlds, count, 4): x, y, z [m], yaw.
+
+        size: length and width of a rectangle along x and y, metres, that has the most level ground below it; of equally
+        level places random ones, which may overlap; holes come last. z: of the highest block below; yaw: of a square
+        one of four.
+        """
+        wide = [max(ceil(side / self.block_width - _EDGE), 1) for side in size]
+        n_x, n_y = self._inner.shape[-2:]
+        if wide[0] > n_x or wide[1] > n_y:
+            raise ParameterError("size", f"{size[0]:g} x {size[1]:g} m is larger than the map of {n_x} x {n_y} blocks")
+        low, high = extremes(self._index(self._inner), wide)
+        *many, along_x, along_y = low.shape
+        places = along_x * along_y
+        if not 0 < count <= places:
+            raise ParameterError("count", f"{count} is outside 1..{places}, the number of places on a map")
+        rng, library = np.random.default_rng(seed), self._library
+        # Ties are broken by a random number below 1, a unit: the least difference of two levels that differ.
+        chance = array_like(low, rng.random((*many, along_x, along_y), dtype=np.float32))
+        bottoms, tops = (self._values(self._heights, own, like=chance) for own in (low, high))
+        uneven = (tops - bottoms) / self.unit + chance + _HOLE * (bottoms < self._floor - _EDGE)
+        best = library.argsort(uneven.reshape((*many, places)), -1)[..., :count]
+        rows = (array_like(low, np.arange(many[0]))[:, None],) if many else ()
+        z = tops.reshape((*many, places))[(*rows, best)]
+        i, j = best // along_y, best % along_y
+        x, y = (
+            (at + (cells - side) / 2) * self.block_width + float(middle)
+            for at, cells, side, middle in zip((i, j), wide, (n_x, n_y), self.position[:2], strict=True)
+        )
+        # A square may head along each of four directions, any other rectangle along two.
+        turn = np.pi / 2 if wide[0] == wide[1] else np.pi
+        turns = rng.integers(round(2 * np.pi / turn), size=(*many, count))
+        yaw = array_like(low, turns * turn, chance.dtype)
+        return library.stack([x + 0 * yaw, y + 0 * yaw, z + float(self.position[2]), yaw], -1)
+
+    def field(self, world: int = 0) -> StepField:
+        """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
+        if self._scene is not None:
+            return self._scene.field
+        levels = self.levels if self.worlds is None else self.levels[world]
+        own = np.array(levels.cpu() if hasattr(levels, "cpu") else levels)
+        return _field(own, self.block_width, self.unit)
+
+    @property
+    def _inner(self) -> Any:
+        """The materials of the cells of the map, without those around it."""
+        return self._cells[..., 1:-1, 1:-1]
+
+    def _materials(self, points: Any, radius: float | Array, worlds: Any) -> Any:
+        """Return the material of the highest block in squares around points: an index into the tables."""
+        # The places are less than a block apart: a whole block between two of them would be missed.
+        reach = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
+        shares = np.linspace(-1, 1, floor(2 * float(reach.max())) + 2)
+        reach_x, reach_y = (reach, reach) if reach.ndim == 0 else (reach[..., 0], reach[..., 1])
+        i, j = (
+            [self._cell(points[..., axis], share * own, axis) for share in shares]
+            for axis, own in enumerate((reach_x, reach_y))
+        )
+        worlds_of = self._along(points, worlds)
+        every = [self._cells[(*worlds_of, *cell)] for cell in product(i, j)]
+        return reduce(self._library.maximum, every)
+
+    def _cell(self, coordinates: Any, offset: Array, axis: int) -> Any:
+        """Return the index of cells along an axis, offset by a number of cells; one that is no number is outside."""
+        library, cells = self._library, self._cells.shape[axis - 2]
+        start = cells / 2 - float(self.position[axis]) / self.block_width
+        own = start + offset if np.ndim(offset) == 0 else array_like(coordinates, start + offset, coordinates.dtype)
+        cell = library.clip(coordinates / self.block_width + own, 0, cells - 1)
+        return self._index(library.where(library.isnan(cell), 0.0, cell))
+
+    def _along(self, points: Any, worlds: Any) -> tuple[Any, ...]:
+        """Return the index of worlds along the first axis of points: nothing for one map."""
+        if self.worlds is None:
+            if worlds is not None:
+                raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
+            return ()
+        rows = array_like(points, np.arange(self.worlds)) if worlds is None else self._rows(worlds)
+        if points.ndim < 2 or points.shape[0] != len(rows):
+            given = f"of shape {tuple(points.shape)} for {len(rows)} worlds"
+            raise ParameterError("points", f"{given}; give ({len(rows)}, ..., {points.shape[-1]})")
+        return (rows.reshape((-1, *[1] * (points.ndim - 2))),)
+
+    def _rows(self, worlds: Any) -> Any:
+        """Return indices of worlds as an array; ParameterError if any is not there."""
+        if self.worlds is None:
+            raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
+        rows = array_like(self._cells, library_of("worlds", worlds)[1])
+        if rows.ndim != 1 or (len(rows) and "int" not in str(rows.dtype)):
+            raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
+        if len(rows) and not 0 <= int(rows.min()) <= int(rows.max()) < self.worlds:
+            raise ParameterError("worlds", f"{int(rows.min())}..{int(rows.max())} are not all in 0..{self.worlds - 1}")
+        return rows
+
+    def _own(self, where: str, given: Any, least: int = 2) -> Any:
+        """Return an array of the library of the levels, whose last axis has so many numbers at least."""
+        library, array = library_of(where, given)
+        if library is not self._library:
+            if library is not np:
+                own, other = self._library.__name__, library.__name__
+                raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; give that")
+            array = array_like(self._cells, array, self._library.float32)
+        if array.ndim < 1 or array.shape[-1] < least:
+            raise ParameterError(where, f"of shape {tuple(array.shape)}; give (..., {least})")
+        return array
+
+    def _checked(self, levels: Any) -> Any:
+        """Return levels; ParameterError if they are no integers, or none of the recipe. Those of jax may be traced."""
+        highest = len(self._heights) - 1
+        if "int" not in str(levels.dtype):
+            raise ParameterError("levels", f"of {levels.dtype}; give integers, in units")
+        if is_traced(levels) or not min(levels.shape):
+            return levels
+        low, high = int(levels.min()), int(levels.max())
+        if low < 0 or high > highest:
+            raise ParameterError("levels", f"{low}..{high} are not all in 0..{highest}, the levels of the recipe")
+        return levels
+
+    def _index(self, values: Any) -> Any:
+        return array_like(self._cells, values, self._library.int32)
+
+    def _keep_tables(self, heights: Any, friction: Any, like: Any) -> None:
+        """Keep the height and the friction of each material on the device of the levels."""
+        dtype = None if self._library is np else self._library.float32
+        self._heights, self._friction = (array_like(like, table, dtype) for table in (heights, friction))
+
+    def _values(self, table: Any, materials: Any, like: Any) -> Any:
+        """Return the values of materials in a table, in the type of an array of numbers."""
+        values = table[self._index(materials)]
+        return array_like(values, values, like.dtype) if "float" in str(like.dtype) else values
+
+
+def _field(levels: Ints, block_width: float, unit: float) -> StepField:
+    frame = np.zeros(levels.shape, dtype=bool)
+    return StepField(levels=levels.astype(np.int16), frame=frame, block_width=block_width, unit=unit, frame_height=0.0)

@@ -1,0 +1,41 @@
+"""The next row of each robot, by the rule of legged_gym: up beyond half a tile, else down, random after the last."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rsegen import next_rows
+from rsegen.errors import ParameterError
+
+ROWS = np.array([0, 3, 3, 3, 9, 0])
+WALKED = np.array([4.1, 4.1, 3.9, 1.0, 4.1, 0.5])
+COMMANDED = np.array([20.0, 0.0, 7.0, 7.0, 20.0, 20.0])
+
+
+def test_robots_go_up_down_or_stay() -> None:
+    after = next_rows(ROWS, WALKED, COMMANDED, count=10, length=8.0, rng=np.random.default_rng(1))
+    assert after[[0, 1, 2, 3, 5]].tolist() == [1, 4, 3, 2, 0]
+    assert 0 <= after[4] < 10
+
+
+def test_robots_that_solved_the_last_row_are_spread_over_all_rows() -> None:
+    last, far = np.full(5000, 9), np.full(5000, 5.0)
+    after = next_rows(last, far, far, count=10, length=8.0, rng=np.random.default_rng(1))
+    assert np.bincount(after, minlength=10) == pytest.approx(np.full(10, 500), abs=90)
+    assert np.array_equal(after, next_rows(last, far, far, count=10, length=8.0, rng=np.random.default_rng(1)))
+
+
+@pytest.mark.parametrize("name", ["torch", "jax.numpy"])
+def test_torch_and_jax_agree_with_numpy(name: str) -> None:
+    library = pytest.importorskip(name, reason=f"{name} is not installed")
+    given = [library.asarray(values) for values in (ROWS, WALKED, COMMANDED)]
+    after = next_rows(*given, count=10, length=8.0, rng=np.random.default_rng(1))
+    expected = next_rows(ROWS, WALKED, COMMANDED, count=10, length=8.0, rng=np.random.default_rng(1))
+    assert type(after) is type(given[0])
+    assert np.asarray(after).tolist() == expected.tolist()
+
+
+def test_rows_that_are_no_integers_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"rows: float64 of shape \(6,\); give integers, one per robot"):
+        next_rows(WALKED, WALKED, COMMANDED, count=10, length=8.0, rng=np.random.default_rng(1))

@@ -1,0 +1,156 @@
+"""An environment has a new field at each reset, above which its robot starts: MuJoCo's contacts judge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen import Random, Recipe
+from rsegen.errors import ParameterError, UserError
+
+gymnasium = pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+from rsegen.learning.gymnasium import NewFieldAtReset  # noqa: E402  # it needs both
+from rsegen.learning.mujoco import BlockGrid, geom_bounds  # noqa: E402
+
+RECIPE = Recipe(
+    seed=7,
+    chunk_size=20,
+    unit_cm=5,
+    boundary="none",
+    level_friction=(0.2, 0.4, 0.6, 0.8, 0.9),
+    obstacles=[Random(levels=6)],
+)
+GRID = BlockGrid(RECIPE)
+ASSETS = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets"
+RADIUS = 0.03
+
+pytestmark = pytest.mark.filterwarnings("ignore:compiler attribute 'settotalmass'")  # of Gymnasium's own file
+
+
+def _made(robot: str, file: str, folder: Path) -> Any:
+    spec = mujoco.MjSpec.from_file(str(ASSETS / file))
+    GRID.add_to(spec)
+    spec.compile()
+    path = folder / file
+    path.write_text(spec.to_xml(), "utf-8")
+    return gymnasium.make(robot, xml_file=str(path))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("robot", "file", "height"),
+    [("Humanoid-v5", "humanoid.xml", 2), ("Ant-v5", "ant.xml", 2), ("HalfCheetah-v5", "half_cheetah.xml", 1)],
+)
+def test_no_geom_of_a_robot_starts_inside_a_block(robot: str, file: str, height: int, tmp_path: Path) -> None:
+    bare = _made(robot, file, tmp_path)
+    env, model, data = NewFieldAtReset(bare, GRID), bare.unwrapped.model, bare.unwrapped.data
+    blocks = {model.geom(name).id for name in GRID.names}
+
+    def depth() -> float:
+        mujoco.mj_forward(model, data)
+        touching = [contact for contact in data.contact[: data.ncon] if {contact.geom1, contact.geom2} & blocks]
+        return max((-contact.dist for contact in touching), default=0.0)
+
+    raised, before = [], []
+    for reset in range(100):
+        observation, _ = env.reset(seed=3 if reset == 0 else None)
+        assert depth() <= 0
+        raised.append(data.qpos[height])
+        # The first numbers of an observation are positions, without those along the ground.
+        assert observation[0] == pytest.approx(data.qpos[height])
+        bare.reset()
+        before.append(depth())
+    if robot == "Humanoid-v5":  # without the wrapper its feet start on the ground, so nearly every field is in its way
+        assert np.mean(np.array(before) > 0.02) > 0.9
+    assert max(raised) - min(raised) > 0.02
+
+
+def test_bounds_of_geoms_are_those_of_their_surface() -> None:
+    spec, shapes = mujoco.MjSpec(), mujoco.mjtGeom
+    sizes = {
+        shapes.mjGEOM_SPHERE: [0.3, 0, 0],
+        shapes.mjGEOM_CAPSULE: [0.1, 0.4, 0],
+        shapes.mjGEOM_CYLINDER: [0.2, 0.3, 0],
+        shapes.mjGEOM_ELLIPSOID: [0.1, 0.2, 0.3],
+        shapes.mjGEOM_BOX: [0.1, 0.2, 0.3],
+    }
+    for shape, size in sizes.items():
+        spec.worldbody.add_geom(type=shape, size=size, pos=[1, 2, 3], quat=[0.5, -0.3, 0.7, 0.2])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    low, high = geom_bounds(model, data, np.arange(model.ngeom))
+    # A tangent plane is where a ray along an axis from far away first hits: the nearest of many rays comes close.
+    for geom in range(model.ngeom):
+        alone = np.zeros(6, dtype=np.uint8)
+        alone[0] = 1
+        model.geom_group[:] = 1
+        model.geom_group[geom] = 0
+        for axis in range(3):
+            across = [other for other in range(3) if other != axis]
+            grid = np.meshgrid(*(np.linspace(low[geom, a], high[geom, a], 61) for a in across))
+            hits = []
+            for u, v in zip(*(part.ravel() for part in grid), strict=True):
+                start, way = np.zeros(3), np.zeros(3)
+                start[across], start[axis], way[axis] = (u, v), -10, 1
+                distance = mujoco.mj_ray(model, data, start, way, alone, 1, -1, np.zeros(1, dtype=np.int32))
+                hits += [distance - 10] if distance >= 0 else []
+            assert min(hits) == pytest.approx(low[geom, axis], abs=0.01)
+            assert min(hits) >= low[geom, axis] - 1e-9
+
+
+class Dropped(gymnasium.Env):  # type: ignore[misc,name-defined]  # it has no types for mypy
+    """A ball that falls; what is seen is its height."""
+
+    def __init__(self, spec: Any) -> None:
+        body = spec.worldbody.add_body(name="ball", pos=[0, 0, 2])
+        body.add_freejoint()
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[RADIUS, 0, 0])
+        self.model = spec.compile()
+        self.state = mujoco.MjData(self.model)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        super().reset(seed=seed)
+        mujoco.mj_resetData(self.model, self.state)
+        self.state.qpos[:3] = [0.05, 0.05, 0.4]
+        mujoco.mj_step(self.model, self.state, 1000)
+        return self.state.qpos[2] - RADIUS, {"own": 1}
+
+
+def test_an_environment_has_a_new_field_at_each_reset() -> None:
+    spec = mujoco.MjSpec()
+    GRID.add_to(spec)
+    env = NewFieldAtReset(Dropped(spec), GRID)
+    seen = [env.reset(seed=5 if first else None) for first in (True, False, False)]
+    again = [env.reset(seed=5 if first else None) for first in (True, False, False)]
+    assert len({info["map"] for _, info in seen}) == 3
+    assert [info["map"] for _, info in again] == [info["map"] for _, info in seen]
+    for height, info in [*seen, env.reset(options={"map": 17})]:
+        assert info["own"] == 1
+        assert height == pytest.approx(0.05 * rsegen.build(RECIPE, info["map"]).levels[10, 10], abs=0.001)
+    assert env.reset(options={"map": 17})[1]["map"] == 17
+    assert np.array_equal(env.ground.levels, rsegen.build(RECIPE, 17).levels)
+
+
+def test_maps_that_are_made_ahead_are_those_of_the_recipe() -> None:
+    spec = mujoco.MjSpec()
+    grid = BlockGrid(Recipe(seed=7, chunk_size=3, maps=4, first_map=6, boundary="none", obstacles=[Random(levels=6)]))
+    grid.add_to(spec)
+    env = NewFieldAtReset(Dropped(spec), grid)
+    indices = []
+    for reset in range(150):
+        indices.append(env.reset(seed=1 if reset == 0 else None)[1]["map"])
+        assert np.array_equal(env.ground.levels, rsegen.build(grid.recipe, indices[-1]).levels)
+    assert set(indices) == {6, 7, 8, 9}
+
+
+def test_what_is_no_model_with_the_blocks_is_refused() -> None:
+    with pytest.raises(UserError, match=r"has no geom block_0_0; add the blocks by grid\.add_to"):
+        NewFieldAtReset(Dropped(mujoco.MjSpec()), GRID)
+    with pytest.raises(ParameterError, match=r"grid: a list; give the BlockGrid of rsegen\.learning\.mujoco"):
+        NewFieldAtReset(Dropped(mujoco.MjSpec()), [GRID])  # type: ignore[arg-type]
