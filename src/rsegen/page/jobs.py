@@ -268,6 +268,8 @@ def _loaded() -> str:
     return os.pathsep.join(each.module.__file__ or each.module.__name__ for each in plugins())
 
 
+_NAMES = {"drive.json": "drive", "manifest.json": "dataset", "recipe.json": "recipe"}
+
 _KINDS = {
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".svg", ".webp"), "picture"),
     **dict.fromkeys((".csv", ".md"), "table"),
@@ -280,15 +282,9 @@ def _made(folder: Path, output: Path, began: float) -> Iterator[dict[str, str]]:
     """Yield the files for people below an output that were written since a time; seen from the folder of pages."""
     paths = [folder / output] if (folder / output).is_file() else _below(folder / output)
     for path in paths:
-        kind = (
-            "drive"
-            if path.name == "drive.json"
-            else "recipe"
-            if path.name == "recipe.json"
-            else _KINDS.get(path.suffix)
-        )
+        kind = _NAMES.get(path.name) or _KINDS.get(path.suffix)
         if kind and path.stat().st_mtime >= began - 1:
-            shown = path.parent if kind == "drive" else path
+            shown = path.parent if kind in ("drive", "dataset") else path
             yield {"path": str(shown.relative_to(folder)), "name": shown.name, "kind": kind}
 
 
