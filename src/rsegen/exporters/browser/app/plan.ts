@@ -26,7 +26,7 @@ export class Plan implements View, Board {
   field: Field | null = null;
   readonly canvas = document.createElement("canvas");
   private readonly tools: Tools;
-  private readonly grips: Grips;
+  readonly grips: Grips;
   private readonly label: HTMLElement;
   private readonly sizes: ResizeObserver;
   private readonly ends = new AbortController();
@@ -194,10 +194,6 @@ export class Plan implements View, Board {
   preview(preview: Preview | null): void {
     this.shownPreview = preview;
     this.ask();
-  }
-
-  held(grip: Grip | null): void {
-    this.grips.held(grip);
   }
 
   lets(camera: boolean): void {

@@ -7,7 +7,7 @@ import { Form } from "./fields";
 import { play } from "./playback";
 import type { Command, Job, Json } from "./protocol";
 import { call, fileOf, Failed } from "./server";
-import { ask, attempt, dialog, hello, index, jobs, open, playbacks, robot, state } from "./state";
+import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
 import { copy } from "./results";
 
 type Values = { [name: string]: Json | undefined };
@@ -44,6 +44,7 @@ function usual(command: Command, upload?: string): { values: Values; output: str
   const one = command.fields.find((field) => field.name === "map" && !field.help.includes("all"));
   if (one && (state.value?.maps ?? 1) > 1) values.map = String(index.value);
   if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
+  if (robot.value && put.value && command.name === "spawn") values.pose = [...put.value, heading.value].map((value) => Number(value.toFixed(4)));
   return { values, output: command.output === "none" ? "" : known.output };
 }
 
@@ -102,13 +103,11 @@ export function Progress({ job }: { job: Job }) {
   return <progress max={job.total ?? 1} value={job.total ? (job.done ?? 0) : undefined} aria-label={`Progress of ${job.command}`} />;
 }
 
-const STATES = { running: "running", done: "done", failed: "failed", cancelled: "cancelled" };
-
 export function JobReport({ job, again }: { job: Job; again?: () => void }) {
   const drives = job.files.filter((file) => file.kind === "drive");
   return (
     <div class="job">
-      <p class={`state ${job.state}`} role="status"><b>{STATES[job.state]}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
+      <p class={`state ${job.state}`} role="status"><b>{job.state}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
       {job.state === "running" && <Progress job={job} />}
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
       {job.lines.length > 0 && <pre tabindex={0} aria-label="Report" class={job.state === "failed" ? "bad" : ""}>{job.lines.join("\n")}</pre>}
@@ -118,9 +117,9 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
             {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
-          {file.kind === "recipe" && <button type="button" onClick={() => void leaveFor(file.path)}>Open</button>}
+          {(file.kind === "recipe" || file.kind === "dataset") && <button type="button" onClick={() => void leaveFor(file.kind === "dataset" ? `${file.path}#0` : file.path)}>Open</button>}
           {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
-          {file.kind !== "drive" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
+          {file.kind !== "drive" && file.kind !== "dataset" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
         </li>))}</ul>
       <footer class="actions">
         {job.state === "running" ? <button type="button" onClick={() => void attempt(() => call("cancel", { job: job.id }))}>Cancel the run</button> : again && <button type="button" onClick={again}>Change and run again</button>}
@@ -193,7 +192,7 @@ function FilePicture({ path, name }: { path: string; name: string }) {
 export function Jobs() {
   return (
     <Modal title="Runs" close={() => (dialog.value = null)} wide>
-      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{STATES[job.state]}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
+      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
     </Modal>
   );
 }

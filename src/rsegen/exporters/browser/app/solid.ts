@@ -32,7 +32,7 @@ export class Solid implements View, Board {
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
   private readonly tools: Tools;
-  private readonly grips: Grips;
+  readonly grips: Grips;
   private readonly label: HTMLElement;
   private readonly axes: HTMLElement[];
   private readonly sizes: ResizeObserver;
@@ -355,10 +355,6 @@ export class Solid implements View, Board {
       this.part("preview", [boxes, lines]);
     }
     this.ask();
-  }
-
-  held(grip: Grip | null): void {
-    this.grips.held(grip);
   }
 
   lets(camera: boolean, isEditing: boolean): void {

@@ -39,6 +39,7 @@ export const dialog = signal<
 export const robot = signal(""); // its name; empty: none
 export const drawing = signal<RobotDrawing | null>(null);
 export const heading = signal(0);
+export const put = signal<[number, number] | null>(null); // where it was put: tilted, its origin is a little aside
 export const pose = signal<Pose | null>(null);
 export const poseMap = signal<PoseMap | null>(null);
 export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
@@ -308,7 +309,7 @@ export async function reload(): Promise<void> {
 
 export function forgetRobot(): void {
   stopSearch();
-  pose.value = poseMap.value = reach.value = way.value = wayStart.value = put = null;
+  pose.value = poseMap.value = reach.value = way.value = wayStart.value = put.value = null;
 }
 
 export async function chooseRobot(name: string): Promise<void> {
@@ -321,11 +322,9 @@ export async function chooseRobot(name: string): Promise<void> {
 
 const ofRobot = () => ({ index: index.value, robot: robot.value });
 
-let put: [number, number] | null = null; // where the robot was put: tilted, its origin is a little aside
-
 export const settle = newest(async (x: number, y: number) => {
   if (!robot.value) return;
-  put = [x, y];
+  put.value = [x, y];
   pose.value = await ask<Pose>("pose", { ...ofRobot(), x, y, heading: heading.value });
 });
 
@@ -333,7 +332,7 @@ export const settle = newest(async (x: number, y: number) => {
 export function face(angle: number): void {
   heading.value = Math.atan2(Math.sin(angle), Math.cos(angle));
   if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
-  if (put) settle(...put);
+  if (put.value) settle(...put.value);
 }
 
 let searches = 0;

@@ -19,6 +19,7 @@ const never: Tool = { name: "select" };
 const editing: ViewEvents = {
   hover: (at) => (hover.value = at),
   pick: (row) => (selected.value = row),
+  chunk: () => Number(state.value?.values.chunk_size ?? 10),
   moveEnd: (row, end, cell, gesture) => void edit({ do: "move_end", row, end, cell, gesture }),
   raise: (row, levels, gesture) => changeEntry(row, "levels", levels, gesture),
   paint: (painted, level, gesture) => void edit({ do: "paint", row: paintedRow(), cells: painted, level, gesture }),

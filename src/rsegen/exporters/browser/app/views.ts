@@ -18,6 +18,7 @@ export type Tool =
 export interface ViewEvents {
   hover?(at: Hover | null): void; // what is below the mouse; null: nothing
   pick?(row: number, cell: Cell | null): void; // a click with select; row -1: none
+  chunk?(): number; // cells along the side of a chunk, by which Shift and an arrow key move an end
   moveEnd?(row: number, end: "first" | "last" | "both", cell: Cell, gesture: string): void; // while it is dragged
   raise?(row: number, levels: number, gesture: string): void; // its number of levels, while its handle is dragged
   paint?(cells: Cell[], level: number, gesture: string): void;
