@@ -105,14 +105,16 @@ export function Progress({ job }: { job: Job }) {
 
 export function JobReport({ job, again }: { job: Job; again?: () => void }) {
   const drives = job.files.filter((file) => file.kind === "drive");
+  const depth = (file?: Job["files"][number]) => file?.path.split("/").length;
+  const isOnTop = (file: Job["files"][number]) => depth(file) === depth(job.files[0]); // the first is one of the highest
   return (
     <div class="job">
       <p class={`state ${job.state}`} role="status"><b>{job.state}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
       {job.state === "running" && <Progress job={job} />}
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
-      {job.lines.length > 0 && <pre tabindex={0} aria-label="Report" class={job.state === "failed" ? "bad" : ""}>{job.lines.join("\n")}</pre>}
-      <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} />)}</div>
-      {job.files.filter((file) => file.kind === "table").slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
+      <Report text={job.lines.join("\n")} isBad={job.state === "failed"} />
+      <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} wide={isOnTop(file) && !job.files.every(isOnTop)} />)}</div>
+      {job.files.filter((file) => file.kind === "table" && isOnTop(file)).slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
       <ul class="files">{job.files.filter((file) => file.kind !== "picture").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
@@ -163,29 +165,45 @@ const MOST_ROWS = 60; // longer ones are for programs
 const fieldsOf = (row: string): string[] =>
   [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
 
+/* What a command says: text, with tables and headings of Markdown as such. */
+function Report({ text, isBad }: { text: string; isBad: boolean }) {
+  return <>{text.split(/((?:^\|.*\|$\n?)+|^#+ .*$)/m).map((part, at) => {
+    if (!part.trim()) return null;
+    if (part.startsWith("#")) return <h3 key={at}>{part.replace(/^#+ /, "")}</h3>;
+    if (!part.startsWith("|")) return <pre key={at} tabindex={0} aria-label="Report" class={isBad ? "bad" : ""}>{part.trim()}</pre>;
+    const rows = part.trim().split("\n").map((row) => row.slice(1, -1).split("|").map((cell) => cell.trim()));
+    return <Rows key={at} rows={rows.filter((row) => !row.every((cell) => /^:?-+:?$/.test(cell)))} />;
+  })}</>;
+}
+
+/* A table, the first row of which names its columns. */
+function Rows({ rows: [head, ...body], name }: { rows: string[][]; name?: string }) {
+  return (
+    <figure class="table" tabindex={0}>
+      <table class="csv"><thead><tr>{head!.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
+        <tbody>{body.map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
+      {name && <figcaption>{name}</figcaption>}
+    </figure>
+  );
+}
+
 /* A table that a run wrote, if it is one to be read: short, with a line of names. */
 function FileTable({ path, name }: { path: string; name: string }) {
   const [rows, set] = useState<string[][]>([]);
   useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
   const [head, ...body] = rows;
   if (!head || body.length > MOST_ROWS || head[0]?.startsWith("#")) return null;
-  return (
-    <figure class="table" tabindex={0}>
-      <table class="csv"><thead><tr>{head.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
-        <tbody>{body.map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
-      <figcaption>{name}</figcaption>
-    </figure>
-  );
+  return <Rows rows={rows} name={name} />;
 }
 
-function FilePicture({ path, name }: { path: string; name: string }) {
+function FilePicture({ path, name, wide }: { path: string; name: string; wide: boolean }) {
   const [source, show] = useState("");
   useEffect(() => {
     let address = "";
     void attempt(() => fileOf(path), false).then((bytes) => bytes && show((address = URL.createObjectURL(bytes))));
     return () => URL.revokeObjectURL(address);
   }, [path]);
-  return source ? <figure><img src={source} alt={name} /><figcaption>{name}</figcaption></figure> : null;
+  return source ? <figure class={wide ? "wide" : ""}><img src={source} alt={name} /><figcaption>{name}</figcaption></figure> : null;
 }
 
 /* All runs since the page was opened. */
