@@ -50,9 +50,13 @@ export const searching = signal<{ of: Search; share: number } | null>(null); // 
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
 export const second = signal(0);
 
-const width = signal(innerWidth);
-addEventListener("resize", () => (width.value = innerWidth));
-export const layout = computed(() => (width.value < 760 ? "phone" : width.value < 1180 ? "narrow" : "wide"));
+const size = signal<[number, number]>([innerWidth, innerHeight]);
+addEventListener("resize", () => (size.value = [innerWidth, innerHeight]));
+/* A phone that lies on its side, and a small screen at 200 %, have room beside the map, not below it. */
+export const layout = computed(() => {
+  const [width, height] = size.value;
+  return width < 760 && !(width > 560 && height < 480) ? "phone" : width < 1180 ? "narrow" : "wide";
+});
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 export const dark = signal(darkness.matches);
 darkness.addEventListener("change", () => (dark.value = darkness.matches));
