@@ -30,13 +30,13 @@ WIDTH, UNIT = 0.1, 0.05
 FRAME = 1  # cells
 
 ENTRY = """
-import { createSolid, thumbnail } from "./solid";
-import { createPlan } from "./plan";
+import { Solid, thumbnail } from "./solid";
+import { Plan } from "./plan";
 const said = [];
 const names = "hover pick moveEnd raise paint picked draw robotAt robotPut wayPoint turn".split(" ");
 const on = Object.fromEntries(names.map((name) => [name, (...args) => void said.push([name, ...args])]));
 on.chunk = () => 3;
-const [solid, plan] = [createSolid, createPlan].map((create, k) => create(document.body.children[k], on));
+const [solid, plan] = [Solid, Plan].map((View, k) => new View(document.body.children[k], on));
 const send = (view, type, x, y, more) => {
   const { left, top } = view.canvas.getBoundingClientRect();
   const buttons = type === "pointerup" || more?.hovers ? 0 : 1;
@@ -44,7 +44,7 @@ const send = (view, type, x, y, more) => {
   const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1, pointerType: "mouse" };
   view.canvas.dispatchEvent(new PointerEvent(type, { ...place, button, buttons, ...more }));
 };
-window.rsegen = { solid, plan, said, send, thumbnail, createSolid, createPlan };
+window.rsegen = { solid, plan, said, send, thumbnail, Solid, Plan };
 """
 
 
@@ -497,12 +497,12 @@ def test_scene_without_owners_is_shown(browser: Chrome, view: str) -> None:
     assert _said(browser, view, "pick") == [[-1, [3, 2]]]
 
 
-@pytest.mark.parametrize("view", ["createSolid", "createPlan"])
+@pytest.mark.parametrize("view", ["Solid", "Plan"])
 def test_view_that_goes_leaves_its_place_as_it_was(browser: Chrome, view: str) -> None:
     left = browser.execute_script(
         """const host = document.createElement("div");
         host.innerHTML = "<p>other</p>";
-        const view = window.rsegen[arguments[0]](host, {});
+        const view = new window.rsegen[arguments[0]](host, {});
         view.show(arguments[1]);
         view.select(1);
         const some = host.children.length;
@@ -520,7 +520,7 @@ def test_browser_without_3d_graphics_is_an_error(browser: Chrome) -> None:
         const [host, complain] = [document.createElement("div"), console.error];
         HTMLCanvasElement.prototype.getContext = () => null;
         console.error = () => {};
-        try { window.rsegen.createSolid(host, {}); } catch (error) { return [error.message, host.outerHTML]; }
+        try { new window.rsegen.Solid(host, {}); } catch (error) { return [error.message, host.outerHTML]; }
         finally { [HTMLCanvasElement.prototype.getContext, console.error] = [getContext, complain]; }"""
     )
     assert said == ["THREE.WebGLRenderer: Error creating WebGL context.", "<div></div>"]

@@ -14,10 +14,6 @@ import "./views.css";
 const MARGINS = { left: 34, right: 44, top: 26, bottom: 26 };
 const NARROW = 210; // CSS pixels below which there are no margins, and so no numbers
 
-export function createPlan(host: HTMLElement, on: ViewEvents): Plan {
-  return new Plan(host, on);
-}
-
 /* What lies over the map. */
 interface Shown {
   preview?: Preview | null;

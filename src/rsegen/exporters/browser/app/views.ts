@@ -1,6 +1,6 @@
 /* What the 3D view and the plan have in common: what they are told, and what they say of the mouse.
 
-   solid.ts has createSolid(host, on): View, plan.ts createPlan(host, on): View. Both draw into their host element, follow
+   Solid of solid.ts and Plan of plan.ts are made of their host element and what they tell. Both draw into their host element, follow
    its size, and draw only when something changed. Neither knows the server, nor keeps what the document says. */
 
 import type { Cell, Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
