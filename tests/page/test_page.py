@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -513,6 +514,11 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     until(lambda: abs(page.js("return state.pose.value.yaw") - heading) < 1e-6)
     facts = page.chrome.find_element(By.CSS_SELECTOR, '[aria-label="Robot"] .facts')
     assert "margin to tipping over" in facts.text
+    page.button("Put it into a running Gazebo").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
+    line = page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+    assert re.search(r"--robot burger --pose -?[\d.]+,-?[\d.]+,-?[\d.]+ -o worlds$", line)
+    ActionChains(page.chrome).send_keys(Keys.ESCAPE).perform()
     page.button("Tilt map").click()
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, ".legend .ramp"))
     page.button("Reach").click()

@@ -19,14 +19,14 @@ function line(command: Command, values: Values, output: string): string {
     const value = values[name];
     if (value === undefined || value === usual) return [];
     if (value === true) return flag ? [flag] : [];
-    return value === false || !flag ? [] : [flag, quoted(shown(value))];
+    return value === false || !flag ? [] : [flag, quoted(Array.isArray(value) ? value.map(shown).join(",") : shown(value))];
   });
   const target = command.target === "recipe" ? [quoted(state.value?.path ?? `${state.value?.name}.yaml`)] : [];
   return ["rsegen", command.name, ...target, ...flags, ...(output ? ["-o", quoted(output)] : [])].join(" ");
 }
 
 const OUTPUTS: { [command: string]: string } = {
-  generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain",
+  generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain", spawn: "worlds", respawn: "worlds",
 };
 
 const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" };
