@@ -585,6 +585,9 @@ return [...document.querySelectorAll('button, input, select, summary, a')].filte
 _SCROLLS_ASIDE = """return [document.documentElement, ...document.querySelectorAll('aside, dialog .body')]
   .filter(each => each.scrollWidth > each.clientWidth).map(each => each.className || each.tagName);"""
 
+_RUNS = {"id": 1, "command": "generate", "state": "running", "step": "map 2", "done": 1, "total": 3, "files": []}
+"""A command that runs, which the line of status shows."""
+
 ZOOMED = (683, 384)
 """A screen of 1366 x 768 at 200 %."""
 
@@ -594,7 +597,7 @@ ZOOMED = (683, 384)
 )
 def test_every_control_is_inside_the_window(chrome: Chrome, address: str, size: tuple[int, int]) -> None:
     page = Page(chrome, address, "mixed-course", size=size)
-    page.js("state.selected.value = 1")
+    page.js("state.selected.value = 1; state.jobs.value = [arguments[0]]", _RUNS)
     for tab in ("obstacles", "map", "robot", "results"):
         page.js("state.tab.value = arguments[0]", tab)
         page.settled()

@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from rsegen.errors import UserError, line_of
+from rsegen.page.places import HOLDS
 from rsegen.params.plugins import plugins
 from rsegen.params.sorts import Json
 from rsegen.recipe.recipe import Recipe
@@ -268,8 +269,6 @@ def _loaded() -> str:
     return os.pathsep.join(each.module.__file__ or each.module.__name__ for each in plugins())
 
 
-_NAMES = {"drive.json": "drive", "manifest.json": "dataset", "recipe.json": "recipe"}
-
 _KINDS = {
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".svg", ".webp"), "picture"),
     **dict.fromkeys((".csv", ".md"), "table"),
@@ -282,7 +281,7 @@ def _made(folder: Path, output: Path, began: float) -> Iterator[dict[str, str]]:
     """Yield the files for people below an output that were written since a time; seen from the folder of pages."""
     paths = [folder / output] if (folder / output).is_file() else _below(folder / output)
     for path in paths:
-        kind = _NAMES.get(path.name) or _KINDS.get(path.suffix)
+        kind = HOLDS.get(path.name) or _KINDS.get(path.suffix)
         if kind and path.stat().st_mtime >= began - 1:
             shown = path.parent if kind in ("drive", "dataset") else path
             yield {"path": str(shown.relative_to(folder)), "name": shown.name, "kind": kind}

@@ -54,6 +54,17 @@ export function Button({ icon, children, pressed, class: name = "", ...rest }: B
   );
 }
 
+/* The address of bytes that are being made, empty until then, such as those of a picture. */
+export function useAddress(made: () => Promise<Blob | null>, of: unknown[]): string {
+  const [address, show] = useState("");
+  useEffect(() => {
+    let own = "";
+    void made().then((bytes) => bytes && show((own = URL.createObjectURL(bytes))), () => null);
+    return () => URL.revokeObjectURL(own);
+  }, of);
+  return address;
+}
+
 /* A button that opens a list below it; a choice in it closes it. */
 export function Menu({ label, icon, title, children, class: name = "", onClose }: {
   label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string; onClose?: () => void;

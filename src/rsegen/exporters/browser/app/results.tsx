@@ -1,7 +1,7 @@
 /* What the map is: its heights, metrics and costs, its recipe as text; and other maps like it. */
 
 import { useEffect, useId, useState } from "preact/hooks";
-import { Button, Modal, Segmented, Select, Slider } from "./controls";
+import { Button, Modal, Segmented, Select, Slider, useAddress } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Variant } from "./protocol";
 import { thumbnail } from "./solid";
@@ -137,12 +137,7 @@ export function Difficulty() {
 
 /* A small picture of a map in 3D. */
 export function Picture({ map, label }: { map: SceneData; label: string }) {
-  const [source, setSource] = useState("");
-  useEffect(() => {
-    let address = "";
-    void thumbnail(map, 256, 176, dark.value).then((picture) => setSource((address = URL.createObjectURL(picture))), () => null);
-    return () => URL.revokeObjectURL(address);
-  }, [map, dark.value]);
+  const source = useAddress(() => thumbnail(map, 256, 176, dark.value), [map, dark.value]);
   return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
 }
 

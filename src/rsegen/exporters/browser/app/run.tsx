@@ -1,7 +1,7 @@
 /* Commands as dialogs: a form, the same line for a shell, run; then progress, report and files. */
 
 import { useEffect, useId, useRef, useState } from "preact/hooks";
-import { Button, Icon, Labelled, Modal } from "./controls";
+import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
@@ -197,12 +197,7 @@ function FileTable({ path, name }: { path: string; name: string }) {
 }
 
 function FilePicture({ path, name, wide }: { path: string; name: string; wide: boolean }) {
-  const [source, show] = useState("");
-  useEffect(() => {
-    let address = "";
-    void attempt(() => fileOf(path), false).then((bytes) => bytes && show((address = URL.createObjectURL(bytes))));
-    return () => URL.revokeObjectURL(address);
-  }, [path]);
+  const source = useAddress(() => attempt(() => fileOf(path), false), [path]);
   return source ? <figure class={wide ? "wide" : ""}><img src={source} alt={name} /><figcaption>{name}</figcaption></figure> : null;
 }
 
