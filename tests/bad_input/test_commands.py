@@ -64,6 +64,8 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a place of one number": (["spawn", "burger", "--at", "1"], ["--at: '1' is not X,Y or X,Y,Z or X,Y,Z,YAW"]),
     "a place in words": (["spawn", "burger", "--at", "1,here"], ["--at", "'here' is not a number"]),
     "a map of a robot": (["spawn", "burger", "--map", "1"], ["--map: burger is a robot"]),
+    "a pose of no robot": (["spawn", "two.yaml", "--pose", "0,0,0"], ["--pose: is the place of a robot", "give robot"]),
+    "a robot on a robot": (["spawn", "burger", "--robot", "crawler"], ["--robot: burger is a robot already"]),
     "a name with a slash": (["spawn", "burger", "--name", "../b"], ["--name: invalid value '../b'"]),
     "seconds in a word": (["open", "two.yaml", "--seconds", "few"], ["--seconds: 'few' is not a number"]),
     "an index beyond": (["info", "two.yaml", "--map", "2"], ["--map", "'2'", "two.yaml", "rse_0000..rse_0001"]),

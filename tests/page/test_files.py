@@ -86,6 +86,55 @@ def test_a_drive_is_played_as_it_was_recorded(host: Host, tmp_path: Path) -> Non
     ]
 
 
+def marks(host: Host, folder: Path, contacts: list[tuple[float, str]], x: Any, **robot: Any) -> list[tuple[float, str]]:
+    """The events of a drive of some seconds, of the x of each quarter of a second and contacts with the map."""
+    x = np.asarray(x, float)
+    rows = np.zeros((len(x), 7))
+    rows[:, 0], rows[:, 1] = np.arange(len(x)) / 4, x
+    drive(folder / "a", rows, **{"touched": {"wheel": 0.9, "belly": 0.1, "arm": 0.2}, **robot})
+    lines = [f"{second},burger_0,{part},field,0,0,0" for second, part in contacts]
+    (folder / "a" / "contacts.csv").write_text("\n".join(["t,robot,part,other,x,y,z", *lines]) + "\n")
+    (told,) = playback.playback(host, path="a")["robots"]
+    return [(event["second"], event["text"]) for event in told["events"]]
+
+
+def test_a_part_that_bounces_is_marked_once_and_again_after_a_pause(host: Host, tmp_path: Path) -> None:
+    bounces = [(second, "belly") for second in (1.0, 1.25, 2.5, 4.5, 7.0, 7.25)]
+    others = [(1.0, "wheel"), (7.0, "wheel"), (6.0, "arm")]
+    moving = 0.1 * np.arange(41)
+    assert marks(host, tmp_path, bounces + others, moving) == [
+        (1.0, "belly touches field"),
+        (6.0, "arm touches field"),
+        (7.0, "belly touches field"),
+    ]
+
+
+def test_a_robot_that_stays_where_it_is_hangs_up_on_what_touches_there(host: Host, tmp_path: Path) -> None:
+    held = np.minimum(np.arange(41), 12) * 0.1  # from 3 s on
+    touching = [(2.75, "belly"), (3.5, "belly"), (4.0, "arm")]
+    assert marks(host, tmp_path, touching, held) == [
+        (2.75, "belly touches field"),
+        (3.0, "hangs up on arm and belly"),
+        (4.0, "arm touches field"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("stands", "robot", "text"),
+    [
+        ((12, 41), {}, ["is stuck"]),
+        ((12, 16), {}, []),  # a second, as in a turn
+        ((12, 41), {"crossed": 2.5}, ["has crossed the map"]),
+    ],
+)
+def test_standing_still_is_marked_after_two_seconds_before_the_end(
+    stands: tuple[int, int], robot: dict[str, Any], text: list[str], host: Host, tmp_path: Path
+) -> None:
+    steps = np.full(41, 0.1)
+    steps[slice(*stands)] = 0
+    assert [words for _, words in marks(host, tmp_path, [], np.cumsum(steps), **robot)] == text
+
+
 def test_rows_that_are_no_numbers_are_left_out(host: Host, tmp_path: Path) -> None:
     drive(tmp_path / "a", [[0, 0, 0, 0, 0, 0, 0], [0.05, np.nan, 0, 0, 0, 0, 0], [0.1, 1, 0, 0, 0, 0, 0]])
     told = playback.playback(host, path="a")
@@ -127,7 +176,8 @@ def test_variants_are_the_recipe_at_other_seeds(host: Host, tmp_path: Path) -> N
     steps = rsegen.metrics(rsegen.build(recipe, 1)).steps.mean or 0
     assert dict(map(tuple, own[0]["difficulty"]))["mean step"] == f"{100 * steps:.3g} cm"
     mean = {index: rsegen.metrics(rsegen.build(recipe, index)).steps.mean or 0 for index in recipe.indices}
-    by_step = variants.maps(host, doc=doc, first=0, count=6, by="mean step")
+    by_step = variants.maps(host, doc=doc, first=0, count=6, by="steps.mean")
+    assert by_step[0]["difficulty"][0][0] == "steps mean"
     assert [each["index"] for each in by_step] == sorted(mean, key=lambda index: mean[index])
     with pytest.raises(rsegen.UserError, match="'size'"):
         variants.maps(host, doc=doc, first=0, count=6, by="size")
@@ -143,5 +193,5 @@ def test_a_large_map_is_shown_coarser(host: Host, tmp_path: Path) -> None:
     (shown,) = variants.variants(host, doc=doc, count=1)
     assert max(shown["scene"]["cells"]) <= 100
     with pytest.raises(rsegen.UserError, match="too long to be sorted"):
-        variants.maps(host, doc=doc, first=0, count=1, by="TRI")
+        variants.maps(host, doc=doc, first=0, count=1, by="ruggedness.tri")
     assert [name for name, _ in shown["difficulty"]] == ["mean step", "TRI"]

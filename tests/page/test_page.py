@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -197,24 +198,67 @@ def test_a_drag_of_a_slider_is_one_step_of_undo(page: Page) -> None:
     assert "softness" not in page.settled()["rows"][0]["entry"]
 
 
-def test_a_map_is_made_with_the_keyboard_alone(page: Page) -> None:
+_NAME = "const e = document.activeElement; return e.ariaLabel || e.title || e.labels?.[0]?.textContent || e.textContent"
+"""By which somebody who cannot see the page knows where the focus is."""
+
+
+def press(page: Page, *keys: str) -> None:
+    page.chrome.switch_to.active_element.send_keys(*keys)
+
+
+def tab_to(page: Page, name: str, key: str = Keys.TAB) -> None:
+    """Go on by Tab until the focus is on what begins with a name."""
+    for _ in range(150):
+        if (page.js(_NAME) or "").strip().startswith(name):
+            return
+        ActionChains(page.chrome).send_keys(key).perform()
+    raise AssertionError(f"Tab does not reach {name}")
+
+
+def test_the_course_of_the_paper_is_made_with_the_keyboard_alone(page: Page, folder: Path) -> None:
+    """Figure 5: three maps of four obstacles, one of them moved by its end, generated; no click, no drag."""
+    for kind in ("Diagonal barrier", "Horizontal barrier", "Peak", "Random"):
+        tab_to(page, "Add an obstacle")
+        press(page, Keys.ENTER)
+        until(lambda: page.js("return Boolean(document.activeElement.closest(':popover-open'))"))
+        for _ in range(20):
+            if page.js("return document.activeElement.textContent").startswith(kind):
+                break
+            press(page, Keys.ARROW_DOWN)
+        press(page, Keys.ENTER)
+        page.settled()
+    rows = page.settled()["rows"]
+    assert [row["entry"]["kind"] for row in rows] == ["diagonal_barrier", "horizontal_barrier", "peak", "random"]
+    tab_to(page, "Select; arrow keys")
+    for row in (1, 2):
+        press(page, Keys.ARROW_DOWN)
+        until(partial(page.js, f"return document.activeElement === document.querySelectorAll('.pick')[{row}]"))
+    assert page.js("return state.selected.value") == 2
+    before = page.settled()["rows"][2]["ends"]["first"]
+    tab_to(page, "First end of the obstacle")
+    towards = Keys.ARROW_RIGHT if before[0] < 5 else Keys.ARROW_LEFT
+    press(page, towards)
+    press(page, towards)
+    step = 2 if before[0] < 5 else -2
+    until(lambda: page.settled()["rows"][2]["ends"]["first"] == [before[0] + step, before[1]])
+    tab_to(page, "Number of maps")
+    press(page, Keys.CONTROL, "a", Keys.NULL, "3")
+    assert page.settled()["maps"] == 3
+    press(page, Keys.CONTROL, Keys.ENTER)
+    until(lambda: page.js("return Boolean(document.querySelector('dialog[open] [type=submit]'))"))
+    tab_to(page, "Output folder")
+    press(page, Keys.CONTROL, "a", Keys.NULL, "by-keys", Keys.ENTER)
+    until(lambda: page.js("return state.jobs.value[0]?.state") == "done")
+    press(page, Keys.ESCAPE)
+    until(lambda: page.js("return state.dialog.value === null"))
+    assert sorted(path.name for path in (folder / "by-keys").glob("*_000?")) == [
+        f"{page.state()['name']}_000{index}" for index in range(3)
+    ]
+
+
+def test_tools_and_undo_have_keys(page: Page) -> None:
+    page.choose("Add", "Peak")
     body = page.chrome.find_element(By.TAG_NAME, "body")
-
-    def tab_to(name: str) -> None:
-        for _ in range(60):
-            here = page.js("const e = document.activeElement; return (e.title || '') + ' ' + e.textContent")
-            if name in here:
-                return
-            page.chrome.switch_to.active_element.send_keys(Keys.TAB)
-        raise AssertionError(f"Tab does not reach {name}")
-
-    body.click()
-    tab_to("Add an obstacle")
-    page.chrome.switch_to.active_element.send_keys(Keys.ENTER)
-    until(lambda: page.js("return Boolean(document.activeElement.closest(':popover-open'))"))
-    page.chrome.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
-    page.chrome.switch_to.active_element.send_keys(Keys.ENTER)
-    assert len(page.settled()["rows"]) == 1
     page.js("document.activeElement.blur()")
     body.send_keys("p")
     assert page.js("return state.tool.value.name") == "paint"
@@ -449,6 +493,7 @@ def test_a_drive_of_a_folder_is_played_over_its_own_map(page: Page, folder: Path
     page.chrome.find_element(By.XPATH, "//dialog//button[contains(.,'drive')]").click()
     until(lambda: page.js("return state.second.value > 0"))
     assert page.js("return state.scene.value.name") == "crossed_0000"
+    until(lambda: page.chrome.title == "crossed_0000 \N{EN DASH} rsegen")
     assert page.js("return window.rsegen.solid.player.robots.length") == 1
 
 
@@ -469,6 +514,11 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     until(lambda: abs(page.js("return state.pose.value.yaw") - heading) < 1e-6)
     facts = page.chrome.find_element(By.CSS_SELECTOR, '[aria-label="Robot"] .facts')
     assert "margin to tipping over" in facts.text
+    page.button("Put it into a running Gazebo").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
+    line = page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+    assert re.search(r"--robot burger --pose -?[\d.]+,-?[\d.]+,-?[\d.]+ -o worlds$", line)
+    ActionChains(page.chrome).send_keys(Keys.ESCAPE).perform()
     page.button("Tilt map").click()
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, ".legend .ramp"))
     page.button("Reach").click()
@@ -522,23 +572,45 @@ def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(c
     assert complaints(chrome) == []
 
 
-_OUTSIDE = """return [...document.querySelectorAll('button, input, select, summary, a')].filter(each => {
+_OUTSIDE = """const scrolls = each =>
+  each && (getComputedStyle(each).overflowY === 'auto' || scrolls(each.parentElement));
+return [...document.querySelectorAll('button, input, select, summary, a')].filter(each => {
   const box = each.getBoundingClientRect();
-  return each.checkVisibility() && box.width && !each.closest('[popover]')
-    && (box.left < -1 || box.right > innerWidth + 1);
+  const isAside = box.left < -1 || box.right > innerWidth + 1;
+  const isBelow = (box.top < -1 || box.bottom > innerHeight + 1) && !scrolls(each);
+  return each.checkVisibility() && box.width && !each.closest('[popover]') && (isAside || isBelow);
 }).map(each => each.title || each.getAttribute('aria-label') || each.textContent);"""
+"""Controls that nobody can get to, as they are beside the window, or below it in nothing that scrolls."""
+
+_SCROLLS_ASIDE = """return [document.documentElement, ...document.querySelectorAll('aside, dialog .body')]
+  .filter(each => each.scrollWidth > each.clientWidth).map(each => each.className || each.tagName);"""
+
+_RUNS = {"id": 1, "command": "generate", "state": "running", "step": "map 2", "done": 1, "total": 3, "files": []}
+"""A command that runs, which the line of status shows."""
+
+ZOOMED = (683, 384)
+"""A screen of 1366 x 768 at 200 %."""
 
 
-@pytest.mark.parametrize("width", [360, 683, 1024, 1366, 1920, 3840])
-def test_every_control_is_inside_the_window(chrome: Chrome, address: str, width: int) -> None:
-    page = Page(chrome, address, "mixed-course", size=(width, max(640, width * 9 // 16)))
-    page.js("state.selected.value = 1")
+@pytest.mark.parametrize(
+    "size", [(360, 640), ZOOMED, (1024, 640), (1366, 768), (1920, 1080), (3840, 2160)], ids=lambda size: f"{size[0]}"
+)
+def test_every_control_is_inside_the_window(chrome: Chrome, address: str, size: tuple[int, int]) -> None:
+    page = Page(chrome, address, "mixed-course", size=size)
+    page.js("state.selected.value = 1; state.jobs.value = [arguments[0]]", _RUNS)
     for tab in ("obstacles", "map", "robot", "results"):
         page.js("state.tab.value = arguments[0]", tab)
         page.settled()
         assert page.js(_OUTSIDE) == []
+        assert page.js(_SCROLLS_ASIDE) == []
     box = chrome.find_element(By.CSS_SELECTOR, ".solid").rect
-    assert box["width"] * box["height"] > 0.33 * width * max(640, width * 9 // 16)  # the map has the most room
+    assert box["width"] * box["height"] > 0.33 * size[0] * size[1]  # the map has the most room
+    for dialog in ({"name": "open"}, {"name": "save"}, {"name": "help"}, {"name": "run", "command": "drive"}):
+        page.js("state.dialog.value = arguments[0]", dialog)
+        page.settled()
+        assert page.js(_OUTSIDE) == []
+        assert page.js(_SCROLLS_ASIDE) == []
+        page.js("state.dialog.value = null")
     assert not [each for each in complaints(chrome) if "frame-ancestors" not in each]
 
 
@@ -550,10 +622,10 @@ def axe() -> str:
     return _AXE.read_text("utf-8")
 
 
-@pytest.mark.parametrize(("width", "dark"), [(1366, True), (360, False)])
-def test_axe_finds_no_error(chrome: Chrome, address: str, axe: str, width: int, dark: bool) -> None:
+@pytest.mark.parametrize(("size", "dark"), [((1366, 720), True), ((360, 720), False), (ZOOMED, True)])
+def test_axe_finds_no_error(chrome: Chrome, address: str, axe: str, size: tuple[int, int], dark: bool) -> None:
     page = Page(chrome, address, "mixed-course")
-    resize(chrome, width, 720, dark=dark)
+    resize(chrome, *size, dark=dark)
     page.js("state.selected.value = 1")
     chrome.execute_script(axe)
     for tool in ("{ name: 'paint', shape: 'cells', level: 1 }", "{ name: 'draw' }", "{ name: 'select' }"):

@@ -146,19 +146,24 @@ def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytes
     assert (shares[0] < 0.3, shares[-1]) == (True, 1.0)
 
 
-@pytest.mark.parametrize("by", ["a stop", "a newer request"])
-def test_a_search_ends_soon_by(by: str, host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("of", ["reach", "tilt"])
+@pytest.mark.parametrize("by", ["a stop", "a newer request", "the end of its page"])
+def test_a_search_ends_soon_by(by: str, of: str, host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
     large = rsegen.Recipe(chunk_size=30, chunks=(2, 2), unit_cm=2, obstacles=[rsegen.Random(levels=4)])
     rsegen.save(large, host.folder / "large.yaml", force=True)
     doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
     begun, ended = threading.Event(), list[str]()
     monkeypatch.setattr(robots, "_SECONDS", 0.0)
+    monkeypatch.setattr(robots, "_AT_ONCE", 1)
     listener = Listener(page="p", send=lambda event: begun.set() if event["event"] == "progress" else None)
     host.opened(doc).add(listener)
 
     def search() -> None:
         try:
-            robots.reach(host, doc=doc, index=0, robot="crawler")
+            if of == "reach":
+                robots.reach(host, doc=doc, index=0, robot="crawler")
+            else:
+                robots.tilt(host, doc=doc, index=0, robot="crawler", heading=0.3)
         except UserError as error:
             ended.append(str(error))
 
@@ -166,9 +171,11 @@ def test_a_search_ends_soon_by(by: str, host: Host, monkeypatch: pytest.MonkeyPa
     first.start()
     assert begun.wait(60)
     if by == "a stop":
-        robots.stop(host, doc=doc, of="reach")
+        robots.stop(host, doc=doc, of=of)  # type: ignore[arg-type]  # one of two words
+    elif by == "the end of its page":
+        host.opened(doc).remove(listener)
     else:
-        with newest_turn(doc, "reach"):
+        with newest_turn(doc, of):
             pass
     first.join(30)  # all of it takes minutes
     host.opened(doc).remove(listener)
@@ -189,11 +196,45 @@ def test_the_drawing_of_a_robot_is_as_large_as_the_robot(host: Host, kind: str) 
     assert any(part["wheel"] for part in told["parts"])
 
 
-def test_a_robot_of_a_file_in_the_folder_is_drawn_as_boxes(host: Host, doc: str) -> None:
+def drawn(host: Host, robot: str) -> list[list[Any]]:
+    """The parts of a robot, rounded to a tenth of a millimetre, in an order of their own."""
+    parts = robots.robot(host, robot=robot)["parts"]
+    return sorted(
+        [part["shape"], part["colour"], part["wheel"], *np.round(part["size"] + part["pose"], 4).tolist()]
+        for part in parts
+    )
+
+
+@pytest.mark.parametrize("kind", sorted(ROBOTS))
+def test_a_robot_of_a_file_is_drawn_as_its_visuals_are(host: Host, kind: str) -> None:
+    (host.folder / "same.sdf").write_text(ROBOTS[kind].file("same"))
+    assert drawn(host, "same.sdf") == drawn(host, kind)
+
+
+def test_a_link_whose_visual_is_not_known_is_the_boxes_of_its_collisions(host: Host) -> None:
+    text = ROBOTS["burger"].file("other")
+    head, visual, tail = text.partition("<visual")
+    (host.folder / "other.sdf").write_text(
+        head + visual + tail.replace("<box>", "<heightmap>", 1).replace("</box>", "</heightmap>", 1)
+    )
+    told, known = robots.robot(host, robot="other.sdf")["parts"], robots.robot(host, robot="burger")["parts"]
+    assert len(told) < len(known)
+    assert {part["shape"] for part in told} > {"box"}
+
+
+def test_the_centre_of_mass_is_above_where_the_robot_was_put(host: Host, doc: str) -> None:
+    told = robots.pose(host, doc=doc, index=0, robot="crawler", x=0.05, y=0.02, heading=0.4)
+    body = ROBOTS["crawler"].body
+    c, s = np.cos(0.4), np.sin(0.4)
+    above = [0.05 + c * body.centre[0] - s * body.centre[1], 0.02 + s * body.centre[0] + c * body.centre[1]]
+    assert told["tilt"] > 0
+    assert told["centre"][:2] == pytest.approx(above, abs=1e-9)
+    assert min(z for _, _, z in told["polygon"]) < told["centre"][2]
+
+
+def test_a_robot_of_a_file_in_the_folder_rests_as_its_kind(host: Host, doc: str) -> None:
     (host.folder / "mine.sdf").write_text(ROBOTS["burger"].file("mine"))
     assert "mine.sdf" in {each["name"] for each in hello(host)["robots"]}
-    told = robots.robot(host, robot="mine.sdf")
-    assert {part["shape"] for part in told["parts"]} == {"box"}
     burger = robots.pose(host, doc=doc, index=0, robot="burger", x=0.05, y=0.05, heading=0.0)
     assert robots.pose(host, doc=doc, index=0, robot="mine.sdf", x=0.05, y=0.05, heading=0.0)["z"] == pytest.approx(
         burger["z"], abs=2e-3

@@ -30,12 +30,13 @@ WIDTH, UNIT = 0.1, 0.05
 FRAME = 1  # cells
 
 ENTRY = """
-import { createSolid, thumbnail } from "./solid";
-import { createPlan } from "./plan";
+import { Solid, thumbnail } from "./solid";
+import { Plan } from "./plan";
 const said = [];
 const names = "hover pick moveEnd raise paint picked draw robotAt robotPut wayPoint turn".split(" ");
 const on = Object.fromEntries(names.map((name) => [name, (...args) => void said.push([name, ...args])]));
-const [solid, plan] = [createSolid, createPlan].map((create, k) => create(document.body.children[k], on));
+on.chunk = () => 3;
+const [solid, plan] = [Solid, Plan].map((View, k) => new View(document.body.children[k], on));
 const send = (view, type, x, y, more) => {
   const { left, top } = view.canvas.getBoundingClientRect();
   const buttons = type === "pointerup" || more?.hovers ? 0 : 1;
@@ -43,7 +44,7 @@ const send = (view, type, x, y, more) => {
   const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1, pointerType: "mouse" };
   view.canvas.dispatchEvent(new PointerEvent(type, { ...place, button, buttons, ...more }));
 };
-window.rsegen = { solid, plan, said, send, thumbnail, createSolid, createPlan };
+window.rsegen = { solid, plan, said, send, thumbnail, Solid, Plan };
 """
 
 
@@ -226,6 +227,33 @@ def test_dragged_end_follows_the_mouse_and_escape_takes_it_back(browser: Chrome,
     assert _said(browser, view, "moveEnd")[-1][:3] == [1, "last", [6, 5]]
 
 
+def test_arrow_keys_move_an_end_by_a_cell_and_with_shift_by_a_chunk(browser: Chrome, view: str) -> None:
+    _run(browser, view, "view.select(1); view.host.querySelector('.grip[data-end=last]').focus()")
+    assert (
+        _run(browser, view, "return document.activeElement.ariaLabel") == "Last end of the obstacle: arrow keys move it"
+    )
+    for key, shift in (("ArrowLeft", False), ("ArrowLeft", False), ("ArrowDown", True), ("ArrowDown", True)):
+        _key(browser, view, key, shift=shift)
+    moved = _said(browser, view, "moveEnd")
+    assert [event[:3] for event in moved] == [[1, "last", cell] for cell in ([5, 5], [4, 5], [4, 2], [4, 0])]
+    assert len({event[3] for event in moved}) == 1, "they are undone together"
+    _run(browser, view, "view.host.querySelector('.grip[data-end=both]').focus()")
+    _key(browser, view, "ArrowUp")
+    assert _said(browser, view, "moveEnd")[-1][:3] == [1, "both", [6, 3]]
+
+
+def test_arrow_keys_raise_an_obstacle_by_a_level(browser: Chrome, solid: str) -> None:
+    _run(browser, solid, "view.select(1); view.host.querySelector('.grip[data-end=raise]').focus()")
+    for key in ("ArrowUp", "ArrowUp", "ArrowDown", "ArrowLeft"):
+        _key(browser, solid, key)
+    assert [event[:2] for event in _said(browser, solid, "raise")] == [[1, 5], [1, 6], [1, 5]]
+
+
+def _key(browser: Chrome, view: str, key: str, *, shift: bool = False) -> None:
+    options = {"key": key, "shiftKey": shift, "bubbles": True}
+    _run(browser, view, "document.activeElement.dispatchEvent(new KeyboardEvent('keydown', arguments[0]))", options)
+
+
 def test_handle_in_the_middle_moves_both_ends(browser: Chrome, view: str) -> None:
     _run(browser, view, "view.select(1)")
     start = _run(browser, view, "return view.handles().both")
@@ -386,19 +414,33 @@ def _robot() -> dict[str, Any]:
         "colour": "#4060c0",
         "wheel": False,
     }
-    return {"name": "box", "title": "Box", "size": [0.3, 0.2, 0.1], "parts": [box]}
+    return {"name": "box", "title": "Box", "size": [0.3, 0.2, 0.1], "lift": 0, "parts": [box]}
 
 
 @pytest.mark.parametrize(("stands", "redder"), [(True, False), (False, True)])
 def test_robot_is_red_if_it_does_not_stand(browser: Chrome, solid: str, stands: bool, redder: bool) -> None:
     pose: dict[str, Any] = dict.fromkeys(("x", "y", "roll", "pitch", "yaw", "tilt", "margin"), 0.0)
     pose |= {"stands": stands, "holds": True, "pushes": True, "reason": "", "z": 0.45, "clearance": None}
-    pose |= {"contacts": [], "polygon": []}
+    pose |= {"contacts": [], "polygon": [], "centre": [0, 0, 0.45]}
     _run(browser, solid, "view.look('above'); view.robot(arguments[0], arguments[1])", _robot(), pose)
     x, y = np.rint(_run(browser, solid, "return view.pixel([0.1, 0.05, 0.5])")).astype(int)
     red, _, blue = _picture(browser, solid, 620, 600)[y, x]
     _run(browser, solid, "view.robot(null, null)")
     assert (red > blue) == redder
+
+
+def test_robot_has_a_shadow_in_the_east(browser: Chrome, solid: str) -> None:
+    pose: dict[str, Any] = dict.fromkeys(("roll", "pitch", "yaw", "tilt", "margin"), 0.0)
+    pose |= {"stands": True, "holds": True, "pushes": True, "reason": "", "x": -0.25, "y": 0.15, "z": 0.25}
+    pose |= {"contacts": [], "polygon": [], "centre": [-0.25, 0.15, 0.25], "clearance": None}
+    _run(browser, solid, "view.look('above'); view.set({ look: 'heights', grid: false })")
+    x, y = np.rint(_pixel(browser, solid, (3, 5))).astype(int)  # beside it, 8 cm east for each 10 cm that it is higher
+    before = _picture(browser, solid, 620, 600)[y, x].mean()
+    _run(browser, solid, "view.robot(arguments[0], arguments[1])", _robot(), pose)
+    after = _picture(browser, solid, 620, 600)[y, x].mean()
+    _run(browser, solid, "view.robot(null, null)")
+    assert after < 0.8 * before
+    assert _picture(browser, solid, 620, 600)[y, x].mean() == before
 
 
 @pytest.mark.usefixtures("solid")
@@ -455,12 +497,12 @@ def test_scene_without_owners_is_shown(browser: Chrome, view: str) -> None:
     assert _said(browser, view, "pick") == [[-1, [3, 2]]]
 
 
-@pytest.mark.parametrize("view", ["createSolid", "createPlan"])
+@pytest.mark.parametrize("view", ["Solid", "Plan"])
 def test_view_that_goes_leaves_its_place_as_it_was(browser: Chrome, view: str) -> None:
     left = browser.execute_script(
         """const host = document.createElement("div");
         host.innerHTML = "<p>other</p>";
-        const view = window.rsegen[arguments[0]](host, {});
+        const view = new window.rsegen[arguments[0]](host, {});
         view.show(arguments[1]);
         view.select(1);
         const some = host.children.length;
@@ -478,7 +520,7 @@ def test_browser_without_3d_graphics_is_an_error(browser: Chrome) -> None:
         const [host, complain] = [document.createElement("div"), console.error];
         HTMLCanvasElement.prototype.getContext = () => null;
         console.error = () => {};
-        try { window.rsegen.createSolid(host, {}); } catch (error) { return [error.message, host.outerHTML]; }
+        try { new window.rsegen.Solid(host, {}); } catch (error) { return [error.message, host.outerHTML]; }
         finally { [HTMLCanvasElement.prototype.getContext, console.error] = [getContext, complain]; }"""
     )
     assert said == ["THREE.WebGLRenderer: Error creating WebGL context.", "<div></div>"]

@@ -50,5 +50,6 @@ def _lines(result: SpawnResult) -> Iterator[str]:
     x, y, z, _, _, yaw = astuple(result.at)
     on_top = f"; put on top of it: {', '.join(result.put_on_top)}" if result.put_on_top else ""
     where = f"{SIMULATORS[result.simulator].title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad"
-    yield f"{result.name} is in {where}{on_top}"
+    on = f", on {result.on}" if result.on else ""
+    yield f"{result.name} is in {where}{on}{on_top}"
     yield from (f"note: {line}" for line in result.notes)

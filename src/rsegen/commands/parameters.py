@@ -95,14 +95,14 @@ Seed = Annotated[
     int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
 ]
 
-RobotModel = Annotated[
-    "str | os.PathLike[str] | DrivableRobot",
-    Reference(
-        "a kind of robot, or a file of one",
-        help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments",
-    ),
-    Shell(metavar="KIND|FILE"),
-]
+_ROBOT = Reference(
+    "a kind of robot, or a file of one",
+    help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments",
+)
+
+RobotModel = Annotated["str | os.PathLike[str] | DrivableRobot", _ROBOT, Shell(metavar="KIND|FILE")]
+
+AnyRobot = Annotated["str | os.PathLike[str] | DrivableRobot | None", _ROBOT, Shell(metavar="KIND|FILE")]
 
 ModelName = Annotated[
     str | None, Text(r"[^\x00-\x1f]{1,200}", "a name", help="name of the model"), Shell(metavar="NAME")

@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.commands.parameters import MapReference, MapsFolder, ModelName, RunningSimulator, Timeout
+from rsegen.commands.parameters import AnyRobot, MapReference, MapsFolder, ModelName, RunningSimulator, Timeout
 from rsegen.errors import ParameterError, shown
 from rsegen.params.command import Shell, command
-from rsegen.params.sorts import Float, Json, parameters
+from rsegen.params.sorts import Float, Json, ListOf, parameters
 from rsegen.recipe.recipe import Run
 
 if TYPE_CHECKING:
@@ -68,19 +68,33 @@ def spawn(  # noqa: PLR0913  # each is a flag
             default="for a robot a spot of a map that is there, else the free place nearest to the origin",
         ),
     ] = None,
+    robot: Annotated[
+        AnyRobot,
+        Shell(help="put this robot on the map, which is spawned first if it is not there: its kind, or a file of it"),
+    ] = None,
+    pose: Annotated[
+        Sequence[float] | None,
+        ListOf(
+            Float(-1e6, 1e6),
+            3,
+            help="where that robot is put down, at rest: x and y [m] from the map's middle, yaw [rad]",
+        ),
+        Shell(metavar="X,Y,YAW", default="a spot of the map"),
+    ] = None,
     output: MapsFolder = Path("worlds"),
     simulator: RunningSimulator = None,
     timeout: Timeout = 20.0,
 ) -> SpawnResult:
-    """Spawn a map or a robot in the running simulation, and give its name and pose there.
+    """Spawn a map, a robot, or a robot on a map in the running simulation, and give its name and pose there.
 
-    target: the folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot. Gazebo
+    target: the folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot. With
+    `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher. Gazebo
     Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. UserError if
     a value is wrong; NothingRuns if no simulation runs.
     """
     from rsegen.simulation.spawning.spawn import spawn_model
 
-    return spawn_model(target, map, name, at, Path(output), simulator, timeout)
+    return spawn_model(target, map, name, at, robot, pose, Path(output), simulator, timeout)
 
 
 @command

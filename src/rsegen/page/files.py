@@ -10,7 +10,7 @@ from typing import Any
 from rsegen.errors import FileError
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
-from rsegen.page.places import Places
+from rsegen.page.places import HOLDS, Places
 
 MOST = 1000
 """Entries of a folder that are listed: a page shows a list of some hundred."""
@@ -40,11 +40,7 @@ def kind_of(path: Path) -> str:
     """Return what a file or folder is for a page: a recipe, a data set, a drive, another folder, or anything else."""
     if not path.is_dir():
         return "recipe" if path.suffix.lower() in _RECIPES and path.name not in _MADE else "other"
-    if (path / "drive.json").is_file():
-        return "drive"
-    if (path / "manifest.json").is_file():
-        return "dataset"
-    return "recipe" if (path / "recipe.json").is_file() else "folder"
+    return next((kind for name, kind in HOLDS.items() if (path / name).is_file()), "folder")
 
 
 _MADE = ("drive.json", "manifest.json", "summary.json")

@@ -21,6 +21,7 @@ from typing import Any
 from rsegen import __version__
 from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
 from rsegen.exporters.formats import FORMATS
+from rsegen.field.metrics.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.io.recipe_file import load
@@ -110,6 +111,11 @@ def title_of(name: str) -> str:
     """Return the title of a parameter: its name in words, without the unit."""
     bare = name.strip("_").removesuffix("_cm").removesuffix("_mm")
     return TITLES.get(name, bare.replace("_", " ").capitalize())
+
+
+def metric_title(key: str) -> str:
+    """Return a metric in words: its family, and what it is in it."""
+    return " ".join(title_of(part).lower() for part in key.split(".")).replace(" tri", " TRI")
 
 
 def field(parameter: Declared, *, basic: bool = True) -> dict[str, Json]:
@@ -386,7 +392,8 @@ _ROBOT_FILES = (".sdf", ".urdf", ".xacro")
 
 @call_of_host
 def hello(host: Host) -> dict[str, Any]:
-    """Return what is the same for all documents: forms, kinds, robots, formats."""
+    """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
+    metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
     return {
         "version": __version__,
         "folder": str(host.folder.resolve()),
@@ -395,5 +402,6 @@ def hello(host: Host) -> dict[str, Any]:
         "examples": [{"name": name, "description": load(path).description} for name, path in EXAMPLES.items()],
         "robots": [*({"name": name, "title": robot.title} for name, robot in ROBOTS.items()), *_robot_files(host)],
         "commands": [form.described() for form in command_forms().values()],
+        "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
         "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],
     }

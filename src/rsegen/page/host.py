@@ -18,6 +18,7 @@ from typing import Any
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
 from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
+from rsegen.page import turns
 from rsegen.page.calls import call, call_of_host
 from rsegen.page.jobs import Jobs
 from rsegen.page.model.actions import act
@@ -78,11 +79,13 @@ class Opened:
         self.tell_state("")
 
     def remove(self, listener: Listener) -> None:
-        """Send no more events to a page, and say to the others how many pages are left."""
+        """Send no more events to a page, and say to the others how many are left; after the last, end its searches."""
         if listener in self._listeners:
             self._listeners.remove(listener)
         if listener.page not in {other.page for other in self._listeners}:
             self.shown.pop(listener.page, None)
+        if not self._listeners:
+            turns.stop(self.id)
         self.tell_state("")
 
     def tell(self, event: Event) -> None:
@@ -127,11 +130,7 @@ class Host:
     _lock: RLock = field(default_factory=RLock)
 
     def __post_init__(self) -> None:
-        self.jobs.changed = self._tell_job
-
-    def _tell_job(self, job: Mapping[str, Any]) -> None:
-        if opened := self.documents.get(job["doc"]):
-            opened.tell({"event": "job", "job": job})
+        self.jobs.changed = self.tell_job
 
     def opened(self, name: str) -> Opened:
         """Return a document by its id."""

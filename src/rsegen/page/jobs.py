@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from rsegen.errors import UserError, line_of
+from rsegen.page.places import HOLDS
 from rsegen.params.plugins import plugins
 from rsegen.params.sorts import Json
 from rsegen.recipe.recipe import Recipe
@@ -280,15 +281,9 @@ def _made(folder: Path, output: Path, began: float) -> Iterator[dict[str, str]]:
     """Yield the files for people below an output that were written since a time; seen from the folder of pages."""
     paths = [folder / output] if (folder / output).is_file() else _below(folder / output)
     for path in paths:
-        kind = (
-            "drive"
-            if path.name == "drive.json"
-            else "recipe"
-            if path.name == "recipe.json"
-            else _KINDS.get(path.suffix)
-        )
+        kind = HOLDS.get(path.name) or _KINDS.get(path.suffix)
         if kind and path.stat().st_mtime >= began - 1:
-            shown = path.parent if kind == "drive" else path
+            shown = path.parent if kind in ("drive", "dataset") else path
             yield {"path": str(shown.relative_to(folder)), "name": shown.name, "kind": kind}
 
 

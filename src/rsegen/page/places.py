@@ -9,6 +9,9 @@ from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError
 
+HOLDS = {"drive.json": "drive", "manifest.json": "dataset", "recipe.json": "recipe"}
+"""The files by which a page knows what a folder holds."""
+
 
 class Places(NamedTuple):
     """The folder in which pages read and write, and that of the files that they sent, if there are any."""

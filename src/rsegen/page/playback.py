@@ -1,7 +1,14 @@
 """Drives that were recorded, for a page to play: where each robot was, and what happened to it.
 
-A folder of `rsegen drive` has a trajectory and the contacts of each robot. What happens is found in them: a part that
-seldom touches anything begins to, the robot falls, tips over, or crosses the map. The folder may come from anybody.
+A folder of `rsegen drive` has a trajectory and the contacts of each robot. A mark is made where a person would look:
+
+    contact   a part that seldom touches anything touches something, for the first time or after a pause
+    fall      it comes down faster than it drives down
+    hang-up   it stays at its place for two seconds or more, upright and before it has crossed the map
+    tip, end  it tips over; it has crossed the map
+
+A body that scrapes along, or bounces, is one mark, not one for each sample. What breaks it: a wheel that is in the air
+for more than half of the drive counts as a part that seldom touches. The folder may come from anybody.
 """
 
 from __future__ import annotations
@@ -9,7 +16,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +29,7 @@ from rsegen.io.input_files import text_of
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
 from rsegen.page.places import Places
-from rsegen.simulation.driving.drive_metrics import COLUMNS, TIPPED, Trajectory
+from rsegen.simulation.driving.drive_metrics import COLUMNS, STILL, TIPPED, Trajectory, moves_by_window
 
 _MIB = 32
 """The largest file of a drive that is read, MiB: an hour of one robot's trajectory is 4."""
@@ -31,6 +39,10 @@ _ROBOTS, _EVENTS = 100, 300
 
 _SELDOM = 0.5
 """Share of the samples up to which the contacts of a part are news: wheels and tracks have more."""
+
+_PAUSE = 2.0
+"""Seconds without a contact of a part after which its next one is news: two to eight samples, and longer than a body
+takes to bounce over an edge."""
 
 _FALL, _WITHIN = 0.03, 0.2
 """Metres by which a robot comes down within some seconds in a fall: on a slope of 30 degrees it takes twice as long."""
@@ -70,7 +82,10 @@ def _drive(folder: Path) -> dict[str, Any]:
 def _robot(folder: Path, robot: Mapping[str, Any]) -> dict[str, Any]:
     name = robot["name"]
     trajectory = _trajectory(Places(folder).inside(f"{name}.csv"))
-    events = sorted([*_contacts(folder, robot), *_falls(trajectory), *_marks(robot, trajectory)])
+    touches = list(_touches(folder, robot))
+    events = sorted(
+        [*_contacts(touches), *_falls(trajectory), *_hang_ups(robot, trajectory, touches), *_marks(robot, trajectory)]
+    )
     return {
         "name": name,
         "robot": robot["kind"],
@@ -95,36 +110,35 @@ def _trajectory(file: Path) -> Trajectory:
     return Trajectory(rows=kept)
 
 
-def _contacts(folder: Path, robot: Mapping[str, Any]) -> Iterator[tuple[float, str]]:
-    """Yield when a part that seldom touches anything begins to touch something."""
+_Touch = tuple[float, str, str]
+"""When a part touched something, the part, and what it touched."""
+
+
+def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:
+    """Yield the contacts of parts that seldom touch anything, in the order of time."""
     file, shares = Places(folder).inside("contacts.csv"), robot.get("touched")
     if not file.is_file() or not isinstance(shares, dict):
         return
-    news = {part for part, share in shares.items() if isinstance(share, int | float) and share < _SELDOM}
-    before: set[tuple[str, str]] = set()
-    for second, touching in _samples(file, robot["name"]):
-        now = {(part, other) for part, other in touching if part in news}
-        yield from ((second, f"{part} touches {other}") for part, other in sorted(now - before))
-        before = now
-
-
-def _samples(file: Path, robot: str) -> Iterator[tuple[float, set[tuple[str, str]]]]:
-    """Yield each time at which anything has contact, and what of a robot touches what then."""
-    second, touching = None, set[tuple[str, str]]()
+    seldom = {part for part, share in shares.items() if isinstance(share, int | float) and share < _SELDOM}
+    found = set[_Touch]()
     for row in csv.DictReader(io.StringIO(text_of(file, _MIB, "contacts"))):
         try:
-            now = float(row["t"])
-            known = row["robot"], (row["part"], row["other"])
+            touch = float(row["t"]), row["part"], row["other"]
+            is_its = row["robot"] == robot["name"]
         except (KeyError, TypeError, ValueError):
             raise FileError(f"{file}: not the contacts.csv of rsegen drive") from None
-        if second is not None and now != second:
-            yield second, touching
-            touching = set()
-        second = now
-        if known[0] == robot:
-            touching.add(known[1])
-    if second is not None:
-        yield second, touching
+        if is_its and row["part"] in seldom:
+            found.add(touch)
+    yield from sorted(found)
+
+
+def _contacts(touches: Sequence[_Touch]) -> Iterator[tuple[float, str]]:
+    """Yield when a part touches something for the first time, and after each pause."""
+    last: dict[str, float] = {}
+    for second, part, other in touches:
+        if second - last.get(part, -inf) > _PAUSE:
+            yield second, f"{part} touches {other}"
+        last[part] = second
 
 
 def _falls(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
@@ -142,9 +156,34 @@ def _begins(which: Any) -> list[int]:
     return [int(at) for at in np.flatnonzero(starts)]
 
 
+_HELD = 2
+"""Windows of a second in which a robot that hangs up does not move: in one it may turn, or swing its flippers."""
+
+
+def _hang_ups(
+    robot: Mapping[str, Any], trajectory: Trajectory, touches: Sequence[_Touch]
+) -> Iterator[tuple[float, str]]:
+    """Yield when a robot begins to stay at its place, and the parts on which it rests then."""
+    t, x, y = trajectory.rows[:, :3].T
+    lengths, moves = moves_by_window(t, x, y)
+    begins = t[0] + np.append(0.0, lengths.cumsum())
+    upright = np.interp(begins[:-1], t, trajectory.tilt) < TIPPED
+    held = (moves < STILL) & upright & (begins[:-1] < _crossed(robot))
+    for at in _begins(held):
+        until = at + int(np.argmin(np.append(held[at:], False)))
+        if until - at >= _HELD:
+            parts = sorted({part for second, part, _ in touches if begins[at] <= second < begins[until]})
+            yield float(begins[at]), f"hangs up on {' and '.join(parts)}" if parts else "is stuck"
+
+
+def _crossed(robot: Mapping[str, Any]) -> float:
+    """Return when a robot has crossed the map, infinity if it never has."""
+    crossed = robot.get("crossed")
+    return float(crossed) if isinstance(crossed, int | float) and not isinstance(crossed, bool) else inf
+
+
 def _marks(robot: Mapping[str, Any], trajectory: Trajectory) -> Iterator[tuple[float, str]]:
     """Yield when a robot tips over, and when it has crossed the map."""
     yield from ((float(trajectory.rows[at, 0]), "tips over") for at in _begins(trajectory.tilt > TIPPED))
-    crossed = robot.get("crossed")
-    if isinstance(crossed, int | float) and not isinstance(crossed, bool):
-        yield float(crossed), "has crossed the map"
+    if (crossed := _crossed(robot)) < inf:
+        yield crossed, "has crossed the map"

@@ -9,28 +9,30 @@ takes seconds is done once at a time for a document, and of several that wait on
 from __future__ import annotations
 
 import time
-from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping
 from math import ceil, degrees, isfinite
 from typing import Any, Literal
+from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
 
-from rsegen.errors import ParameterError, line_of
+from rsegen.errors import FileError, ParameterError, UserError, line_of
+from rsegen.exporters.browser.page import base64_of, hex_colour
 from rsegen.exporters.pictures.robot_drawing import hull
 from rsegen.field.metrics import metrics
 from rsegen.field.metrics.catalogue import METRICS, UNITS, custom, flattened, nested
 from rsegen.field.stepfield import Array, StepField
 from rsegen.page import turns
 from rsegen.page.calls import call_of_host
-from rsegen.page.forms import title_of
+from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.scenes import kept, scene_of
 from rsegen.page.turns import newest_turn
 from rsegen.recipe.recipe import Recipe
-from rsegen.robots import Robot, robot_of
+from rsegen.robots import Robot, SdfRobot, robot_of
 from rsegen.robots.base import DrivableRobot
 from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
+from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
 from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import followed
 from rsegen.standing.body import Body
@@ -88,12 +90,18 @@ def stop(host: Host, *, doc: str, of: Literal["tilt", "reach", "way", "measure"]
 
 @call_of_host
 def robot(host: Host, *, robot: str) -> dict[str, Any]:
-    """Return a robot as it is drawn: the parts of its links, or of a file the boxes around its collision shapes."""
+    """Return a robot as it is drawn: the parts of its links, or of a file its visuals.
+
+    lift: of the origin of its model in a simulator, above that of what is drawn
+    """
     known = _robot(host, robot)
-    driven = {part.name.partition("::")[0] for part in known.body_or_box.parts if part.drives}
-    title = known.title if isinstance(known, Robot) else known.kind
-    parts = _parts_of_links(known, driven) if isinstance(known, Robot) else _boxes(known.body_or_box)
-    return {"name": robot, "title": title, "size": list(known.size), "parts": list(parts)}
+    if isinstance(known, SdfRobot):
+        title, lift, parts = known.kind, known.lift, iter(_parts_of_file(known))
+    else:
+        assert isinstance(known, Robot)  # noqa: S101  # there is no third sort
+        driven = {part.name.partition("::")[0] for part in known.body_or_box.parts if part.drives}
+        title, lift, parts = known.title, known.lift, _parts_of_links(known, driven)
+    return {"name": robot, "title": title, "size": list(known.size), "lift": lift, "parts": list(parts)}
 
 
 def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
@@ -104,7 +112,7 @@ def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
                 "shape": shape,
                 "size": size,
                 "pose": (_transform(link.pose) @ _transform(part.pose)).ravel().tolist(),
-                "colour": "#" + "".join(f"{round(255 * each):02x}" for each in part.colour),
+                "colour": hex_colour(part.colour),
                 "wheel": link.name in driven,
             }
 
@@ -122,14 +130,57 @@ def _transform(pose: SdfPose) -> Array:
 
 
 _BODY, _DRIVEN = "#73757a", "#1f1f21"
-"""Colours of the parts of a robot of a file, which are known as shapes without a colour."""
+"""Colours of the parts of a robot of a file that have none."""
 
 
-def _boxes(body: Body) -> Iterator[dict[str, Any]]:
-    """Yield the boxes around the parts of a body."""
+def _parts_of_file(robot: SdfRobot) -> list[dict[str, Any]]:
+    """Return the visuals of a robot of a file: boxes, cylinders and spheres as they are, others as boxes around them.
+
+    Of a link that has none, or one that cannot be read, the boxes around its collision shapes.
+    """
+    frames, body = ModelFrames(fromstring(robot.text), robot.kind), robot.body_or_box  # noqa: S314  # was found plain
+    driven = {part.name.rpartition("::")[0] for part in body.parts if part.drives}
+    parts: list[dict[str, Any]] = []
+    for link, element in frames.elements.items():
+        if element.tag != "link":
+            continue
+        try:
+            visuals = [_visual(frames, link, each) for each in element.findall("visual")]
+        except UserError:  # such as a mesh that is not here
+            visuals = []
+        for shape, size, pose, colour in visuals:
+            pose[2, 3] += robot.lift
+            drawn = {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "wheel": link in driven}
+            parts.append(drawn | {"colour": colour or (_DRIVEN if link in driven else _BODY)})
+        parts += () if visuals else _boxes(body, link)
+    return parts or list(_boxes(body))
+
+
+_Visual = tuple[str, list[float], Array, str]
+"""A shape, its size, its pose in the model, and its colour, empty if it has none."""
+
+
+def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
+    """Return a visual of a link; a FileError for one of an unknown size."""
+    geometry = visual.find("geometry")
+    solid = swept_box(geometry, frames.where) if geometry is not None and len(geometry) else None
+    if geometry is None or solid is None:
+        raise FileError(f"{frames.where}: a visual of {link} is of an unknown size")
+    pose, half = frames.shape(link, visual), np.add(solid.half, solid.radii)
+    pose[:3, 3] += pose[:3, :3] @ solid.centre
+    x, y, z = (2 * half).tolist()
+    sizes = {"cylinder": [x / 2, z], "sphere": [x / 2]}
+    shape = geometry[0].tag if geometry[0].tag in sizes else "box"
+    rgb = (visual.findtext("material/diffuse") or visual.findtext("material/ambient") or "").split()[:3]
+    r, g, b = floats(" ".join(rgb), 3, frames.where) if rgb else (0.0, 0.0, 0.0)
+    return shape, sizes.get(shape, [x, y, z]), pose, hex_colour((r, g, b)) if rgb else ""
+
+
+def _boxes(body: Body, link: str | None = None) -> Iterator[dict[str, Any]]:
+    """Yield the boxes around the parts of a body, all of them or those of a link."""
     for number, part in enumerate(body.parts):
         surface = body.surface[body.part_of_surface == number]
-        if not len(surface):
+        if link not in (None, part.name.rpartition("::")[0]) or not len(surface):
             continue
         pose = np.eye(4)
         pose[:3, 3] = (surface.min(axis=0) + surface.max(axis=0)) / 2
@@ -166,17 +217,17 @@ def pose(  # noqa: PLR0913  # each is named by the page
     body = _robot(host, robot).body
     found = _settled(field, body, *(np.array([each]) for each in (x, y, heading)))
     stands, clearance = bool(found.stands[0]), float(found.clearance[0])
+    names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
+    at = {name: float(getattr(found, name)[0]) for name in names} if stands else _level(field, body, x, y, heading)
+    turn = rotation(at["roll"], at["pitch"], at["yaw"])
     corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)]
     return {
         "stands": stands,
         "holds": bool(found.holds[0]),
         "pushes": bool(found.pushes[0]),
         "reason": REASONS[int(found.reason[0])],
-        **(
-            {name: float(getattr(found, name)[0]) for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt")}
-            if stands
-            else _level(field, body, x, y, heading)
-        ),
+        **at,
+        "centre": (np.array([at["x"], at["y"], at["z"]]) + turn @ body.centre).tolist(),
         "margin": float(found.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": found.contacts[0].tolist() if stands else [],
@@ -201,39 +252,41 @@ def _in_order(corners: Array) -> Array:
 _PER_BLOCK, _MOST = 3, 5000
 """Poses along the side of a block, and on a map at most: a page waits two seconds for them."""
 
+_AT_ONCE = 500
+"""Poses between two looks whether they are still wanted: a fifth of a second, and no slower than all at once."""
+
 
 @call_of_host
 def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dict[str, Any]:
     """Return how a robot of one heading rests on a grid of places all over a map."""
     _refuse_unplaced(heading=heading)
-    with newest_turn(doc, "tilt"):
+    with newest_turn(doc, "tilt") as check:
         *_, field = _map(host, doc, index)
         (along_x, along_y), body = field.extent, _robot(host, robot).body
         step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
         every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
-        ground = Ground.of(field, reach_of(body))
-        rest = settle(ground, body, every_x, every_y, np.full(len(every_x), heading))
-        # A robot that tips over, as a small one does in most places, has nothing else to be measured.
-        (standing,) = np.nonzero(has_stood(rest))
-        found = of_settled(ground, body, rest.some(standing))
-    tilt, margin = np.full((2, len(every_x)), np.nan)
-    reason = np.full(len(every_x), len(REASONS) - 1)
-    tilt[standing], margin[standing], reason[standing] = found.tilt, found.tip_angle, found.reason
+        ground, watch = Ground.of(field, reach_of(body)), _telling(host, doc, "tilt", check)
+        tilt, margin = np.full((2, len(every_x)), np.nan)
+        reason = np.full(len(every_x), len(REASONS) - 1)
+        for first in range(0, len(every_x), _AT_ONCE):
+            watch(first / len(every_x))
+            some = slice(first, first + _AT_ONCE)
+            rest = settle(ground, body, every_x[some], every_y[some], np.full(len(every_x[some]), heading))
+            # A robot that tips over, as a small one does in most places, has nothing else to be measured.
+            (standing,) = np.nonzero(has_stood(rest))
+            found, at = of_settled(ground, body, rest.some(standing)), first + standing
+            tilt[at], margin[at], reason[at] = found.tilt, found.tip_angle, found.reason
     return {
         "shape": counts,
         "low": [float(x[0]), float(y[0])],
         "step": step,
-        "tilt": _encoded(tilt, "<f4"),
-        "margin": _encoded(margin, "<f4"),
-        "reason": _encoded(reason, "u1"),
+        "tilt": base64_of(tilt, "<f4"),
+        "margin": base64_of(margin, "<f4"),
+        "reason": base64_of(reason, "u1"),
         "reasons": list(REASONS),
     }
-
-
-def _encoded(values: Any, kind: str) -> str:
-    return b64encode(np.ascontiguousarray(values).astype(kind).tobytes()).decode()
 
 
 @call_of_host
@@ -249,7 +302,7 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
     nowhere = f"does not cross; largest area {found.cover:.0%} of the map"
     return {
         "text": f"crosses {' and '.join(across)}" if across else nowhere,
-        "region": _encoded(found.region, "u1"),
+        "region": base64_of(found.region, "u1"),
         "ways": list(_ways(field, body, crossings)),
         "spots": [
             {"x": spot.x, "y": spot.y, "z": spot.z, "yaw": spot.yaw, "name": name}
@@ -319,13 +372,8 @@ def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> di
         *_, field = _map(host, doc, index)
         watched = crosser and Watched(body=crosser.body, watch=lambda _: check())
         entries = nested(metrics(field, watched)) | custom(field)
-    rows = [(_named(key), _shown(value), _meaning(key), key) for key, value in flattened(entries)]
+    rows = [(metric_title(key), _shown(value), _meaning(key), key) for key, value in flattened(entries)]
     return {"rows": [list(row) for row in rows if row[1]]}
-
-
-def _named(key: str) -> str:
-    """Return a metric in words: its family, and what it is in it."""
-    return " ".join(title_of(part).lower() for part in key.split(".")).replace(" tri", " TRI")
 
 
 def _shown(value: object) -> str:

@@ -5,14 +5,13 @@ Maps are kept by recipe and index, so that what follows from one map, asked for 
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
 from rsegen.errors import TooLarge
-from rsegen.exporters.browser.page import ShownMap, content
+from rsegen.exporters.browser.page import ShownMap, base64_of, content
 from rsegen.exporters.constraint_report import describe_constraints
 from rsegen.exporters.map_summary import map_summary, warnings
 from rsegen.exporters.scene import Scene, compose
@@ -126,7 +125,7 @@ def _owners(cells: Ints, recipe: Recipe, rows: Sequence[Entry]) -> str:
     places = {entry.get("key"): row for row, entry in enumerate(rows) if isinstance(entry.get("key"), str)}
     in_list = np.array([places.get(obstacle.key, -1) for obstacle in recipe.obstacles] + [-1], dtype=np.int32)
     found = in_list[cells]
-    return b64encode(np.where(found > _MOST_ROWS, -1, found).astype("<i2").tobytes()).decode()
+    return base64_of(np.where(found > _MOST_ROWS, -1, found), "<i2")
 
 
 _MOST_ROWS = 32767

@@ -44,11 +44,6 @@ _MOST_UNHEARD = 1000
 _LOG = logging.getLogger("rsegen.page")
 
 
-def application(host: Host, token: str) -> ASGIApp:
-    """Return the application that serves a host to browsers on this machine."""
-    return Desk(host=host, token=token).application()
-
-
 async def _refusal(_: Request, error: Exception) -> Response:
     assert isinstance(error, Refused)  # noqa: S101  # it is registered for these
     # The rest of the body, if there is one, is not read, so nothing else can come on this connection.

@@ -39,9 +39,11 @@ def newest_turn(doc: str, name: str) -> Iterator[Callable[[], None]]:
         yield check
 
 
-def stop(doc: str, name: str) -> None:
-    """Stop what is done, or waits, of this name for a document."""
-    _ask(doc, name)
+def stop(doc: str, name: str | None = None) -> None:
+    """Stop what is done, or waits, of a name for a document; without a name, everything."""
+    for of, which in [*_QUEUES]:
+        if of == doc and name in (None, which):
+            _ask(of, which)
 
 
 def _ask(doc: str, name: str) -> tuple[_Queue, int]:

@@ -265,7 +265,7 @@ class Extents:
         return boxes
 
 
-class _SweptBox(NamedTuple):
+class SweptBox(NamedTuple):
     """A box of half sides, swept by an ellipsoid of these radii, around a centre; metres."""
 
     half: tuple[float, float, float]
@@ -284,7 +284,7 @@ def extents(frames: ModelFrames) -> Extents:
             continue
         if geometry.find("plane") is not None:  # without end
             continue
-        solid = _solid(geometry, frames.where)
+        solid = swept_box(geometry, frames.where)
         if solid is None:
             unknown.append(link)
             continue
@@ -296,23 +296,23 @@ def extents(frames: ModelFrames) -> Extents:
     return Extents(tuple(known), tuple(dict.fromkeys(unknown)))
 
 
-def _solid(geometry: Element, where: str) -> _SweptBox | None:
+def swept_box(geometry: Element, where: str) -> SweptBox | None:
     """Return the swept box of a geometry; None for an unknown one."""
     kind = geometry[0]
     if kind.tag == "box":
         x, y, z = (side / 2 for side in floats(kind.findtext("size"), 3, where))
-        return _SweptBox((x, y, z))
+        return SweptBox((x, y, z))
     if kind.tag == "ellipsoid":
         x, y, z = floats(kind.findtext("radii"), 3, where)
-        return _SweptBox((0, 0, 0), (x, y, z))
+        return SweptBox((0, 0, 0), (x, y, z))
     if kind.tag in ("sphere", "cylinder", "capsule", "cone"):
         (r,) = floats(kind.findtext("radius"), 1, where)
         half = 0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0] / 2
-        return _SweptBox((0, 0, half), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
+        return SweptBox((0, 0, half), (r, r, 0 if kind.tag in ("cylinder", "cone") else r))
     return _mesh(kind, where) if kind.tag == "mesh" else None
 
 
-def _mesh(mesh: Element, where: str) -> _SweptBox | None:
+def _mesh(mesh: Element, where: str) -> SweptBox | None:
     """Return the box of a mesh in a file that trimesh reads (STL, OBJ, PLY, glTF); None for any other."""
     uri = (mesh.findtext("uri") or "").strip()
     scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
@@ -336,4 +336,4 @@ def _mesh(mesh: Element, where: str) -> _SweptBox | None:
     except ImportError:
         return None
     half, centre = np.abs(high - low) / 2, (low + high) / 2
-    return _SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
+    return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))

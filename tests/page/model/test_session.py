@@ -30,10 +30,10 @@ def test_a_new_session_is_level_ground(session: Session) -> None:
     assert not session.can_undo
 
 
-def test_rows_are_added_removed_moved_and_duplicated(session: Session) -> None:
+def test_rows_are_added_removed_and_moved(session: Session) -> None:
     session.add(PEAK)
     session.add(RANDOM)
-    session.duplicate(0)
+    session.add(PEAK, 1)
     assert kinds(session) == ["peak", "peak", "random"]
     session.move(2, 0)
     assert kinds(session) == ["random", "peak", "peak"]

@@ -45,6 +45,9 @@ _REMOVED = "this entity does not exist. This create component request will be ig
 EASY = replace(COURSE, obstacles=(rsegen.Random(levels=2),))
 """Its steps are of 1 cm, which the Burger climbs."""
 
+TILTED = replace(COURSE, name="tilted", unit_cm=3, boundary="none", chunk_size=16)
+"""Its steps of 3 cm tilt a robot that is as long as two blocks."""
+
 
 @pytest.fixture
 def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
@@ -125,6 +128,35 @@ def test_a_robot_is_put_on_a_map_that_lies_elsewhere(server: Server, capsys: Cap
     with server.connect() as live:
         live.step(500)
         assert ground_under(live, "burger") > -BURGER.clearance - SINKING
+
+
+def test_a_robot_is_put_on_a_map_at_rest(server: Server, capsys: Capture) -> None:
+    """The map, which is turned, is spawned first; the robot stays where poses settle it, also tilted."""
+    rest = rsegen.poses(rsegen.build(TILTED), "crawler", -0.2, 0.1, 0.4)
+    assert rest.stands[0]
+    assert rest.tilt[0] > 0.05
+    rsegen.save(TILTED, "tilted.yaml")
+    arguments = ("tilted.yaml", "--robot", "crawler", "--pose=-0.2,0.1,0.4")
+    told = done(capsys, "spawn", *arguments, "--at", "2,1,0,0.5")
+    assert (told["name"], told["on"]) == ("crawler", "tilted_0000")
+    assert told["notes"] == ["tilted_0000 was not in the simulation, and was spawned too"]
+    x, y = float(rest.x[0]), float(rest.y[0])
+    where = SpawnedMap(name="", field=rsegen.build(TILTED), at=Pose(x=2, y=1, z=0, yaw=0.5)).outside(x, y)
+    with server.connect() as live:
+        live.step(700)
+        stands = live.poses()["crawler"]
+    assert dist((stands.x, stands.y), where) < 0.01
+    assert (stands.z, stands.roll, stands.pitch, stands.yaw - 0.5) == pytest.approx(
+        [float(each[0]) for each in (rest.z, rest.roll, rest.pitch, rest.yaw)], abs=0.03
+    )
+    assert "tips over" in refused(capsys, "spawn", "tilted.yaml", "--robot", "burger", "--pose=0.3,-0.2,0.4")
+    second = done(capsys, "spawn", "tilted.yaml", "--robot", "burger", "--name", "second")
+    assert (second["on"], second["notes"]) == ("tilted_0000", [])
+    assert "is in the simulation already" in refused(capsys, "spawn", *arguments, "--name", "third", "--at", "5,5")
+    rsegen.save(replace(TILTED, seed=6), "tilted.yaml", force=True)
+    assert "has other blocks" in refused(capsys, "spawn", *arguments, "--name", "third", "-o", "elsewhere")
+    with server.connect() as live:
+        assert set(live.poses()) == {"ground_plane", "tilted_0000", "crawler", "second"}
 
 
 @pytest.mark.long(reason="a server more")

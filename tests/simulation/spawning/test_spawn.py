@@ -93,6 +93,10 @@ def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, sim_addr
         ("burger", {"simulator": "clasic"}, "simulator: unknown simulator 'clasic'"),
         ("burger", {"name": "ground_plane", "simulator": "sim"}, "name: 'ground_plane' exists already"),
         (COURSE, {"map": 9}, "map: there is no map 9"),
+        (COURSE, {"pose": (0, 0, 0)}, "pose: is the place of a robot on a map; give robot too"),
+        ("burger", {"robot": "crawler"}, "robot: burger is a robot already; give the map"),
+        (COURSE, {"robot": "crawlr"}, "robot: unknown robot 'crawlr'; did you mean 'crawler'"),
+        (COURSE, {"robot": "burger", "pose": (9, 0, 0), "simulator": "sim"}, r"pose\[0\]: 9 m is outside the field"),
         ("burgr", {}, "unknown folder, recipe, example or robot 'burgr'; did you mean 'burger'"),
     ],
 )

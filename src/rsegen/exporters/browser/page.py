@@ -29,7 +29,7 @@ from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
 from rsegen.exporters.pictures.preview import ColouredField
 from rsegen.exporters.scene import Colour, Scene, fingerprint
 from rsegen.field.metrics import metrics
-from rsegen.field.stepfield import Array, Ints, StepField, coarse
+from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse
 
 
 def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]]:
@@ -102,25 +102,29 @@ class ShownMap:
 
 
 def content(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
-    """Return everything that the page needs of a map, as JSON values.
+    """Return everything that the page needs of a map, as JSON values: it as it is drawn, and its metrics."""
+    return drawn(shown, factor) | {"metrics": list(figures(shown.drawn.field, lengths_in(shown.units)))}
+
+
+def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
+    """Return what is drawn and said of a map, without its metrics, as JSON values.
 
     factor: each column that is drawn is the highest of this many cells along x and y
     """
     field, written = shown.drawn.field, lengths_in(shown.units)
     materials, counts = np.unique(_materials(field), return_counts=True)
-    drawn = coarse(field, factor)
-    cells = np.searchsorted(materials, _materials(drawn))
+    columns = coarse(field, factor)
+    cells = np.searchsorted(materials, _materials(columns))
     return {
         "name": shown.name,
         "description": shown.description,
-        "cells": list(drawn.shape),
-        "block_width": drawn.block_width,
+        "cells": list(columns.shape),
+        "block_width": columns.block_width,
         "block": f"{written.short(_nanometres(field.block_width))} {written.unit}",
         "unit": written.unit,
         "palette": list(_palette(shown, materials, counts)),
         **_encoded(cells, len(materials)),
         "facts": list(_facts(shown)),
-        "metrics": list(figures(field, written)),
         "recipe": shown.recipe,
         "file": shown.file,
         "look": shown.look,
@@ -149,20 +153,26 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
             "level": None if is_frame else material,
             "height": height,
             "label": written.short(_nanometres(height)),
-            "colour": _hex(shown.drawn.colour(0) if is_frame else height_colour(height)),
-            "surface": _hex(surface),
+            "colour": hex_colour(shown.drawn.colour(0) if is_frame else height_colour(height)),
+            "surface": hex_colour(surface),
             "count": count,
         }
 
 
-def _hex(colour: Colour) -> str:
-    return "#" + "".join(f"{round(255 * part):02x}" for part in colour)
+def hex_colour(colour: Colour) -> str:
+    """Return a colour as `#rrggbb`; parts beyond 0..1 are clipped."""
+    return "#" + "".join(f"{round(255 * min(max(part, 0.0), 1.0)):02x}" for part in colour)
 
 
 def _encoded(cells: Ints | Array, entries: int) -> dict[str, Any]:
     """Return the index of each cell's entry in the palette, all of the first i first, in base64."""
     size = 1 if entries <= 256 else 2
-    return {"bytes": size, "content": b64encode(cells.ravel().astype(f"<u{size}").tobytes()).decode()}
+    return {"bytes": size, "content": base64_of(cells, f"<u{size}")}
+
+
+def base64_of(values: Ints | Array | Mask, kind: str) -> str:
+    """Return an array as numbers of a kind, such as <f4, in base64: all of the first index first."""
+    return b64encode(values.astype(kind).tobytes()).decode()
 
 
 def _facts(shown: ShownMap) -> Iterator[tuple[str, str]]:

@@ -12,9 +12,9 @@ from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.recipe import Recipe
 
 
-def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
-    """Return the command that generates the maps of a recipe, with build sheets or without."""
-    words = ["rsegen", "generate", "-o", folder, *["--sheet"][:sheets]]
+def command_line(recipe: Recipe, folder: str) -> str:
+    """Return the command that generates the maps of a recipe."""
+    words = ["rsegen", "generate", "-o", folder]
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
     for obstacle in recipe.obstacles:
@@ -22,12 +22,12 @@ def command_line(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
     return shlex.join(words)
 
 
-def python_code(recipe: Recipe, folder: str, *, sheets: bool = False) -> str:
-    """Return the program that generates the maps of a recipe, with build sheets or without."""
+def python_code(recipe: Recipe, folder: str) -> str:
+    """Return the program that generates the maps of a recipe."""
     lines = ["import rsegen", *_imports(recipe), "", "recipe = rsegen.Recipe("]
     lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
     lines += ["    obstacles=[", *(f"        {_call(obstacle)}," for obstacle in recipe.obstacles), "    ],", ")"]
-    return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r}{', sheet=True' if sheets else ''})", ""])
+    return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r})", ""])
 
 
 def _stated(recipe: Recipe) -> Entry:

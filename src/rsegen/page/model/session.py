@@ -108,10 +108,6 @@ class Session:
         row = MappingProxyType({**entry, "key": self._free_key()})
         return replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:]))
 
-    def duplicate(self, row: int) -> int:
-        """Copy a row to the row below it; return that row."""
-        return self.add(self.draft.rows[row], row + 1)
-
     def remove(self, row: int) -> None:
         """Remove a row."""
         self._put_rows((*self.draft.rows[:row], *self.draft.rows[row + 1 :]))

@@ -16,12 +16,16 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.exporters.gazebo.sdf import numbers
+from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file
+from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file, robot_of
+from rsegen.robots.base import DrivableRobot
+from rsegen.robots.links import rotation
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map, start_pose
 from rsegen.simulation.simulators.connecting import connected
-from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.spawning.spawning import (
     GROUND,
     RADIUS,
@@ -37,6 +41,7 @@ from rsegen.simulation.spawning.spawning import (
     unknown_maps,
 )
 from rsegen.simulation.worlds import Target
+from rsegen.standing.resting import poses as resting_poses
 
 _TRIES = 10
 """Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
@@ -48,13 +53,15 @@ _Spawnable: TypeAlias = Robot | SdfRobot | MapModel
 class SpawnResult:
     """The result of `rsegen.spawn`: the names of model and simulator, the pose, and the models put on top of the map.
 
-    notes: what could not be known, in a sentence each
+    on: the map under the robot, if it was to be put on one; notes: a sentence each on what could not be known, or was
+    spawned too
     """
 
     name: str
     simulator: str
     at: Pose
     put_on_top: tuple[str, ...] = ()
+    on: str | None = None
     notes: tuple[str, ...] = ()
 
 
@@ -63,6 +70,8 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
     which: int | str | None,
     name: str | None,
     at: Sequence[float] | None,
+    robot: str | os.PathLike[str] | DrivableRobot | None,
+    pose: Sequence[float] | None,
     output: Path,
     simulator: str | None,
     timeout: float,
@@ -70,26 +79,104 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
     """Spawn a map, by its index or name if the target has several, or a robot; see `rsegen.spawn`."""
     place = list(at or [])
     what = _robot_or_map(target, which, output)
+    rider = _rider(what, robot, pose)
     if name is None:
-        name = what.name if isinstance(what, MapModel) else what.kind
+        name = rider.kind if rider else what.name if isinstance(what, MapModel) else what.kind
     with connected(simulator, timeout) as (running, live):
         poses = live.poses()
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
         homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
         maps = known_maps(live, poses, homes)
-        if isinstance(what, Robot | SdfRobot):
+        if not isinstance(what, MapModel):
             spot = None if place else _on_map(what, name, maps, poses)
-            pose = spot or _on_top(what, occupied(poses, maps), maps, place)
-            live.spawn(what.file(name, live.backend), pose)
+            found = spot or _on_top(what, occupied(poses, maps), maps, place)
+            live.spawn(what.file(name, live.backend), found)
             notes = list(_notes(poses, maps)) if not spot and len(place) <= 2 else []
-            notes += what.spawn_notes(live.backend) if isinstance(what, SdfRobot) else []
-            return SpawnResult(name=name, simulator=running.name, at=pose, notes=tuple(notes))
-        what.check_spawnable()
-        new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
-        new = new if place else at_free_place(new, poses, maps)
-        moved = spawn_map(live, what.sdf(name), new)
-        return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
+            return SpawnResult(name=name, simulator=running.name, at=found, notes=(*notes, *_own_notes(what, live)))
+        if rider is None:
+            new, moved = _spawned(live, what, name, place, poses, maps)
+            return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
+        rest = _at_rest(what.field, rider, pose) if pose else None
+        ground, moved, notes = _there(what, poses, maps, place), (), []
+        if ground is None:
+            ground, moved = _spawned(live, what, what.name, place, poses, maps)
+            notes, maps = [f"{ground.name} was not in the simulation, and was spawned too"], [*maps, ground]
+            poses = live.poses()
+        if rest:
+            found = _in_world(rest, rider, ground)
+        else:
+            found = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
+        live.spawn(rider.file(name, live.backend), found)
+        notes += _own_notes(rider, live)
+        on = ground.name if ground.covers(found, 0.0) else None
+        return SpawnResult(name=name, simulator=running.name, at=found, put_on_top=moved, on=on, notes=tuple(notes))
+
+
+def _rider(
+    what: _Spawnable, robot: str | os.PathLike[str] | DrivableRobot | None, pose: object
+) -> Robot | SdfRobot | None:
+    """Return the robot that is to be put on a map, if one is; a ParameterError for one without a map."""
+    if robot is None:
+        if pose is not None:
+            raise ParameterError("pose", "is the place of a robot on a map; give robot too")
+        return None
+    if not isinstance(what, MapModel):
+        raise ParameterError("robot", f"{what.kind} is a robot already; give the map that this one is put on")
+    rider = robot_of(robot, "robot")
+    assert isinstance(rider, Robot | SdfRobot)  # noqa: S101  # there are no others that a simulator can be given
+    return rider
+
+
+def _spawned(
+    live: LiveWorld, what: MapModel, name: str, place: list[float], poses: Mapping[str, Pose], maps: list[SpawnedMap]
+) -> tuple[SpawnedMap, tuple[str, ...]]:
+    """Spawn a map at a place, or at a free one, and return it with the names of the models put on top of it."""
+    what.check_spawnable()
+    new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
+    new = new if place else at_free_place(new, poses, maps)
+    return new, spawn_map(live, what.sdf(name), new)
+
+
+def _there(
+    what: MapModel, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap], place: list[float]
+) -> SpawnedMap | None:
+    """Return a map as it is in the simulation, None if it is not there.
+
+    A ParameterError if it has other blocks there, or if a place is given to it.
+    """
+    if what.name not in poses:
+        return None
+    running = next((spawned for spawned in maps if spawned.name == what.name), None)
+    if running is None or running.field != what.field:
+        raise ParameterError("", f"{what.name} in the simulation has other blocks; remove it first, or respawn it")
+    if place:
+        raise ParameterError("at", f"{what.name} is in the simulation already; leave the place out, or remove it first")
+    return running
+
+
+def _at_rest(field: StepField, robot: Robot | SdfRobot, place: Sequence[float]) -> Pose:
+    """Return the pose of a robot at rest on a map; a ParameterError if it does not stand there."""
+    try:
+        rest = resting_poses(field, robot.body_or_box, *place)
+    except ParameterError as error:  # of x, y or the robot
+        where = {"x": "pose[0]", "y": "pose[1]"}.get(error.where, error.where)
+        raise ParameterError(where, error.problem) from None
+    if not rest.stands[0]:
+        raise ParameterError("pose", f"{robot.kind} tips over at {numbers(place)}; give a place where it stands")
+    x, y, z, roll, pitch, yaw = (float(each[0]) for each in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
+    return Pose(x=x, y=y, z=z + DROP_HEIGHT, roll=roll, pitch=pitch, yaw=yaw)
+
+
+def _in_world(rest: Pose, robot: Robot | SdfRobot, ground: SpawnedMap) -> Pose:
+    """Return the pose of a robot's model in the world, from that of its body on a map: its origin is `lift` above."""
+    up = robot.lift * rotation(rest.roll, rest.pitch, rest.yaw)[:, 2]
+    x, y = ground.outside(rest.x + float(up[0]), rest.y + float(up[1]))
+    return replace(rest, x=x, y=y, z=ground.at.z + rest.z + float(up[2]), yaw=ground.at.yaw + rest.yaw)
+
+
+def _own_notes(robot: Robot | SdfRobot, live: LiveWorld) -> list[str]:
+    return list(robot.spawn_notes(live.backend)) if isinstance(robot, SdfRobot) else []
 
 
 def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
@@ -117,11 +204,9 @@ def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: M
         with suppress(ParameterError):  # no spot is left
             for seed in range(_TRIES):
                 (spot,) = spots_on_map(spawned.field, body, 1, generator(seed, 0, name))
-                x, y = spawned.outside(spot.x, spot.y)
-                if all(hypot(at.x - x, at.y - y) > radius + RADIUS for at in others):
-                    inside = start_pose(spot)
-                    z, yaw = spawned.at.z + inside.z + robot.lift, spawned.at.yaw + spot.yaw
-                    return replace(inside, x=x, y=y, z=z, yaw=yaw)
+                found = _in_world(start_pose(spot), robot, spawned)
+                if all(hypot(at.x - found.x, at.y - found.y) > radius + RADIUS for at in others):
+                    return found
     return None
 
 

@@ -17,7 +17,6 @@ const ICONS = {
   redo: "m10 3 3 3-3 3M13 6H6.500a3.500 3.500 0 0 0 0 7H9",
   add: "M8 3v10M3 8h10",
   remove: "M3 8h10",
-  bin: "M3 4.500h10M6.500 4.500v-2h3v2M4.500 4.500l.6 9h5.800l.6-9",
   copy: "M5.500 5.500h8v8h-8zM10.500 5.500v-3h-8v8h3",
   dice: "M2.500 4.500a2 2 0 0 1 2-2h7a2 2 0 0 1 2 2v7a2 2 0 0 1-2 2h-7a2 2 0 0 1-2-2zM5.700 5.400a.3.3 0 1 0 .01 0M8 7.700a.3.3 0 1 0 .01 0M10.300 10a.3.3 0 1 0 .01 0",
   play: "M5 3l8 5-8 5z",
@@ -32,7 +31,6 @@ const ICONS = {
   help: "M6 6a2 2 0 1 1 2.600 1.900c-.6.2-.6.700-.6 1.600M8 12.500h.01",
   grow: "M9.500 2.500h4v4M13.500 2.500l-5 5M6.500 13.500h-4v-4M2.500 13.500l5-5",
   shrink: "M13.500 2.500l-5 5M8.500 3.500v4h4M2.500 13.500l5-5M7.500 12.500v-4h-4",
-  grip: "M6 4h.01M10 4h.01M6 8h.01M10 8h.01M6 12h.01M10 12h.01",
   warn: "M8 2.500 14 13H2zM8 6.500v3M8 11.300h.01",
 };
 export type IconName = keyof typeof ICONS;
@@ -54,6 +52,17 @@ export function Button({ icon, children, pressed, class: name = "", ...rest }: B
       {children}
     </button>
   );
+}
+
+/* The address of bytes that are being made, empty until then, such as those of a picture. */
+export function useAddress(made: () => Promise<Blob | null>, of: unknown[]): string {
+  const [address, show] = useState("");
+  useEffect(() => {
+    let own = "";
+    void made().then((bytes) => bytes && show((own = URL.createObjectURL(bytes))), () => null);
+    return () => URL.revokeObjectURL(own);
+  }, of);
+  return address;
 }
 
 /* A button that opens a list below it; a choice in it closes it. */

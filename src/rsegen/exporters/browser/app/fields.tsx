@@ -107,8 +107,7 @@ function ArrayControl(props: ControlProps) {
   if (schema.items && isNumber(schema.items))
     return <ListInput id={id} name={name} whole={whole} value={value} onChange={onChange} onWhy={onWhy} placeholder="numbers, separated by spaces" />;
   if (schema.items?.anyOf?.some((each) => each.enum)) return <Words {...props} />;
-  if (schema.items?.enum || schema.items?.type === "string") return <LinesControl {...props} />;
-  return <Nested {...props} />;
+  return <LinesControl {...props} />;
 }
 
 /* Known words to switch on and off, and other texts: formats, some with options. */
@@ -126,18 +125,11 @@ function Words(props: ControlProps) {
   );
 }
 
-/* Texts, one on a line: the rows of a matrix, names. */
+/* Texts, or rows of numbers, one on a line. */
 function LinesControl({ id, name, value, onChange }: ControlProps) {
   const text = Array.isArray(value) ? value.map(shown).join("\n") : shown(value);
   return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text} placeholder="one per line" aria-label={name}
-    onChange={(event) => onChange(event.currentTarget.value.split("\n").map((line) => line.trimEnd()).filter(Boolean), "")} />;
-}
-
-/* Rows of numbers, one row on a line. */
-function Nested({ id, value, onChange, onWhy }: ControlProps) {
-  const text = Array.isArray(value) ? value.map(shown).join("\n") : shown(value);
-  return <textarea id={id} rows={Math.min(12, text.split("\n").length + 1)} spellcheck={false} value={text}
-    onChange={(event) => { onWhy(""); onChange(event.currentTarget.value.trim().split("\n").map((line) => line.trim()), ""); }} />;
+    onChange={(event) => onChange(event.currentTarget.value.split("\n").map((line) => line.trim()).filter(Boolean), "")} />;
 }
 
 const KINDS: { [type: string]: string } = { integer: "one", number: "one", string: "name", boolean: "yes or no" };

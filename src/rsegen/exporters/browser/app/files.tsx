@@ -87,24 +87,22 @@ export function Banners() {
   const [kept, keep] = useState<number | null>(null);
   const [seen, see] = useState<string | null>(null);
   if (!now) return null;
+  const isAsked = problem.value?.kind === "changed" && dialog.value?.name !== "save"; // as it was about to be overwritten
+  const isChanged = isAsked || (now.changed_on_disk && kept !== now.revision);
   return (
     <div class="banners" aria-live="polite">
       {!connected.value && (
         <div class="banner"><Icon name="warn" /><p><b>rsegen gui</b> does not answer: it has ended, or the connection is lost.
           {now.unsaved ? " Your changes up to then are kept: start it again in the same folder, and open the address that it prints." : " Start it again, and open the address that it prints."}</p></div>)}
-      {now.changed_on_disk && kept !== now.revision && (
+      {isChanged && (
         <div class="banner"><Icon name="warn" /><p>Another program changed <b>{now.title}</b>.</p>
           <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>
           <button type="button" onClick={() => void reload()}>Take theirs</button>
-          <Button icon="close" class="quiet" title="Decide later" onClick={() => keep(now.revision)} /></div>)}
+          <Button icon="close" class="quiet" title="Decide later" onClick={() => { keep(now.revision); problem.value = null; }} /></div>)}
       {now.recovered && seen !== now.doc && (
         <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back: they are of {when(now.recovered)}.</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>
           <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
-      {problem.value?.kind === "changed" && !now.changed_on_disk && dialog.value?.name !== "save" && (
-        <div class="banner"><Icon name="warn" /><p>{problem.value.text}</p>
-          <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>
-          <button type="button" onClick={() => { problem.value = null; void reload(); }}>Take theirs</button></div>)}
     </div>
   );
 }

@@ -53,6 +53,7 @@ function Help() {
         <div><dt><kbd>Ctrl Enter</kbd></dt><dd>generate the maps</dd></div>
         <div><dt><kbd>Delete</kbd> <kbd>Ctrl D</kbd></dt><dd>remove, duplicate the selected obstacle</dd></div>
         <div><dt><kbd>Alt ↑</kbd> <kbd>Alt ↓</kbd></dt><dd>move the obstacle in the list</dd></div>
+        <div><dt><kbd>Tab</kbd> on the map</dt><dd>the ends of the selected obstacle, its middle and its height; arrow keys move them by a cell or a level, with Shift by a chunk</dd></div>
         <div><dt>drag, wheel</dt><dd>beside the map or with the right button: turn, zoom</dd></div>
         <div><dt>drop a file</dt><dd>a recipe is opened; a point cloud, table or image becomes a map</dd></div>
       </dl>

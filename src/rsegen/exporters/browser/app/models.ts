@@ -52,7 +52,7 @@ export class Robot {
 
   constructor(readonly drawing: RobotDrawing) {
     for (const part of drawing.parts) {
-      const material = new MeshLambertMaterial({ color: part.colour, flatShading: part.shape === "mesh" });
+      const material = new MeshLambertMaterial({ color: part.colour });
       const mesh = new Mesh(shapeOf(part), material);
       mesh.matrixAutoUpdate = false;
       mesh.matrix = new Matrix4().fromArray(part.pose).transpose();
@@ -79,23 +79,13 @@ export class Robot {
 /* Where the parts of a robot are along x and y in its own frame: lowest and highest x, lowest and highest y. */
 export function boundsOf(drawing: RobotDrawing): [number, number, number, number] {
   const bounds: [number, number, number, number] = [Infinity, -Infinity, Infinity, -Infinity];
-  const include = (axis: number, low: number, high: number) => {
-    bounds[2 * axis] = Math.min(bounds[2 * axis], low);
-    bounds[2 * axis + 1] = Math.max(bounds[2 * axis + 1], high);
-  };
-  for (const { shape, size: [a, b, c], pose, vertices = [] } of drawing.parts) {
+  for (const { shape, size: [a, b, c], pose } of drawing.parts) {
     const half = shape === "box" ? [a / 2, b / 2, c / 2] : shape === "cylinder" ? [a, a, b / 2] : [a, a, a];
     for (const axis of [0, 1]) {
       const [x, y, z, from] = pose.slice(4 * axis, 4 * axis + 4);
-      if (shape === "mesh") {
-        for (let k = 0; k < vertices.length; k += 3) {
-          const at = from + x * vertices[k] + y * vertices[k + 1] + z * vertices[k + 2];
-          include(axis, at, at);
-        }
-      } else {
-        const reach = Math.abs(x) * half[0] + Math.abs(y) * half[1] + Math.abs(z) * half[2];
-        include(axis, from - reach, from + reach);
-      }
+      const reach = Math.abs(x) * half[0] + Math.abs(y) * half[1] + Math.abs(z) * half[2];
+      bounds[2 * axis] = Math.min(bounds[2 * axis], from - reach);
+      bounds[2 * axis + 1] = Math.max(bounds[2 * axis + 1], from + reach);
     }
   }
   return bounds;
@@ -105,12 +95,7 @@ function shapeOf(part: RobotDrawing["parts"][number]): BufferGeometry {
   const [a, b, c] = part.size;
   if (part.shape === "box") return new BoxGeometry(a, b, c);
   if (part.shape === "sphere") return new SphereGeometry(a, 24, 16);
-  if (part.shape === "cylinder") return new CylinderGeometry(a, a, b, 32).rotateX(Math.PI / 2); // along z, as in URDF
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(part.vertices ?? []), 3));
-  geometry.setIndex(part.faces ?? []);
-  geometry.computeVertexNormals();
-  return geometry;
+  return new CylinderGeometry(a, a, b, 32).rotateX(Math.PI / 2); // along z, as in URDF
 }
 
 /* Rotation of roll, pitch and yaw about fixed axes, as in SDF and URDF. */
@@ -118,11 +103,11 @@ export function rotationOf(roll: number, pitch: number, yaw: number): Quaternion
   return new Quaternion().setFromEuler(new Euler(roll, pitch, yaw, "ZYX"));
 }
 
-/* Where a robot touches the blocks, and the hull of these points, on which its weight must rest. */
+/* Where a robot touches the blocks, the hull of these points, and the plumb line of its centre of mass, which must meet it. */
 export function restOf(pose: Pose, size: number): Group {
   const group = new Group();
   const colour = pose.stands && pose.holds ? GOOD : BAD;
-  const { polygon, contacts } = pose;
+  const { polygon, contacts, centre } = pose;
   if (polygon.length > 2) {
     const face = new BufferGeometry();
     face.setAttribute("position", new BufferAttribute(new Float32Array(polygon.flat()), 3));
@@ -132,6 +117,11 @@ export function restOf(pose: Pose, size: number): Group {
     const mesh = new Mesh(face, fill);
     mesh.renderOrder = 3;
     group.add(mesh, linesOf(pairs([...polygon, polygon[0]]), { colour, width: 2.5, hidden: true }));
+  }
+  if (polygon.length) {
+    const ground = Math.min(...polygon.map(([, , z]) => z));
+    group.add(linesOf([centre, [centre[0], centre[1], ground]], { colour: "#ffffff", width: 5, hidden: true }));
+    group.add(linesOf([centre, [centre[0], centre[1], ground]], { colour, width: 2.5, hidden: true }), dot(centre, 1.3 * size, "#ffffff"), dot(centre, size, colour));
   }
   for (const contact of contacts) group.add(dot(contact, size, colour));
   return group;
@@ -196,7 +186,8 @@ export class Player {
   at(second: number): void {
     for (const { robot, trail, seconds, poses, marks } of this.tracks) {
       const { position, rotation } = poseAt(seconds, poses, second);
-      robot?.put(position, rotation);
+      // A simulator's model has its origin above that of what is drawn.
+      robot?.put(position.sub(new Vector3(0, 0, robot.drawing.lift).applyQuaternion(rotation)), rotation);
       trail.geometry.instanceCount = Math.max(0, before(seconds, second));
       for (const [when, mark] of marks) (mark.material as MeshBasicMaterial).opacity = when <= second ? 1 : 0.35;
     }

@@ -1,8 +1,9 @@
 /* The plan: north up; cells are counted below and on the left, metres above and on the right. Tools work as in 3D. */
 
 import { ACCENT, BAD, GOOD, START, TRAILS, TROUBLE } from "./colours";
-import { Field, lettered, metres, outline, rgb, type Place, type Point } from "./field";
-import { boundsOf, poseAt } from "./models";
+import { Field, rgb, type Place, type Point } from "./field";
+import { Ink, LEGIBLE, type Box, type Pixel } from "./ink";
+import { poseAt } from "./models";
 import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
 import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
@@ -12,21 +13,28 @@ import "./views.css";
 
 const MARGINS = { left: 34, right: 44, top: 26, bottom: 26 };
 const NARROW = 210; // CSS pixels below which there are no margins, and so no numbers
-const LEGIBLE = 17; // CSS pixels that a cell must have so that its height is written into it
-const LINED = 5; // and so that it has an outline
 
-export function createPlan(host: HTMLElement, on: ViewEvents): Plan {
-  return new Plan(host, on);
+/* What lies over the map. */
+interface Shown {
+  preview?: Preview | null;
+  ghost?: Field | null; // with an obstacle that is not added yet, the row ghostRow
+  ghostRow: number;
+  drawing?: RobotDrawing | null;
+  pose?: Pose | null;
+  poses?: Overlay | null;
+  reach?: Reach | null;
+  way?: Way | null;
+  start?: [number, number] | null;
+  playback?: Playback | null;
+  drawings: Map<string, RobotDrawing>;
+  second: number;
 }
-
-type Pixel = [number, number];
-type Pen = CanvasRenderingContext2D;
 
 export class Plan implements View, Board {
   field: Field | null = null;
   readonly canvas = document.createElement("canvas");
   private readonly tools: Tools;
-  private readonly grips: Grips;
+  readonly grips: Grips;
   private readonly label: HTMLElement;
   private readonly sizes: ResizeObserver;
   private readonly ends = new AbortController();
@@ -34,18 +42,7 @@ export class Plan implements View, Board {
   private content: HTMLCanvasElement | null = null; // a pixel for each cell
   private row = -1;
   private marked: Spot | null = null;
-  private shownPreview: Preview | null = null;
-  private shownGhost: Field | null = null;
-  private ghostRow = -1;
-  private drawing: RobotDrawing | null = null;
-  private pose: Pose | null = null;
-  private poses: Overlay | null = null;
-  private shownReach: Reach | null = null;
-  private shownWay: Way | null = null;
-  private start: [number, number] | null = null;
-  private playback: Playback | null = null;
-  private drawings = new Map<string, RobotDrawing>();
-  private second = 0;
+  private readonly shown: Shown = { ghostRow: -1, drawings: new Map(), second: 0 };
   private zoomed = 1; // times as large as where the whole map is seen
   private middle: [number, number] = [0, 0]; // metres, in the middle of the canvas
   private scale = 1; // CSS pixels of a metre
@@ -105,38 +102,35 @@ export class Plan implements View, Board {
   }
 
   ghost(scene: SceneData | null, row: number): void {
-    this.shownGhost = scene && new Field(scene);
-    this.ghostRow = row;
-    this.ask();
+    this.draws({ ghost: scene && new Field(scene), ghostRow: row });
   }
 
   robot(drawing: RobotDrawing | null, pose: Pose | null): void {
-    [this.drawing, this.pose] = [drawing, pose];
-    this.ask();
+    this.draws({ drawing, pose });
   }
 
   poseMap(map: PoseMap | null, shown: "tilt" | "margin" | "reason"): void {
-    this.poses = map && ofPoses(map, shown);
-    this.ask();
+    this.draws({ poses: map && ofPoses(map, shown) });
   }
 
   reach(reach: Reach | null): void {
-    this.shownReach = reach;
-    this.ask();
+    this.draws({ reach });
   }
 
   way(way: Way | null, start: [number, number] | null): void {
-    [this.shownWay, this.start] = [way, start];
-    this.ask();
+    this.draws({ way, start });
   }
 
   play(playback: Playback | null, drawings: Map<string, RobotDrawing>): void {
-    [this.playback, this.drawings, this.second] = [playback, drawings, 0];
-    this.ask();
+    this.draws({ playback, drawings, second: 0 });
   }
 
   at(second: number): void {
-    this.second = second;
+    this.draws({ second });
+  }
+
+  private draws(part: Partial<Shown>): void {
+    Object.assign(this.shown, part);
     this.ask();
   }
 
@@ -192,12 +186,7 @@ export class Plan implements View, Board {
   }
 
   preview(preview: Preview | null): void {
-    this.shownPreview = preview;
-    this.ask();
-  }
-
-  held(grip: Grip | null): void {
-    this.grips.held(grip);
+    this.draws({ preview });
   }
 
   lets(camera: boolean): void {
@@ -324,8 +313,7 @@ export class Plan implements View, Board {
     this.paint(pen, width, height);
     this.host.toggleAttribute("data-small", Math.min(width, height) < NARROW);
     this.grips.place((point) => this.pixel(point));
-    const isLegible = this.field && this.field.width * this.scale >= LEGIBLE;
-    this.label.hidden = !this.marked || !this.field || isLegible || Math.min(width, height) < NARROW;
+    this.label.hidden = !this.marked || !this.field || this.field.width * this.scale >= LEGIBLE || Math.min(width, height) < NARROW;
     if (this.marked && this.field) {
       this.label.textContent = this.field.hover(this.marked.cell, this.marked.point).label;
       const [x, y] = this.pixel(this.marked.point);
@@ -333,282 +321,110 @@ export class Plan implements View, Board {
     }
   }
 
-  private paint(pen: Pen, width: number, height: number): void {
+  private paint(pen: CanvasRenderingContext2D, width: number, height: number): void {
     pen.clearRect(0, 0, width, height);
     const { field, content } = this;
     if (!field || !content) return;
     this.fit(width, height);
     const { left, right, top, bottom } = this.margins(width, height);
-    const [centreX, centreY] = this.centre(width, height);
-    const { scale, middle } = this;
-    const at: At = ([x, y]) => [centreX + (x - middle[0]) * scale, centreY - (y - middle[1]) * scale];
-    const box: [number, number, number, number] = [left, top, width - left - right, height - top - bottom];
+    const box: Box = [left, top, width - left - right, height - top - bottom];
+    const [x, y] = this.centre(width, height);
+    const ink = new Ink(pen, field, [x - this.middle[0] * this.scale, y + this.middle[1] * this.scale], this.scale);
     pen.save();
-    pen.beginPath();
-    // Ways that begin beside the map do not run into the numbers.
-    const [[west, south], [east, north]] = [at([field.x(0), field.y(0)]), at([field.x(field.nX), field.y(field.nY)])];
-    const [x0, y0] = [Math.max(left, west) - 2, Math.max(top, north) - 2];
-    pen.rect(x0, y0, Math.min(width - right, east) + 2 - x0, Math.min(height - bottom, south) + 2 - y0);
-    pen.clip();
-    pen.imageSmoothingEnabled = field.width * this.scale < 1;
-    this.place(pen, at, content, [field.x(0), field.y(0)], [field.nX * field.width, field.nY * field.width]);
-    const over = this.poses ?? (this.shownReach && ofReach(this.shownReach, field.scene));
-    if (over) this.place(pen, at, over.canvas, over.low, over.size);
-    if (this.options.grid) this.drawLines(pen, at, field);
-    this.drawHeights(pen, at, field, box);
-    this.drawObstacle(pen, at, field);
-    this.drawPreview(pen, at, field);
-    this.drawWays(pen, at);
-    this.drawRobots(pen, at);
-    if (this.marked) this.strokeCells(pen, at, field, [this.marked.cell], "#ffffff", 3, "#000000");
+    ink.clip(box);
+    pen.imageSmoothingEnabled = ink.size < 1;
+    ink.picture(content, [field.x(0), field.y(0)], [field.nX * field.width, field.nY * field.width]);
+    const { poses, reach } = this.shown;
+    const over = poses ?? (reach && ofReach(reach, field.scene));
+    if (over) ink.picture(over.canvas, over.low, over.size);
+    if (this.options.grid) ink.grid();
+    ink.heights(box);
+    this.drawObstacle(ink, field);
+    this.drawWays(ink);
+    this.drawDrive(ink);
+    this.drawRobot(ink);
+    if (this.marked) ink.outline([this.marked.cell], "#ffffff", 3, "#000000");
     pen.restore();
-    if (left > 2) this.drawNumbers(pen, at, field, box);
+    if (left > 2) ink.numbers(box, this.options.dark);
   }
 
-  private place(pen: Pen, at: At, canvas: HTMLCanvasElement, low: [number, number], size: [number, number]): void {
-    const [x, y] = at([low[0], low[1] + size[1]]);
-    pen.drawImage(canvas, x, y, size[0] * this.scale, size[1] * this.scale);
-  }
-
-  private drawLines(pen: Pen, at: At, field: Field): void {
-    const size = field.width * this.scale;
-    if (size < LINED) return;
-    const [[west, south], [east, north]] = [at([field.x(0), field.y(0)]), at([field.x(field.nX), field.y(field.nY)])];
-    pen.strokeStyle = `rgb(0 0 0 / ${size >= LEGIBLE ? 0.3 : 0.18})`;
-    pen.lineWidth = 1;
-    pen.beginPath();
-    for (let i = 0; i <= field.nX; i++) {
-      pen.moveTo(west + i * size, south);
-      pen.lineTo(west + i * size, north);
+  /* The selected obstacle, one that is not added yet, and what a brush is about to change. */
+  private drawObstacle(ink: Ink, field: Field): void {
+    const { ghost, ghostRow, preview } = this.shown;
+    if (ghost) {
+      const cells = ghost.cellsOf(ghostRow);
+      ink.pen.globalAlpha = 0.75;
+      ink.fill(cells, (cell) => ghost.material(...cell).colour);
+      ink.pen.globalAlpha = 1;
+      ink.outline(cells, ACCENT, 2);
     }
-    for (let j = 0; j <= field.nY; j++) {
-      pen.moveTo(west, south - j * size);
-      pen.lineTo(east, south - j * size);
+    if (this.row >= 0) {
+      ink.pen.setLineDash([5, 4]);
+      ink.outline(cellsBetween(field, this.row), "#ffffff", 1.5, "#000000");
+      ink.pen.setLineDash([]);
+      ink.outline(field.cellsOf(this.row), ACCENT, 2.5, "#ffffff");
     }
-    pen.stroke();
+    if (!preview) return;
+    const { cells, level } = preview;
+    if (level !== null && level >= 0) ink.fill(cells, () => field.colourOf(level));
+    ink.outline(cells, ACCENT, 2, "#ffffff");
   }
 
-  private drawHeights(pen: Pen, at: At, field: Field, [left, top, wide, high]: number[]): void {
-    const size = field.width * this.scale;
-    if (size < LEGIBLE) return;
-    const longest = field.palette.reduce((most, { label }) => Math.max(most, label.length), 1);
-    const dark = new Map(field.palette.map((material) => [material, isDark(material.colour)]));
-    pen.font = `${Math.min(15, size * 0.5, (size * 1.5) / longest)}px system-ui, sans-serif`;
-    pen.textAlign = "center";
-    pen.textBaseline = "middle";
-    for (let i = 0; i < field.nX; i++) {
-      for (let j = 0; j < field.nY; j++) {
-        const material = field.material(i, j);
-        const [x, y] = at(field.top(i, j));
-        if (material.level === null || x < left || y < top || x > left + wide || y > top + high) continue;
-        pen.fillStyle = dark.get(material) ? "#ffffff" : "#000000";
-        pen.fillText(material.label, x, y);
-      }
-    }
-  }
-
-  private drawObstacle(pen: Pen, at: At, field: Field): void {
-    if (this.shownGhost) {
-      const cells = this.shownGhost.cellsOf(this.ghostRow);
-      pen.globalAlpha = 0.75;
-      this.fillCells(pen, at, this.shownGhost, cells, (cell) => this.shownGhost!.material(...cell).colour);
-      pen.globalAlpha = 1;
-      this.strokeCells(pen, at, this.shownGhost, cells, ACCENT, 2);
-    }
-    if (this.row < 0) return;
-    const cells = field.cellsOf(this.row);
-    pen.setLineDash([5, 4]);
-    this.strokeCells(pen, at, field, cellsBetween(field, this.row), "#ffffff", 1.5, "#000000");
-    pen.setLineDash([]);
-    this.strokeCells(pen, at, field, cells, ACCENT, 2.5, "#ffffff");
-  }
-
-  private drawPreview(pen: Pen, at: At, field: Field): void {
-    if (!this.shownPreview) return;
-    const { cells, level } = this.shownPreview;
-    if (level !== null && level >= 0) this.fillCells(pen, at, field, cells, () => field.colourOf(level));
-    this.strokeCells(pen, at, field, cells, ACCENT, 2, "#ffffff");
-  }
-
-  private fillCells(pen: Pen, at: At, field: Field, cells: Place[], colour: (cell: Place) => string): void {
-    const size = field.width * this.scale;
-    for (const cell of cells) {
-      const [x, y] = at([field.x(cell[0]), field.y(cell[1] + 1)]);
-      pen.fillStyle = colour(cell);
-      pen.fillRect(x, y, size, size);
-    }
-  }
-
-  /* Outline some cells, with a wider line below, so that it is seen on any colour. */
-  private strokeCells(pen: Pen, at: At, field: Field, cells: Place[], colour: string, width: number, below = ""): void {
-    const points = outline(field, cells);
-    pen.beginPath();
-    for (let k = 0; k < points.length; k += 2) {
-      pen.moveTo(...at(points[k]));
-      pen.lineTo(...at(points[k + 1]));
-    }
-    pen.lineCap = "round";
-    const thin = Math.min(1, Math.max(0.4, (field.width * this.scale) / 12)); // where cells are small
-    for (const [style, wide] of below ? [[below, width + 2], [colour, width]] as const : [[colour, width]] as const) {
-      pen.strokeStyle = style;
-      pen.lineWidth = thin * wide;
-      pen.stroke();
-    }
-  }
-
-  private drawWays(pen: Pen, at: At): void {
-    const { shownReach, shownWay, start, field } = this;
-    const size = Math.max(3, Math.min(7, 0.3 * field!.width * this.scale));
-    shownReach?.ways.forEach(({ points, crosses }) => this.strokeLine(pen, at, points, crosses ? START : TROUBLE, 3));
-    const named = (place: readonly number[], name: "S" | "G") =>
-      lettered(pen, at([place[0], place[1]]), Math.max(8, 1.3 * size), name, name === "S" ? START : ACCENT);
-    shownReach?.spots.forEach(({ x, y, name }) => named([x, y], name));
-    if (start && !shownWay?.poses.length) named(start, "S");
-    const poses = shownWay?.poses ?? [];
+  private drawWays(ink: Ink): void {
+    const { reach, way, start } = this.shown;
+    const size = Math.max(3, Math.min(7, 0.3 * ink.size));
+    reach?.ways.forEach(({ points, crosses }) => ink.line(points, crosses ? START : TROUBLE, 3));
+    reach?.spots.forEach(({ x, y, name }) => ink.named([x, y], size, name));
+    const poses = way?.poses ?? [];
+    if (start && !poses.length) ink.named(start, size, "S");
     if (!poses.length) return;
-    this.strokeLine(pen, at, poses, "#ffffff", 6);
-    this.strokeLine(pen, at, poses, START, 3.5);
-    const mark = (k: number, radius: number, colour: string) =>
-      poses[k] && disc(pen, at([poses[k][0], poses[k][1]]), radius, colour);
-    shownWay!.events.forEach((event) => mark(event.at, 0.8 * size, TROUBLE));
-    named(poses[0], "S");
-    named(poses[poses.length - 1], "G");
+    ink.line(poses, "#ffffff", 6);
+    ink.line(poses, START, 3.5);
+    way!.events.forEach(({ at }) => poses[at] && ink.disc(poses[at], 0.8 * size, TROUBLE));
+    ink.named(poses[0], size, "S");
+    ink.named(poses[poses.length - 1], size, "G");
   }
 
-  private strokeLine(pen: Pen, at: At, points: readonly (readonly number[])[], colour: string, width: number): void {
-    pen.beginPath();
-    points.forEach(([x, y], k) => (k ? pen.lineTo(...at([x, y])) : pen.moveTo(...at([x, y]))));
-    Object.assign(pen, { strokeStyle: colour, lineWidth: width, lineCap: "round", lineJoin: "round" });
-    pen.stroke();
-  }
-
-  private drawRobots(pen: Pen, at: At): void {
-    const { pose, drawing } = this;
-    for (const [k, { robot, seconds, poses, events }] of (this.playback?.robots ?? []).entries()) {
+  /* A drive that is played: what its robots have driven, where something happened, and where they are. */
+  private drawDrive(ink: Ink): void {
+    const { playback, drawings, second: now } = this.shown;
+    for (const [k, { robot, seconds, poses, events }] of (playback?.robots ?? []).entries()) {
       if (!poses.length) continue;
       const colour = TRAILS[k % TRAILS.length];
-      pen.globalAlpha = 0.4;
-      this.strokeLine(pen, at, poses, colour, 1.5);
-      pen.globalAlpha = 1;
-      this.strokeLine(pen, at, poses.filter((_, n) => seconds[n] <= this.second), colour, 3);
+      ink.pen.globalAlpha = 0.4;
+      ink.line(poses, colour, 1.5);
+      ink.pen.globalAlpha = 1;
+      ink.line(poses.filter((_, n) => seconds[n] <= now), colour, 3);
       for (const { second } of events) {
-        const { position } = poseAt(seconds, poses, second);
-        pen.globalAlpha = second <= this.second ? 1 : 0.4;
-        disc(pen, at([position.x, position.y]), 4, BAD);
-        pen.globalAlpha = 1;
+        ink.pen.globalAlpha = second <= now ? 1 : 0.4;
+        ink.disc(poseAt(seconds, poses, second).position.toArray(), 4, BAD);
       }
-      const now = poseAt(seconds, poses, this.second);
-      const { x, y, z, w } = now.rotation;
+      ink.pen.globalAlpha = 1;
+      const { position, rotation: { x, y, z, w } } = poseAt(seconds, poses, now);
       const yaw = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-      const drawn = this.drawings.get(robot);
-      if (drawn) this.drawFootprint(pen, at, [now.position.x, now.position.y], yaw, drawn, colour);
-      else disc(pen, at([now.position.x, now.position.y]), 5, colour);
+      const drawing = drawings.get(robot);
+      if (drawing) ink.footprint(position.toArray(), yaw, drawing, colour);
+      else ink.disc(position.toArray(), 5, colour);
     }
+  }
+
+  /* The robot at rest, with its contacts, its support polygon and its centre of mass. */
+  private drawRobot(ink: Ink): void {
+    const { pose, drawing } = this.shown;
     if (!pose || !drawing) return;
     const colour = pose.stands && pose.holds ? GOOD : BAD;
-    this.drawFootprint(pen, at, [pose.x, pose.y], pose.yaw, drawing, colour);
+    ink.footprint([pose.x, pose.y], pose.yaw, drawing, colour);
     if (pose.polygon.length > 2) {
-      this.strokeLine(pen, at, [...pose.polygon, pose.polygon[0]], colour, 1.5);
-      pen.fillStyle = `${colour}44`;
-      pen.fill();
+      ink.line([...pose.polygon, pose.polygon[0]], colour, 1.5);
+      ink.pen.fillStyle = `${colour}44`;
+      ink.pen.fill();
+      ink.disc(pose.centre, 3.5, "#1f2328");
     }
-    for (const [x, y] of pose.contacts) disc(pen, at([x, y]), 2.5, colour);
+    for (const contact of pose.contacts) ink.disc(contact, 2.5, colour);
   }
-
-  /* The robot from above, with a head that shows where it faces. */
-  private drawFootprint(
-    pen: Pen, at: At, [x, y]: [number, number], yaw: number, drawing: RobotDrawing, colour: string,
-  ): void {
-    const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
-    const turned = (a: number, b: number): [number, number] => [x + a * cos - b * sin, y + a * sin + b * cos];
-    const [back, front, right, left] = boundsOf(drawing);
-    const shoulder = front - 0.2 * (front - back);
-    const tip = [front, (left + right) / 2];
-    const corners = [[back, right], [shoulder, right], tip, [shoulder, left], [back, left], [back, right]];
-    const points = corners.map(([along, across]) => turned(along, across));
-    this.strokeLine(pen, at, points, "#ffffff", 4);
-    this.strokeLine(pen, at, points, colour, 2.5);
-    pen.fillStyle = `${colour}33`;
-    pen.fill();
-  }
-
-  private drawNumbers(pen: Pen, at: At, field: Field, [left, top, wide, high]: number[]): void {
-    const size = field.width * this.scale;
-    const [west, south] = at([field.x(0), field.y(0)]);
-    const [edgeX, edgeY] = [Math.min(left + wide, west + field.nX * size), Math.min(top + high, south)];
-    const [startX, startY] = [Math.max(left, west), Math.max(top, south - field.nY * size)];
-    const text = (
-      value: string | number, x: number, y: number, textAlign: CanvasTextAlign, textBaseline: CanvasTextBaseline,
-    ) => {
-      Object.assign(pen, { textAlign, textBaseline });
-      pen.fillText(String(value), x, y);
-    };
-    const isIn = (value: number, from: number, to: number) => value >= from - 0.5 && value <= to + 0.5;
-    pen.font = "11px system-ui, sans-serif";
-    pen.fillStyle = pen.strokeStyle = this.options.dark ? "#a9b1bc" : "#5b626c";
-    const every = niceStep(22 / size, 1);
-    field.blockX.forEach((block, i) => {
-      const x = west + (i + 0.5) * size;
-      if (block >= 0 && block % every === 0 && isIn(x, startX, edgeX)) text(block, x, edgeY + 5, "center", "top");
-    });
-    field.blockY.forEach((block, j) => {
-      const y = south - (j + 0.5) * size;
-      if (block >= 0 && block % every === 0 && isIn(y, startY, edgeY)) text(block, startX - 6, y, "right", "middle");
-    });
-    text("cell", Math.max(0, startX - 30), edgeY + 5, "left", "top");
-    text("m", edgeX + 8, edgeY + 5, "left", "top");
-    const step = niceStep(52 / this.scale, 0.01);
-    pen.lineWidth = 1;
-    pen.beginPath();
-    for (const value of marks((field.nX * field.width) / 2, step)) {
-      const [x] = at([value, 0]);
-      if (!isIn(x, startX, edgeX)) continue;
-      text(metres(value), x, startY - 7, "center", "bottom");
-      pen.moveTo(x, startY - 5);
-      pen.lineTo(x, startY - 1);
-    }
-    for (const value of marks((field.nY * field.width) / 2, step)) {
-      const [, y] = at([0, value]);
-      if (!isIn(y, startY, edgeY)) continue;
-      text(metres(value), edgeX + 8, y, "left", "middle");
-      pen.moveTo(edgeX + 1, y);
-      pen.lineTo(edgeX + 5, y);
-    }
-    pen.stroke();
-  }
-}
-
-type At = (point: Point | [number, number]) => Pixel;
-
-function disc(pen: Pen, [x, y]: Pixel, radius: number, colour: string): void {
-  pen.beginPath();
-  pen.arc(x, y, radius, 0, 2 * Math.PI);
-  pen.fillStyle = colour;
-  pen.fill();
-  pen.lineWidth = 1.5;
-  pen.strokeStyle = "#ffffff";
-  pen.stroke();
 }
 
 function pictureOf(field: Field): HTMLCanvasElement {
   const colours = field.palette.map(({ colour }) => [...rgb(colour), 255]);
   return painted(field.nX, field.nY, (i, j) => colours[field.content[field.at(i, j)]]);
-}
-
-function isDark(colour: string): boolean {
-  const [red, green, blue] = rgb(colour);
-  return 0.3 * red + 0.59 * green + 0.11 * blue < 128;
-}
-
-/* The multiples of a step from -half to half. */
-function marks(half: number, step: number): number[] {
-  const most = Math.floor(half / step + 1e-9);
-  return Array.from({ length: 2 * most + 1 }, (_, k) => (k - most) * step);
-}
-
-/* The smallest of 1, 2, 5, 10, 20, ... times `least` that is not below `wanted`. */
-function niceStep(wanted: number, least: number): number {
-  for (let power = least; ; power *= 10) {
-    for (const factor of [1, 2, 5]) if (factor * power >= wanted * (1 - 1e-9)) return factor * power;
-  }
 }

@@ -26,6 +26,7 @@ export interface Hello {
   robots: { name: string; title: string }[];
   commands: Command[]; // what may be run
   formats: { name: string; description: string }[];
+  metrics: { name: string; title: string }[]; // by which maps can be sorted
 }
 
 /* A parameter in a form: a JSON Schema property with what a form needs besides. */
@@ -139,8 +140,8 @@ export interface Material {
   count: number;
 }
 
-/* variants {doc, count} --> Variant[];  maps {doc, first, count, by?} --> Variant[] (of the
-   recipe's own maps, from the place first on; by: sorted by "smallest step across", "mean step" or "TRI") */
+/* variants {doc, count} --> Variant[];  maps {doc, first, count, by?} --> Variant[] (of the recipe's own maps, from the
+   place first on; by: sorted by a metric, the first of its difficulty) */
 export interface Variant { seed: number; index: number; scene: SceneData; difficulty: [string, string][] }
 
 /* measure {doc, index, robot?} --> {rows: [name, value, meaning, key][]}: all metrics, also those of a robot */
@@ -150,8 +151,8 @@ export interface Variant { seed: number; index: number; scene: SceneData; diffic
 /* robot {robot} --> RobotDrawing */
 export interface RobotDrawing {
   name: string; title: string; size: [number, number, number];
-  parts: { shape: "box" | "cylinder" | "sphere" | "mesh"; size: number[]; pose: number[]; colour: string; wheel: boolean;
-           vertices?: number[]; faces?: number[] }[];
+  lift: number; // of the origin of its model in a simulator, above the origin of these parts
+  parts: { shape: "box" | "cylinder" | "sphere"; size: number[]; pose: number[]; colour: string; wheel: boolean }[];
   /* size: box x y z; cylinder radius, length along z; sphere radius. pose: 4x4, row by row, in the robot's frame */
 }
 /* pose {doc, index, robot, x, y, heading} --> Pose; of a robot that does not stand: level, where it was put */
@@ -161,6 +162,7 @@ export interface Pose {
   x: number; y: number; z: number; roll: number; pitch: number; yaw: number;
   tilt: number; margin: number; // angle to tip over
   clearance: number | null;
+  centre: [number, number, number]; // of mass
   contacts: [number, number, number][];
   polygon: [number, number, number][]; // support polygon, in order
 }
@@ -198,7 +200,7 @@ export interface Job {
   state: "running" | "done" | "failed" | "cancelled";
   done: number | null; total: number | null; step: string; // progress; total null: unknown
   lines: string[]; // its report, or the one line of its error
-  files: { path: string; name: string; kind: "picture" | "table" | "pdf" | "recipe" | "page" | "drive" | "other" }[];
+  files: { path: string; name: string; kind: "picture" | "table" | "pdf" | "recipe" | "dataset" | "page" | "drive" }[];
   result: Json; // of --json
   opens?: string; // a recipe that a page may open: of scan, import
 }

@@ -1,7 +1,7 @@
 /* What the map is: its heights, metrics and costs, its recipe as text; and other maps like it. */
 
 import { useEffect, useId, useState } from "preact/hooks";
-import { Button, Modal, Segmented, Select, Slider } from "./controls";
+import { Button, Modal, Segmented, Select, Slider, useAddress } from "./controls";
 import { FieldControl } from "./fields";
 import type { SceneData, Variant } from "./protocol";
 import { thumbnail } from "./solid";
@@ -137,23 +137,17 @@ export function Difficulty() {
 
 /* A small picture of a map in 3D. */
 export function Picture({ map, label }: { map: SceneData; label: string }) {
-  const [source, setSource] = useState("");
-  useEffect(() => {
-    let address = "";
-    void thumbnail(map, 256, 176, dark.value).then((picture) => setSource((address = URL.createObjectURL(picture))), () => null);
-    return () => URL.revokeObjectURL(address);
-  }, [map, dark.value]);
+  const source = useAddress(() => thumbnail(map, 256, 176, dark.value), [map, dark.value]);
   return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
 }
 
 const MOST_SORTED = 200; // maps, by the server
-const ORDERS = [["", "by number"], ["smallest step across", "by the smallest step across"], ["mean step", "by mean step"], ["TRI", "by ruggedness (TRI)"]] as const;
 
 /* Twelve other seeds of the recipe, or its own maps, as pictures. */
 export function Variants() {
   const [of, choose] = useState<"seeds" | "maps">("seeds");
   const [from, setFrom] = useState(0); // the place of the first picture in the order of the maps
-  const [by, sort] = useState<"" | "smallest step across" | "mean step" | "TRI">("");
+  const [by, sort] = useState("");
   const [found, setFound] = useState<Variant[] | null>(null);
   const close = () => (dialog.value = null);
   const look = async () => {
@@ -166,6 +160,7 @@ export function Variants() {
     else void showMap(variant.index);
     close();
   };
+  const orders = [["", "by number"] as const, ...(hello.value?.metrics ?? []).map(({ name, title }) => [name, `by ${title}`] as const)];
   const maps = state.value?.maps ?? 1;
   const count = by ? Math.min(maps, MOST_SORTED) : maps;
   return (
@@ -175,8 +170,8 @@ export function Variants() {
         {of === "seeds" ? <Button icon="dice" title="Draw twelve other seeds" onClick={() => void look()}>Twelve others</Button> : <>
           <Button icon="left" title="Previous twelve" disabled={from <= 0} onClick={() => setFrom(Math.max(0, from - 12))} />
           <Button icon="right" title="Next twelve" disabled={from + 12 >= count} onClick={() => setFrom(from + 12)} />
-          <Select name="Sorted by" value={by} choices={ORDERS} onChange={(next) => { sort(next); setFrom(0); }} />
-          {by && <span class="note">the roughest last{maps > MOST_SORTED && `; ${MOST_SORTED} of ${maps} maps, evenly spaced`}</span>}</>}
+          <Select name="Sorted by" value={by} choices={orders} onChange={(next) => { sort(next); setFrom(0); }} />
+          {by && <span class="note">the lowest first{maps > MOST_SORTED && `; ${MOST_SORTED} of ${maps} maps, evenly spaced`}</span>}</>}
       </div>
       <ul class="gallery">
         {(found ?? []).map((variant) => (

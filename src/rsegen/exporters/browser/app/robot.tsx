@@ -6,7 +6,7 @@ import { Button, Labelled, Segmented, Select, Slider } from "./controls";
 import { reasonsOf, scaleOf } from "./overlay";
 import type { PoseMap, Way } from "./protocol";
 import {
-  chooseRobot, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showReach, showTilt, stopSearch, tool, way, wayStart,
+  chooseRobot, dialog, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showReach, showTilt, stopSearch, tool, way, wayStart,
 } from "./state";
 
 /* By what the best way is chosen. */
@@ -83,6 +83,7 @@ export function RobotPanel() {
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
             {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin to tipping over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
               ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["contacts", String(stands.contacts.length)]]} />}
+            {stands.stands && <Button icon="play" title="Put it into a running Gazebo, at this place of the map" onClick={() => (dialog.value = { name: "run", command: "spawn" })}>Put it into Gazebo …</Button>}
           </div>}
           <h3>Best way</h3>
           <Segmented name="Best by" value={best.value} choices={[["length", "shortest"], ["tilt", "least tilt"], ["margin", "safest"]]} onChange={(next) => (best.value = next)} />

@@ -1,13 +1,13 @@
 /* Commands as dialogs: a form, the same line for a shell, run; then progress, report and files. */
 
 import { useEffect, useId, useRef, useState } from "preact/hooks";
-import { Button, Icon, Labelled, Modal } from "./controls";
+import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
 import type { Command, Job, Json } from "./protocol";
 import { call, fileOf, Failed } from "./server";
-import { ask, attempt, dialog, hello, index, jobs, open, playbacks, robot, state } from "./state";
+import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
 import { copy } from "./results";
 
 type Values = { [name: string]: Json | undefined };
@@ -19,14 +19,14 @@ function line(command: Command, values: Values, output: string): string {
     const value = values[name];
     if (value === undefined || value === usual) return [];
     if (value === true) return flag ? [flag] : [];
-    return value === false || !flag ? [] : [flag, quoted(shown(value))];
+    return value === false || !flag ? [] : [flag, quoted(Array.isArray(value) ? value.map(shown).join(",") : shown(value))];
   });
   const target = command.target === "recipe" ? [quoted(state.value?.path ?? `${state.value?.name}.yaml`)] : [];
   return ["rsegen", command.name, ...target, ...flags, ...(output ? ["-o", quoted(output)] : [])].join(" ");
 }
 
 const OUTPUTS: { [command: string]: string } = {
-  generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain",
+  generate: "worlds", drive: "drives", experiment: "experiment", export: "export", scan: "scans", import: "worlds", dataset: "dataset", series: "series", terrain: "terrain", spawn: "worlds", respawn: "worlds",
 };
 
 const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" };
@@ -44,6 +44,7 @@ function usual(command: Command, upload?: string): { values: Values; output: str
   const one = command.fields.find((field) => field.name === "map" && !field.help.includes("all"));
   if (one && (state.value?.maps ?? 1) > 1) values.map = String(index.value);
   if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
+  if (robot.value && put.value && command.name === "spawn") values.pose = [...put.value, heading.value].map((value) => Number(value.toFixed(4)));
   return { values, output: command.output === "none" ? "" : known.output };
 }
 
@@ -102,25 +103,25 @@ export function Progress({ job }: { job: Job }) {
   return <progress max={job.total ?? 1} value={job.total ? (job.done ?? 0) : undefined} aria-label={`Progress of ${job.command}`} />;
 }
 
-const STATES = { running: "running", done: "done", failed: "failed", cancelled: "cancelled" };
-
 export function JobReport({ job, again }: { job: Job; again?: () => void }) {
   const drives = job.files.filter((file) => file.kind === "drive");
+  const depth = (file?: Job["files"][number]) => file?.path.split("/").length;
+  const isOnTop = (file: Job["files"][number]) => depth(file) === depth(job.files[0]); // the first is one of the highest
   return (
     <div class="job">
-      <p class={`state ${job.state}`} role="status"><b>{STATES[job.state]}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
+      <p class={`state ${job.state}`} role="status"><b>{job.state}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
       {job.state === "running" && <Progress job={job} />}
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
-      {job.lines.length > 0 && <pre tabindex={0} aria-label="Report" class={job.state === "failed" ? "bad" : ""}>{job.lines.join("\n")}</pre>}
-      <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} />)}</div>
-      {job.files.filter((file) => file.kind === "table").slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
+      <Report text={job.lines.join("\n")} isBad={job.state === "failed"} />
+      <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} wide={isOnTop(file) && !job.files.every(isOnTop)} />)}</div>
+      {job.files.filter((file) => file.kind === "table" && isOnTop(file)).slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
       <ul class="files">{job.files.filter((file) => file.kind !== "picture").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
             {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
-          {file.kind === "recipe" && <button type="button" onClick={() => void leaveFor(file.path)}>Open</button>}
+          {(file.kind === "recipe" || file.kind === "dataset") && <button type="button" onClick={() => void leaveFor(file.kind === "dataset" ? `${file.path}#0` : file.path)}>Open</button>}
           {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
-          {file.kind !== "drive" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
+          {file.kind !== "drive" && file.kind !== "dataset" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
         </li>))}</ul>
       <footer class="actions">
         {job.state === "running" ? <button type="button" onClick={() => void attempt(() => call("cancel", { job: job.id }))}>Cancel the run</button> : again && <button type="button" onClick={again}>Change and run again</button>}
@@ -164,36 +165,47 @@ const MOST_ROWS = 60; // longer ones are for programs
 const fieldsOf = (row: string): string[] =>
   [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
 
+/* What a command says: text, with tables and headings of Markdown as such. */
+function Report({ text, isBad }: { text: string; isBad: boolean }) {
+  return <>{text.split(/((?:^\|.*\|$\n?)+|^#+ .*$)/m).map((part, at) => {
+    if (!part.trim()) return null;
+    if (part.startsWith("#")) return <h3 key={at}>{part.replace(/^#+ /, "")}</h3>;
+    if (!part.startsWith("|")) return <pre key={at} tabindex={0} aria-label="Report" class={isBad ? "bad" : ""}>{part.trim()}</pre>;
+    const rows = part.trim().split("\n").map((row) => row.slice(1, -1).split("|").map((cell) => cell.trim()));
+    return <Rows key={at} rows={rows.filter((row) => !row.every((cell) => /^:?-+:?$/.test(cell)))} />;
+  })}</>;
+}
+
+/* A table, the first row of which names its columns. */
+function Rows({ rows: [head, ...body], name }: { rows: string[][]; name?: string }) {
+  return (
+    <figure class="table" tabindex={0}>
+      <table class="csv"><thead><tr>{head!.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
+        <tbody>{body.map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
+      {name && <figcaption>{name}</figcaption>}
+    </figure>
+  );
+}
+
 /* A table that a run wrote, if it is one to be read: short, with a line of names. */
 function FileTable({ path, name }: { path: string; name: string }) {
   const [rows, set] = useState<string[][]>([]);
   useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
   const [head, ...body] = rows;
   if (!head || body.length > MOST_ROWS || head[0]?.startsWith("#")) return null;
-  return (
-    <figure class="table" tabindex={0}>
-      <table class="csv"><thead><tr>{head.map((each, at) => <th scope="col" key={at}>{each.replaceAll("_", " ")}</th>)}</tr></thead>
-        <tbody>{body.map((row, at) => <tr key={at}>{row.map((each, k) => <td key={k}>{each}</td>)}</tr>)}</tbody></table>
-      <figcaption>{name}</figcaption>
-    </figure>
-  );
+  return <Rows rows={rows} name={name} />;
 }
 
-function FilePicture({ path, name }: { path: string; name: string }) {
-  const [source, show] = useState("");
-  useEffect(() => {
-    let address = "";
-    void attempt(() => fileOf(path), false).then((bytes) => bytes && show((address = URL.createObjectURL(bytes))));
-    return () => URL.revokeObjectURL(address);
-  }, [path]);
-  return source ? <figure><img src={source} alt={name} /><figcaption>{name}</figcaption></figure> : null;
+function FilePicture({ path, name, wide }: { path: string; name: string; wide: boolean }) {
+  const source = useAddress(() => attempt(() => fileOf(path), false), [path]);
+  return source ? <figure class={wide ? "wide" : ""}><img src={source} alt={name} /><figcaption>{name}</figcaption></figure> : null;
 }
 
 /* All runs since the page was opened. */
 export function Jobs() {
   return (
     <Modal title="Runs" close={() => (dialog.value = null)} wide>
-      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{STATES[job.state]}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
+      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
     </Modal>
   );
 }

@@ -20,11 +20,7 @@ import "./views.css";
 const SLOW = 80; // milliseconds per picture beyond which the next ones have fewer pixels
 const REST = 200; // milliseconds without a change after which it is drawn in full again
 
-/* Make the view; an error where the browser has no WebGL 2. */
-export function createSolid(host: HTMLElement, on: ViewEvents): Solid {
-  return new Solid(host, on);
-}
-
+/* The view; an error where the browser has no WebGL 2. */
 export class Solid implements View, Board {
   field: Field | null = null;
   readonly canvas = document.createElement("canvas");
@@ -32,7 +28,7 @@ export class Solid implements View, Board {
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
   private readonly tools: Tools;
-  private readonly grips: Grips;
+  readonly grips: Grips;
   private readonly label: HTMLElement;
   private readonly axes: HTMLElement[];
   private readonly sizes: ResizeObserver;
@@ -355,10 +351,6 @@ export class Solid implements View, Board {
       this.part("preview", [boxes, lines]);
     }
     this.ask();
-  }
-
-  held(grip: Grip | null): void {
-    this.grips.held(grip);
   }
 
   lets(camera: boolean, isEditing: boolean): void {

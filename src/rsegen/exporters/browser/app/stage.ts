@@ -103,7 +103,7 @@ export class Stage {
     this.sun.castShadow = this.blocks.receiveShadow = this.floor.receiveShadow = casts;
     if (!casts) return;
     const box = new Box3();
-    robots.forEach((robot) => box.expandByObject(robot));
+    robots.forEach((robot) => (robot.updateWorldMatrix(true, true), box.expandByObject(robot))); // its parts move with it
     const [middle, half] = [box.getCenter(new Vector3()), 0.75 * box.getSize(new Vector3()).length() + 0.05];
     this.sun.target.position.copy(middle);
     this.sun.position.copy(SUN_AT).multiplyScalar(10 * half).add(middle);

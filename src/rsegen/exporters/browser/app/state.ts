@@ -39,6 +39,7 @@ export const dialog = signal<
 export const robot = signal(""); // its name; empty: none
 export const drawing = signal<RobotDrawing | null>(null);
 export const heading = signal(0);
+export const put = signal<[number, number] | null>(null); // where it was put: tilted, its origin is a little aside
 export const pose = signal<Pose | null>(null);
 export const poseMap = signal<PoseMap | null>(null);
 export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
@@ -49,9 +50,13 @@ export const searching = signal<{ of: Search; share: number } | null>(null); // 
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
 export const second = signal(0);
 
-const width = signal(innerWidth);
-addEventListener("resize", () => (width.value = innerWidth));
-export const layout = computed(() => (width.value < 760 ? "phone" : width.value < 1180 ? "narrow" : "wide"));
+const size = signal<[number, number]>([innerWidth, innerHeight]);
+addEventListener("resize", () => (size.value = [innerWidth, innerHeight]));
+/* A phone that lies on its side, and a small screen at 200 %, have room beside the map, not below it. */
+export const layout = computed(() => {
+  const [width, height] = size.value;
+  return width < 760 && !(width > 560 && height < 480) ? "phone" : width < 1180 ? "narrow" : "wide";
+});
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 export const dark = signal(darkness.matches);
 darkness.addEventListener("change", () => (dark.value = darkness.matches));
@@ -308,7 +313,7 @@ export async function reload(): Promise<void> {
 
 export function forgetRobot(): void {
   stopSearch();
-  pose.value = poseMap.value = reach.value = way.value = wayStart.value = put = null;
+  pose.value = poseMap.value = reach.value = way.value = wayStart.value = put.value = null;
 }
 
 export async function chooseRobot(name: string): Promise<void> {
@@ -321,11 +326,9 @@ export async function chooseRobot(name: string): Promise<void> {
 
 const ofRobot = () => ({ index: index.value, robot: robot.value });
 
-let put: [number, number] | null = null; // where the robot was put: tilted, its origin is a little aside
-
 export const settle = newest(async (x: number, y: number) => {
   if (!robot.value) return;
-  put = [x, y];
+  put.value = [x, y];
   pose.value = await ask<Pose>("pose", { ...ofRobot(), x, y, heading: heading.value });
 });
 
@@ -333,7 +336,7 @@ export const settle = newest(async (x: number, y: number) => {
 export function face(angle: number): void {
   heading.value = Math.atan2(Math.sin(angle), Math.cos(angle));
   if (tool.value.name === "robot") tool.value = { name: "robot", heading: heading.value };
-  if (put) settle(...put);
+  if (put.value) settle(...put.value);
 }
 
 let searches = 0;

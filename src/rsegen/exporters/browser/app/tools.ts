@@ -18,6 +18,7 @@ export interface Preview { cells: Place[]; level: number | null }
 export interface Board {
   readonly host: HTMLElement;
   readonly canvas: HTMLCanvasElement;
+  readonly grips: Grips;
   field: Field | null;
   spotAt(x: number, y: number, field: Field): Spot | null; // what is seen at a pixel
   planeAt(x: number, y: number, z: number): [number, number] | null; // where a pixel is on a level plane
@@ -25,7 +26,6 @@ export interface Board {
   gripAt(x: number, y: number, reach: number): Grip | null;
   mark(spot: Spot | null): void;
   preview(preview: Preview | null): void;
-  held(grip: Grip | null): void;
   lets(camera: boolean, isEditing: boolean): void; // whether a drag with the first button or finger moves the camera
   turn(right: number, up: number): void; // by keys
   zoom(nearer: number): void;
@@ -52,6 +52,7 @@ export class Tools {
   private gesture = "";
   private pointers = new Set<number>();
   private cursor: Place | null = null;
+  private keyed: { cell: Cell; levels: number; when: number } | null = null; // where keys have moved a handle
   private readonly ends = new AbortController();
 
   constructor(private readonly board: Board, private readonly on: ViewEvents) {
@@ -63,6 +64,7 @@ export class Tools {
     hear("pointercancel", (event) => (this.up(event), this.cancel()));
     hear("pointerleave", (event) => event.target === board.canvas && this.hover(null));
     hear("keydown", (event) => this.key(event));
+    hear("focusin", (event) => board.grips.of(event.target) && this.begin());
     hear("wheel", (event) => this.wheel(event));
   }
 
@@ -106,7 +108,7 @@ export class Tools {
     const [x, y] = this.pixel(event);
     const grip = tool.name === "select" ? board.gripAt(x, y, event.pointerType === "touch" ? 24 : 14) : null;
     const spot = this.spot(event);
-    this.gesture = `drag ${Date.now().toString(36)} ${++gestures}`;
+    this.begin();
     this.drag = grip ? this.grabbed(grip, x, y, board.field) : this.begun(spot, x, y, board.field);
     board.lets(this.drag?.kind === "click", this.isEditing);
     if (this.drag && this.drag.kind !== "click") board.canvas.setPointerCapture(event.pointerId);
@@ -114,13 +116,18 @@ export class Tools {
     if (this.drag?.kind === "area") this.outlined(this.drag);
   }
 
+  /* From now on, changes are undone together. */
+  private begin(): void {
+    this.gesture = `hand ${Date.now().toString(36)} ${++gestures}`;
+    this.keyed = null;
+  }
+
   private grabbed(grip: Grip, x: number, y: number, field: Field): Drag | null {
     const { board } = this;
     const { row, end, point } = grip;
-    board.held(grip);
+    board.grips.held(grip);
     if (end === "raise") {
-      const levels = field.cellsOf(row).map((cell) => field.material(...cell).level ?? 0);
-      const start = 1 + levels.reduce((most, level) => Math.max(most, level), 0);
+      const start = levelsOf(field, row);
       return { kind: "raise", row, point, from: board.heightAt(x, y, point), start, now: start };
     }
     const at = board.planeAt(x, y, point[2]) ?? [point[0], point[1]];
@@ -183,7 +190,7 @@ export class Tools {
     const { drag, tool, on, board } = this;
     if (!drag || event.type !== "pointerup") return;
     this.drag = null;
-    board.held(null);
+    board.grips.held(null);
     if (drag.kind === "click") {
       const [x, y] = this.pixel(event);
       if (Math.hypot(x - drag.x, y - drag.y) <= STILL) this.click(drag.spot);
@@ -248,7 +255,7 @@ export class Tools {
     const { drag, board } = this;
     this.drag = null;
     if (!drag || drag.kind === "click") return;
-    board.held(null);
+    board.grips.held(null);
     if (drag.kind === "end") this.moveEnd(drag, drag.start);
     else if (drag.kind === "raise") this.raise(drag, drag.start);
     else board.preview(null);
@@ -256,9 +263,12 @@ export class Tools {
 
   private key(event: KeyboardEvent): void {
     const { board, tool } = this;
-    if (event.target !== board.canvas || event.ctrlKey || event.metaKey || event.altKey || !board.field) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !board.field) return;
     const [arrow, nearer] = [ARROWS[event.key], NEARER[event.key]];
-    if (arrow && tool.name === "paint") this.moveCursor(board.field, board.towards(...arrow));
+    const grip = board.grips.of(event.target);
+    if (grip && arrow) this.moveGrip(board.field, grip, arrow, event.shiftKey);
+    else if (event.target !== board.canvas) return;
+    else if (arrow && tool.name === "paint") this.moveCursor(board.field, board.towards(...arrow));
     else if (arrow) board.turn(...arrow);
     else if (nearer) board.zoom(nearer);
     else if (event.key === "Escape" && this.drag && this.drag.kind !== "click") this.cancel();
@@ -269,6 +279,23 @@ export class Tools {
     else return;
     event.preventDefault();
     event.stopPropagation();
+  }
+
+  /* Move a handle by a cell, with Shift by a chunk, or its obstacle's height by a level; what keys did a moment ago holds
+     until the map with it is there. */
+  private moveGrip(field: Field, { row, end, point }: Grip, arrow: Place, isFar: boolean): void {
+    const known = this.keyed && performance.now() - this.keyed.when < 1000 ? this.keyed : null;
+    const [cell, levels] = [known?.cell ?? field.nearest(field.place(point[0], point[1])), known?.levels ?? levelsOf(field, row)];
+    this.keyed = { cell, levels, when: performance.now() };
+    if (end === "raise") {
+      this.keyed.levels = Math.max(1, levels + arrow[1]);
+      if (this.keyed.levels !== levels) this.on.raise?.(row, this.keyed.levels, this.gesture);
+      return;
+    }
+    const step = isFar ? (this.on.chunk?.() ?? 1) : 1;
+    const [i, j] = this.board.towards(...arrow);
+    this.keyed.cell = field.nearest(field.ofBlock([cell[0] + step * i, cell[1] + step * j]));
+    if (String(this.keyed.cell) !== String(cell)) this.on.moveEnd?.(row, end, this.keyed.cell, this.gesture);
   }
 
   private moveCursor(field: Field, [di, dj]: Place): void {
@@ -293,7 +320,8 @@ export class Tools {
 
   /* Give a cell a level, as it is typed, and go on with the next one; -1 erases it. */
   private typeLevel(field: Field, cell: Place, level: number, by: 0 | 1): void {
-    if (field.block(cell)) this.on.paint?.(blocksOf(field, [cell]), level, `key ${Date.now().toString(36)} ${++gestures}`);
+    this.begin();
+    if (field.block(cell)) this.on.paint?.(blocksOf(field, [cell]), level, this.gesture);
     this.putCursor(field, by ? this.nextTo(field, cell, by) : cell);
   }
 
@@ -301,8 +329,8 @@ export class Tools {
     const { tool, on } = this;
     if (tool.name !== "paint" || !field.block(cell)) return;
     if (tool.shape === "pick") return on.picked?.(field.material(...cell).level!);
-    const cells = tool.shape === "fill" ? filled(field, cell) : [cell];
-    on.paint?.(blocksOf(field, cells), tool.level, `key ${Date.now().toString(36)} ${++gestures}`);
+    this.begin();
+    on.paint?.(blocksOf(field, tool.shape === "fill" ? filled(field, cell) : [cell]), tool.level, this.gesture);
   }
 
   private wheel(event: WheelEvent): void {
@@ -315,6 +343,11 @@ export class Tools {
 
 function blocksOf(field: Field, cells: Place[]): Cell[] {
   return cells.map((cell) => field.block(cell)).filter((block): block is Cell => block !== null);
+}
+
+/* The number of levels of an obstacle, as its highest block has it. */
+function levelsOf(field: Field, row: number): number {
+  return 1 + field.cellsOf(row).reduce((most, cell) => Math.max(most, field.material(...cell).level ?? 0), 0);
 }
 
 /* Where the handles of an obstacle are: at its ends, in the middle, and above it one that raises it. */
@@ -347,7 +380,9 @@ export function cellsBetween(field: Field, row: number): Place[] {
   return ends?.first && ends.last ? rectangle(field.ofBlock(ends.first), field.ofBlock(ends.last)) : [];
 }
 
-/* Elements over a view that follow points of the map: its handles, and the words beside a cell. */
+const NAMES: Record<End, string> = { first: "First end", last: "Last end", both: "Middle", raise: "Height" };
+
+/* The handles over a view, which follow points of the map. They are buttons, so that Tab gets to them. */
 export class Grips {
   grips: Grip[] = [];
   private readonly elements = new Map<End, HTMLElement>();
@@ -359,14 +394,21 @@ export class Grips {
     for (const [end, element] of this.elements) element.hidden = !grips.some((grip) => grip.end === end);
     for (const { end } of grips) {
       if (this.elements.has(end)) continue;
-      const element = add(this.host, "grip");
+      const element = document.createElement("button");
+      Object.assign(element, { type: "button", className: "grip", ariaLabel: `${NAMES[end]} of the obstacle: arrow keys move it` });
       element.dataset.end = end;
+      this.host.append(element);
       this.elements.set(end, element);
     }
   }
 
   dispose(): void {
     this.elements.forEach((element) => element.remove());
+  }
+
+  /* The handle that is an element. */
+  of(element: EventTarget | null): Grip | undefined {
+    return this.grips.find(({ end }) => this.elements.get(end) === element);
   }
 
   held(grip: Grip | null): void {

@@ -4,8 +4,8 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button, Segmented } from "./controls";
 import { add, kindOf } from "./obstacles";
-import { createPlan } from "./plan";
-import { createSolid } from "./solid";
+import { Plan } from "./plan";
+import { Solid } from "./solid";
 import {
   changeEntry, dark, drawing, drawnKind, edit, face, frozen, ghost, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
   second, selected, settle, state, tool, way, wayPoint, wayStart,
@@ -19,6 +19,7 @@ const never: Tool = { name: "select" };
 const editing: ViewEvents = {
   hover: (at) => (hover.value = at),
   pick: (row) => (selected.value = row),
+  chunk: () => Number(state.value?.values.chunk_size ?? 10),
   moveEnd: (row, end, cell, gesture) => void edit({ do: "move_end", row, end, cell, gesture }),
   raise: (row, levels, gesture) => changeEntry(row, "levels", levels, gesture),
   paint: (painted, level, gesture) => void edit({ do: "paint", row: paintedRow(), cells: painted, level, gesture }),
@@ -59,14 +60,14 @@ function follow(view: View, player: number): () => void {
   };
 }
 
-type Create = (host: HTMLElement, on: ViewEvents) => View;
+type Of = new (host: HTMLElement, on: ViewEvents) => View;
 
-function Host({ create, label, player = 0, name }: { create: Create; label: string; player?: number; name?: "solid" | "plan" }) {
+function Host({ of: Of, label, player = 0, name }: { of: Of; label: string; player?: number; name?: "solid" | "plan" }) {
   const host = useRef<HTMLDivElement>(null);
   const trouble = useRef<HTMLParagraphElement>(null);
   useEffect(() => {
     try {
-      const view = create(host.current!, frozen ? looking : editing);
+      const view = new Of(host.current!, frozen ? looking : editing);
       if (name) window.rsegen[name] = view;
       return follow(view, player);
     } catch (error) {
@@ -97,8 +98,8 @@ export function Stage() {
   return (
     <main class={`stage plan-${plan.value} ${two ? "two" : ""}`} aria-label="Map">
       <div class="solid">
-        <Host create={createSolid} label="3D view" name="solid" />
-        {two && <Host create={createSolid} label="3D view of the second drive" player={1} />}
+        <Host of={Solid} label="3D view" name="solid" />
+        {two && <Host of={Solid} label="3D view of the second drive" player={1} />}
         <div class="over look">
           <div class="bar" role="group" aria-label="Look from">
             {LOOKS.map(([from, label]) => <Button key={from} class="quiet" title={`Look ${from === "above" ? "from above, north up" : from === "oblique" ? "from the south-east" : `from the ${from}`}`} onClick={() => window.rsegen.solid?.look(from)}>{label}</Button>)}
@@ -111,7 +112,7 @@ export function Stage() {
       </div>
       {plan.value !== "hidden" && (
         <section class="plan" aria-label="Plan" style={{ "--aspect": aspect() }}>
-          <Host create={createPlan} label="Plan, north up" name="plan" />
+          <Host of={Plan} label="Plan, north up" name="plan" />
           <div class="over corner">
             <Button class="quiet" icon={plan.value === "inset" ? "grow" : "shrink"} title={plan.value === "inset" ? "Show the plan in half of the window" : "Show the plan small"} onClick={() => (plan.value = plan.value === "inset" ? "half" : "inset")} />
             <Button class="quiet" icon="close" title="Hide the plan" onClick={() => (plan.value = "hidden")} />

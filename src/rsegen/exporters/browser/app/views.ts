@@ -1,6 +1,6 @@
 /* What the 3D view and the plan have in common: what they are told, and what they say of the mouse.
 
-   solid.ts has createSolid(host, on): View, plan.ts createPlan(host, on): View. Both draw into their host element, follow
+   Solid of solid.ts and Plan of plan.ts are made of their host element and what they tell. Both draw into their host element, follow
    its size, and draw only when something changed. Neither knows the server, nor keeps what the document says. */
 
 import type { Cell, Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
@@ -18,6 +18,7 @@ export type Tool =
 export interface ViewEvents {
   hover?(at: Hover | null): void; // what is below the mouse; null: nothing
   pick?(row: number, cell: Cell | null): void; // a click with select; row -1: none
+  chunk?(): number; // cells along the side of a chunk, by which Shift and an arrow key move an end
   moveEnd?(row: number, end: "first" | "last" | "both", cell: Cell, gesture: string): void; // while it is dragged
   raise?(row: number, levels: number, gesture: string): void; // its number of levels, while its handle is dragged
   paint?(cells: Cell[], level: number, gesture: string): void;
