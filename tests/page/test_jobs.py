@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import commands
+from rsegen.page import commands, jobs
 from rsegen.page import host as hosting
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
@@ -79,6 +79,18 @@ def test_what_a_page_makes_a_shell_makes_of_its_line(host: Host, start: Start, d
         for name in ("worlds", "by_shell")
     )
     assert made == again
+
+
+def test_a_job_runs_until_its_files_are_known(host: Host, start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    states, made = list[str](), jobs._made
+
+    def looked(*places: Any) -> Any:
+        states.extend(each["state"] for each in host.jobs.listed())
+        return made(*places)
+
+    monkeypatch.setattr(jobs, "_made", looked)
+    assert ended(host, start("generate", "worlds"))["files"]
+    assert states == ["running"]
 
 
 def _files(folder: Path) -> list[Path]:

@@ -228,15 +228,15 @@ class Jobs:
                 job.result = json.loads(result)
         # What differs is a result too, with exit code 1.
         if code and (run.is_cancelled or job.result is None):
-            job.state = "cancelled" if run.is_cancelled else "failed"
             job.lines = [each.removeprefix("rsegen: ") for each in run.said[-1:]]
+            job.state = "cancelled" if run.is_cancelled else "failed"
             return
-        job.state = "done"
         job.lines = [*job.lines, *run.said][:_MOST_LINES]
         if run.output:
             job.files = list(islice(_made(run.folder, run.output, began), _MOST_FILES))
         if run.recipe is None and (made := [each for each in job.files if each["kind"] == "recipe"]):
             job.opens = made[0]["path"]
+        job.state = "done"  # last, as a page that lists its jobs meanwhile takes it for the whole outcome
 
 
 def _exit_code(run: Run, program: RunningProgram) -> int:
