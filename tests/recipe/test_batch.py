@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Matrix, Random, Recipe
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, TooLarge
 from rsegen.field.obstacles import Grid, Patch
 from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Levels
@@ -235,3 +235,8 @@ def test_indices_are_whole_numbers_from_0_on(indices: object) -> None:
 
 def test_an_empty_list_of_indices_gives_no_map() -> None:
     assert rsegen.build_many(Recipe(seed=1), []).shape == (0, 10, 10)
+
+
+def test_more_maps_than_memory_are_refused_at_once() -> None:
+    with pytest.raises(TooLarge, match="^indices: 10,000,000,000,000 maps of 10 x 10 blocks would exceed"):
+        rsegen.build_many(Recipe(boundary="none", obstacles=[Random(levels=5)]), range(10**13))

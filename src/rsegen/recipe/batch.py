@@ -60,7 +60,9 @@ def checked(indices: Iterable[int]) -> Sequence[int]:
         wanted = indices if isinstance(indices, range) else [operator.index(index) for index in indices]
     except TypeError:
         raise ParameterError("indices", f"{shown(indices)} is not a list of map indices, such as range(1000)") from None
-    for index in (min(wanted), max(wanted)) if len(wanted) else ():
+    # The ends of a range are its least and largest: it may be too long to be gone through.
+    ends = (wanted[0], wanted[-1]) if isinstance(wanted, range) and wanted else wanted
+    for index in (min(ends), max(ends)) if wanted else ():
         if not 0 <= index < SEEDS:
             raise ParameterError("indices", f"{index} is outside 0..{SEEDS - 1}")
     return wanted

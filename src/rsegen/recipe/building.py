@@ -104,8 +104,8 @@ def flat_ground(grid: Grid, maps: int | None = None) -> Levels:
     try:
         return np.zeros(grid.shape if maps is None else (maps, *grid.shape), dtype=np.int16)
     except (MemoryError, OverflowError, ValueError):
-        what = "a map" if maps is None else f"{maps} maps"
-        raise TooLarge(f"chunks: {what} of {grid.n_x} x {grid.n_y} blocks is more than this machine's memory") from None
+        what = "chunks: a map" if maps is None else f"indices: {maps:,} maps"
+        raise TooLarge(f"{what} of {grid.n_x} x {grid.n_y} blocks would exceed this machine's memory") from None
 
 
 def placed_by(grid: Grid, obstacle: Obstacle, rng: np.random.Generator) -> tuple[Cell, Cell, Patch]:
