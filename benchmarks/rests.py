@@ -38,7 +38,7 @@ from rsegen.simulation.simulators.server import retried, running_server
 from rsegen.simulation.worlds import world_of
 from rsegen.standing.body import Body
 from rsegen.standing.resting import has_stood, poses
-from rsegen.standing.settling import SINGLE, Ground, Settled, _demands, _plane, reach_of, settle
+from rsegen.standing.settling import SINGLE, PaddedGround, Settled, _demands, _plane, reach_of, settle
 
 FILE = RESULTS / "rests.json"
 
@@ -148,7 +148,7 @@ def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> t
     body, found, between = robot.body, [], []
     for seed in range(FIRST_SEED, FIRST_SEED + FIELDS):
         scene = _scene(seed, UNITS[robot.kind])
-        ground, starts = Ground.of(scene.field, reach_of(body)), _starts(scene, body, seed)
+        ground, starts = PaddedGround.of(scene.field, reach_of(body)), _starts(scene, body, seed)
         ends = {
             "classic": retried(lambda scene=scene, starts=starts: _in_classic(here, scene, robot, starts)),  # type: ignore[misc]  # mypy has no types for defaults of lambdas
             "mujoco": [_in_mujoco(scene, robot, start) for start in starts],
@@ -178,7 +178,7 @@ State = tuple[Array, Array]
 def _starts(scene: Scene, body: Body, seed: int) -> list[Start]:
     """Return starts in rows, with places in their squares and headings at random: level, above the highest block."""
     rng, across = np.random.default_rng(seed), int(scene.field.extent[0] / APART)
-    ground = Ground.of(scene.field, reach_of(body))
+    ground = PaddedGround.of(scene.field, reach_of(body))
     free = (APART - 2 * reach_of(body)) / 2
     starts = []
     for k in range(ON_A_FIELD):
@@ -239,7 +239,7 @@ def _at(body: Body, pose: Array) -> At:
     return At(pose[:3] + axes @ body.centre, axes)
 
 
-def _predicted(ground: Ground, body: Body, at: At) -> tuple[Settled, At]:
+def _predicted(ground: PaddedGround, body: Body, at: At) -> tuple[Settled, At]:
     """Return the robot at rest with its centre of mass above or below a place, and its heading there."""
     c, s = cos(at.yaw), sin(at.yaw)
     x = at.centre[0] - c * body.centre[0] + s * body.centre[1]
@@ -249,7 +249,7 @@ def _predicted(ground: Ground, body: Body, at: At) -> tuple[Settled, At]:
 
 
 def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
-    simulator: str, robot: Robot, seed: int, number: int, ground: Ground, start: Start, state: State
+    simulator: str, robot: Robot, seed: int, number: int, ground: PaddedGround, start: Start, state: State
 ) -> Rest:
     body = robot.body
     before, end, put = _at(body, state[0]), _at(body, state[1]), _at(body, np.array([*start[:3], 0, 0, start[3]]))
@@ -274,7 +274,7 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
     )
 
 
-def _is_stable(ground: Ground, body: Body, at: At) -> bool:
+def _is_stable(ground: PaddedGround, body: Body, at: At) -> bool:
     """Return whether a robot that rests like this would not be turned: three contacts are around its centre of mass."""
     relative, place = (body.points - body.centre).T.astype(SINGLE), (at.centre[:1], at.centre[1:2])
     u, v, g = _demands(ground, relative, None, *place, at.axes[None])
@@ -318,7 +318,7 @@ def _speed(robot: Robot) -> Speed:
     scene, body = _scene(FIRST_SEED, UNITS[robot.kind]), robot.body
     rng, half = np.random.default_rng(1), scene.field.extent[0] / 2
     x, y, yaw = (rng.uniform(-most, most, TIMED) for most in (half, half, np.pi))
-    ground = Ground.of(scene.field, reach_of(body))
+    ground = PaddedGround.of(scene.field, reach_of(body))
 
     def rate(work: Callable[[], object]) -> float:
         seconds = []

@@ -21,7 +21,7 @@ from rsegen.page.turns import newest_turn
 from rsegen.robots import ROBOTS
 from rsegen.standing import ways
 from rsegen.standing.resting import REASONS
-from rsegen.standing.settling import Ground
+from rsegen.standing.settling import PaddedGround
 
 RECIPE = rsegen.Recipe(
     name="field", chunk_size=6, boundary="none", unit_cm=5, seed=3, obstacles=[rsegen.Random(levels=4)], maps=2
@@ -73,7 +73,7 @@ def test_a_robot_that_tips_over_is_level_on_the_highest_block_below_it(host: Hos
     for pose in tipping:
         assert (pose["roll"], pose["pitch"], pose["yaw"]) == (0, 0, 0.5)
         x, y = pose["x"] + c * points[:, 0] - s * points[:, 1], pose["y"] + s * points[:, 0] + c * points[:, 1]
-        above = pose["z"] + points[:, 2] - Ground.of(FIELD, 0.1).below(x, y)
+        above = pose["z"] + points[:, 2] - PaddedGround.of(FIELD, 0.1).below(x, y)
         assert above.min() == pytest.approx(0, abs=1e-9)
 
 

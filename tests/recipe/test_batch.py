@@ -238,5 +238,5 @@ def test_an_empty_list_of_indices_gives_no_map() -> None:
 
 
 def test_more_maps_than_memory_are_refused_at_once() -> None:
-    with pytest.raises(TooLarge, match="^indices: 10,000,000,000,000 maps of 10 x 10 blocks would exceed"):
+    with pytest.raises(TooLarge, match=r"^indices: 10,000,000,000,000 maps of 10 x 10 blocks would exceed"):
         rsegen.build_many(Recipe(boundary="none", obstacles=[Random(levels=5)]), range(10**13))

@@ -8,7 +8,7 @@ from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.robots import ROBOTS
 from rsegen.robots.links import ALONG_Y, rotation
 from rsegen.standing.body import Body, Part, ball, body_of_shapes, cylinder
-from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
 
 BODIES = {kind: robot.body for kind, robot in ROBOTS.items()}
 """The bodies of the included robots."""
@@ -22,7 +22,7 @@ def field_of(levels: Ints | list[list[int]], unit: float = 0.01) -> StepField:
 
 def settled(field: StepField, body: Body, x: float, y: float, yaw: float) -> Settled:
     """One robot at rest."""
-    ground = Ground.of(field, reach_of(body))
+    ground = PaddedGround.of(field, reach_of(body))
     return settle(ground, body, *(np.array([value]) for value in (x, y, yaw)))
 
 

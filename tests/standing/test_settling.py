@@ -15,7 +15,7 @@ from rsegen.robots import ROBOTS
 from rsegen.standing.body import Body
 from rsegen.standing.pushing import below_samples
 from rsegen.standing.resting import has_stood, poses
-from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
 from tests.standing.stands import BODIES, field_of, settled
 
 KINDS = sorted(BODIES)
@@ -104,7 +104,7 @@ def is_certain(levels: Ints, unit: float, body: Body, rest: Settled) -> bool:
     y = rest.y[0] - s * body.centre[0] - c * body.centre[1]
     step = 2e-5
     beside = np.array([(a, b, t) for a in (-step, step) for b in (-step, step) for t in (-step, step)]).T
-    ground = Ground.of(field_of(levels, unit), reach_of(body))
+    ground = PaddedGround.of(field_of(levels, unit), reach_of(body))
     near = settle(ground, body, x + beside[0], y + beside[1], rest.yaw[0] + beside[2])
     return bool(np.ptp(near.z) < 5e-4 and np.ptp(near.axes[:, :, 2], axis=0).max() < 1e-3)
 
@@ -114,7 +114,7 @@ def test_nothing_is_below_the_ground_and_three_contacts_bear_the_robot(kind: str
     body, rng = BODIES[kind], np.random.default_rng(4)
     field = field_of(rng.integers(0, 5, (30, 30)), UNITS[kind])
     x, y, yaw = (rng.uniform(-most, most, 300) for most in (1.0, 1.0, pi))
-    ground = Ground.of(field, reach_of(body))
+    ground = PaddedGround.of(field, reach_of(body))
     rest = settle(ground, body, x, y, yaw)
     stood = np.flatnonzero(has_stood(rest))
     assert len(stood) > 250
@@ -135,7 +135,7 @@ def test_mujoco_agrees(kind: str) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     robot, body = ROBOTS[kind], BODIES[kind]
     scene = rests._scene(1, rests.UNITS[kind])
-    ground = Ground.of(scene.field, reach_of(body))
+    ground = PaddedGround.of(scene.field, reach_of(body))
     found = [
         rests._rest("mujoco", robot, 1, number, ground, start, rests._in_mujoco(scene, robot, start))
         for number, start in enumerate(rests._starts(scene, body, 1)[:20])

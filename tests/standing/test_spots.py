@@ -18,7 +18,7 @@ from rsegen.robots import ROBOTS
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import drive
 from rsegen.standing.resting import poses
-from rsegen.standing.settling import Ground, reach_of
+from rsegen.standing.settling import PaddedGround, reach_of
 from rsegen.standing.spots import MOST_TILT, Bounds, Outline, Spot, apart, body_of_size, fits, spots, spots_of_parts
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
@@ -66,7 +66,7 @@ def test_a_robot_at_a_spot_stands_level_on_its_feet_and_drives_away(kind: str, s
         assert spot.tip_angle > radians(10)
         at = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
         lane = 1.25 * robot.length  # a little more than its length
-        assert drive(Ground.of(field, reach_of(robot) + 1), robot, *at, lane).passed.all()
+        assert drive(PaddedGround.of(field, reach_of(robot) + 1), robot, *at, lane).passed.all()
         assert spot.reason == ""
 
 

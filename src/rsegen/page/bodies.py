@@ -1,4 +1,4 @@
-"""What requests bring: bodies of a bounded size, and JSON of a bounded depth."""
+"""Bodies of requests: bytes of a bounded size, and JSON of a bounded depth."""
 
 from __future__ import annotations
 

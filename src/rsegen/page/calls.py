@@ -1,4 +1,4 @@
-"""What a browser may ask for: each is a function here called by its name, with JSON values as arguments.
+"""Calls of a browser: functions that it calls by their names, with JSON values as arguments.
 
     POST /api/pose {"doc": "d1", "index": 0, "robot": "burger", "x": 0.1, ...} --> pose(document, index=0, ...) --> JSON
 

@@ -1,4 +1,4 @@
-"""What pages may have run: a command of a form on a document, as a job."""
+"""Commands that pages run: the command of a form on a document, as a job."""
 
 from __future__ import annotations
 

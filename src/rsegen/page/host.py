@@ -69,7 +69,7 @@ class Opened:
 
     @property
     def stamp(self) -> tuple[object, ...]:
-        """What differs after a change that pages show, of whatever kind it is."""
+        """Return a value that differs after every change that pages show."""
         document = self.document
         return self.session.revision, document.path, document.changed_on_disk, document.recovered, self.session.unsaved
 
@@ -176,7 +176,7 @@ class Host:
 
     @property
     def places(self) -> Places:
-        """Where files may be read and written."""
+        """Return the folders in which files may be read and written."""
         return Places(self.folder, self.uploads if self._temporary else None)
 
     def _add(self, document: Document) -> Opened:

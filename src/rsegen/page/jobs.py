@@ -74,7 +74,7 @@ class Job:
 
 @dataclass(kw_only=True)
 class Run:
-    """What a job is made of: its arguments, the recipe that stands for one of them, and the program while it runs.
+    """The parts of a job: its arguments, the recipe that stands for one of them, and the program while it runs.
 
     is_told: whether its changes are told; said: the lines of stderr that are no progress
     """

@@ -1,6 +1,6 @@
-"""What pages ask of a robot on a map: its shape, how it stands somewhere, where it tilts, where it gets, and how.
+"""A robot on a map, as pages show it: its shape, how it stands somewhere, where it tilts, where it gets, and how.
 
-    document, index --> StepField --> Ground of a robot's Body --> poses, reach, ways (rsegen.standing)
+    document, index --> StepField --> PaddedGround of a robot's Body --> poses, reach, ways (rsegen.standing)
 
 A page asks with every move of the mouse, so lattices are kept with their document, as the maps that are drawn are. What
 takes seconds is done once at a time for a document, and of several that wait only the newest is answered.
@@ -39,7 +39,7 @@ from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.kinds import Watched
 from rsegen.standing.resting import REASONS, Poses, has_stood, of_settled
-from rsegen.standing.settling import Ground, reach_of, settle
+from rsegen.standing.settling import PaddedGround, reach_of, settle
 from rsegen.standing.spots import Spot
 from rsegen.standing.ways import Lattice, Way
 from rsegen.standing.ways import reach as reached
@@ -194,7 +194,7 @@ def _boxes(body: Body, link: str | None = None) -> Iterator[dict[str, Any]]:
 
 
 def _settled(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> Poses:
-    ground = Ground.of(field, reach_of(body))
+    ground = PaddedGround.of(field, reach_of(body))
     return of_settled(ground, body, settle(ground, body, x, y, heading))
 
 
@@ -239,7 +239,7 @@ def _level(field: StepField, body: Body, x: float, y: float, heading: float) -> 
     """Return the pose of a robot that is held level, so high that it touches the highest block below it."""
     c, s = np.cos(heading), np.sin(heading)
     along, across, up = body.points.T
-    below = Ground.of(field, 0.0).below(x + c * along - s * across, y + s * along + c * across)
+    below = PaddedGround.of(field, 0.0).below(x + c * along - s * across, y + s * along + c * across)
     z = float((below - up).max())
     return {"x": x, "y": y, "z": z, "roll": 0.0, "pitch": 0.0, "yaw": heading, "tilt": 0.0}
 
@@ -267,7 +267,7 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dic
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
         every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
-        ground, watch = Ground.of(field, reach_of(body)), _telling(host, doc, "tilt", check)
+        ground, watch = PaddedGround.of(field, reach_of(body)), _telling(host, doc, "tilt", check)
         tilt, margin = np.full((2, len(every_x)), np.nan)
         reason = np.full(len(every_x), len(REASONS) - 1)
         for first in range(0, len(every_x), _AT_ONCE):

@@ -1,4 +1,4 @@
-"""What pages draw of a map of a document.
+"""The drawing of a map of a document on pages.
 
 Maps are kept by recipe and index, so that what follows from one map, asked for by several calls, is made of it once.
 """

@@ -58,8 +58,9 @@ async def _internal(request: Request, error: Exception) -> Response:
 
 @dataclass(eq=False, kw_only=True)
 class Desk:
-    """What answers requests, and who listens; ended: set when the server ends, which ends all streams.
+    """The documents and jobs that answer requests, and the pages that listen.
 
+    ended: set when the server ends, which ends all streams
     last_page: when the last page was closed, by the clock of the loop; None while there is one, or was none
     """
 

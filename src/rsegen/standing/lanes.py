@@ -24,7 +24,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.pushing import SLIDING, surplus
 from rsegen.standing.resting import GRAVITY, has_stood
-from rsegen.standing.settling import Ground, Settled, joined, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
 
 _STEPS = 100
 """Steps per length of a robot."""
@@ -109,7 +109,7 @@ def steps_on(body: Body, length: float) -> int:
     return max(round(length / step_of(body)), 1)
 
 
-def drive(ground: Ground, body: Body, x: Array, y: Array, yaw: Array, length: float) -> Lanes:
+def drive(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, length: float) -> Lanes:
     """Return the lanes of a length [m] that begin at x, y [m] with a heading [rad], (L,)."""
     count = steps_on(body, length) + 1
     step = length / (count - 1)
@@ -154,7 +154,7 @@ def drive(ground: Ground, body: Body, x: Array, y: Array, yaw: Array, length: fl
     return Lanes(poses=rest, end=end, last=last, drops=drops, slips=sliding & falls)
 
 
-def _hits(ground: Ground, body: Body, rest: Settled, lanes: int, count: int) -> Mask:
+def _hits(ground: PaddedGround, body: Body, rest: Settled, lanes: int, count: int) -> Mask:
     """Return at which step an upright face of a part that does not drive meets a block, (L, K)."""
     front = np.flatnonzero(body.rim & ~body.drives & (body.points[:, 0] > body.centre[0]))
     hits = np.zeros((lanes, count), bool)
@@ -209,4 +209,4 @@ def straight(field: StepField, body: Body, axis: int, across: Array | None = Non
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
     along = np.full(len(middles), -before)
     x, y = (along, middles) if axis == 0 else (middles, along)
-    return drive(Ground.of(field, reach_of(body)), body, x, y, np.full(len(middles), axis * np.pi / 2), length)
+    return drive(PaddedGround.of(field, reach_of(body)), body, x, y, np.full(len(middles), axis * np.pi / 2), length)

@@ -17,7 +17,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.standing.body import Body
-from rsegen.standing.settling import Ground, Settled
+from rsegen.standing.settling import PaddedGround, Settled
 
 TOUCHING = 0.0015
 """Metres between a sample and the ground up to which it counts as in contact: what contacts of simulators give way."""
@@ -35,7 +35,7 @@ SLIDING = -9.0
 """Surplus where no forces balance the weight: the robot slides, turns or tips by itself."""
 
 
-def below_samples(ground: Ground, body: Body, settled: Settled, rows: Ints) -> tuple[Array, Array]:
+def below_samples(ground: PaddedGround, body: Body, settled: Settled, rows: Ints) -> tuple[Array, Array]:
     """Return the positions of all samples from the centres of mass, (n, m, 3), and their heights above ground."""
     relative = (body.points - body.centre) @ np.swapaxes(settled.axes[rows], 1, 2)
     x, y = relative[..., 0] + settled.x[rows, None], relative[..., 1] + settled.y[rows, None]
@@ -68,7 +68,7 @@ def stands_easily(body: Body, settled: Settled) -> Mask:
     return np.asarray((settled.contacts >= 0).all(axis=1) & (grips | glides).all(axis=1) & grips.any(axis=1))
 
 
-def surplus(ground: Ground, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
+def surplus(ground: PaddedGround, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
     """Return the forward force that each robot has left, in shares of its weight, (n,); SLIDING if nothing balances.
 
     Where it stands easily, it is only known not to be negative, and told as 0. Of a robot that does not move, friction
@@ -82,7 +82,7 @@ def surplus(ground: Ground, body: Body, settled: Settled, *, is_moving: bool = T
     return result
 
 
-def _surplus(ground: Ground, body: Body, settled: Settled, rows: Ints, *, is_moving: bool) -> Array:
+def _surplus(ground: PaddedGround, body: Body, settled: Settled, rows: Ints, *, is_moving: bool) -> Array:
     relative, above = below_samples(ground, body, settled, rows)
     chosen = outermost(body, relative, above, settled.contacts[rows])
     turned = settled.axes[rows]

@@ -17,7 +17,7 @@ from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.pushing import SLIDING, below_samples, outermost, surplus
-from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
 
 GRAVITY = 9.81
 
@@ -89,7 +89,7 @@ def poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: Arr
         outside = values[np.abs(values) > extent / 2]
         if len(outside):
             raise ParameterError(name, f"{outside[0]:g} m is outside the field, {-extent / 2:g}..{extent / 2:g} m")
-    ground = Ground.of(field, reach_of(body))
+    ground = PaddedGround.of(field, reach_of(body))
     return of_settled(ground, body, settle(ground, body, at_x, at_y, yaw))
 
 
@@ -103,7 +103,7 @@ def _numbers(name: str, values: ArrayLike) -> Array:
     return array
 
 
-def of_settled(ground: Ground, body: Body, rest: Settled) -> Poses:
+def of_settled(ground: PaddedGround, body: Body, rest: Settled) -> Poses:
     """Return the poses of robots at rest, with all that follows from them."""
     contacts, loads, support, clearance, angle, energy = _all_measured(ground, body, rest)
     origin = -np.einsum("nij,j->ni", rest.axes, body.centre)
@@ -128,7 +128,7 @@ def of_settled(ground: Ground, body: Body, rest: Settled) -> Poses:
     )
 
 
-def margins(ground: Ground, body: Body, rest: Settled) -> Array:
+def margins(ground: PaddedGround, body: Body, rest: Settled) -> Array:
     """Return the least turn that tips each robot over, radians, (n,); 0 for one that does not stand."""
     return np.where(has_stood(rest), _all_measured(ground, body, rest)[4], 0.0)
 
@@ -138,7 +138,7 @@ def has_stood(rest: Settled) -> Mask:
     return np.asarray((rest.contacts >= 0).all(axis=1) & (np.hypot(*rest.slope.T) < TIPPED))
 
 
-def _all_measured(ground: Ground, body: Body, rest: Settled) -> list[Array]:
+def _all_measured(ground: PaddedGround, body: Body, rest: Settled) -> list[Array]:
     count = len(rest.x)
     parts = [_measured(ground, body, rest, np.arange(i, min(i + _ROWS, count))) for i in range(0, count, _ROWS)]
     return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)] if parts else _nothing()
@@ -149,7 +149,7 @@ def _nothing() -> list[Array]:
     return [np.empty(shape) for shape in shapes]
 
 
-def _measured(ground: Ground, body: Body, rest: Settled, rows: Ints) -> tuple[Array, ...]:
+def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tuple[Array, ...]:
     """Return contacts, loads, support, clearance, angle and energy to tip of some of the robots."""
     relative, above = below_samples(ground, body, rest, rows)
     centres = np.stack([rest.x[rows], rest.y[rows], rest.z[rows]], axis=1)[:, None, :]

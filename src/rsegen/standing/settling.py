@@ -57,7 +57,7 @@ _Rows = TypeVar("_Rows", bound=Any)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class PaddedGround:
     """The ground of a field, flat as an array with a border of level ground.
 
     heights: metres, (rows * columns,); width: of a block, metres; half: cells from the corner to the origin
@@ -70,7 +70,7 @@ class Ground:
     border: int
 
     @classmethod
-    def of(cls, field: StepField, reach: float) -> Ground:
+    def of(cls, field: StepField, reach: float) -> PaddedGround:
         """Return the ground of a field, for robots that reach so many metres from their centre of mass."""
         border = int(np.ceil(reach / field.block_width)) + 2
         heights = np.pad(field.heights, border).astype(SINGLE)
@@ -124,7 +124,7 @@ def reach_of(body: Body) -> float:
     return float(np.linalg.norm(body.points - body.centre, axis=1).max())
 
 
-def settle(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
+def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
     """Return the robot at rest after it was put down level with its origin at x, y [m] and a heading [rad], (n,)."""
     c, s = np.cos(yaw), np.sin(yaw)
     at_x, at_y = x + c * body.centre[0] - s * body.centre[1], y + s * body.centre[0] + c * body.centre[1]
@@ -148,7 +148,7 @@ def axes(slope: Array, yaw: Array) -> Array:
     return np.stack([forward, np.cross(up, forward), up], axis=2)
 
 
-def _settled(ground: Ground, body: Body, x: Array, y: Array, yaw: Array) -> tuple[Array, Array, Ints, Array]:
+def _settled(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> tuple[Array, Array, Ints, Array]:
     """Return slope, height of the centre of mass, contacts and the last turn of each robot of a chunk."""
     count, samples = len(x), len(body.points)
     relative = (body.points - body.centre).T.astype(SINGLE)
@@ -206,7 +206,7 @@ def _positions(near: Ints, contacts: Ints, samples: int) -> Ints:
 
 
 def _demands(
-    ground: Ground, relative: Singles, near: Ints | None, x: Array, y: Array, turned: Array
+    ground: PaddedGround, relative: Singles, near: Ints | None, x: Array, y: Array, turned: Array
 ) -> tuple[Singles, Singles, Singles]:
     """Return u, v and g of samples, (n, m), three far ones last: of all samples, or of the rows of `near`."""
     count, samples = len(x), relative.shape[1]

@@ -32,7 +32,7 @@ from rsegen.standing.body import Body, Part, body_of_shapes, box, sample_distanc
 from rsegen.standing.lanes import drive
 from rsegen.standing.pushing import TOUCHING, below_samples
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
-from rsegen.standing.settling import Ground, Settled, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
 
 MOST_TILT = radians(3)
 """Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at
@@ -276,7 +276,7 @@ class _Judge:
     def __init__(self, field: StepField, body: Body, most_tilt: float) -> None:
         self.field, self.body, self.most_tilt = field, body, most_tilt
         self.lane = _LANE * body.length
-        self.ground = Ground.of(field, reach_of(body) + self.lane)
+        self.ground = PaddedGround.of(field, reach_of(body) + self.lane)
         frame = np.pad(field.frame, self.ground.border).ravel()
         self.blocks = replace(self.ground, heights=np.where(frame, np.nan, self.ground.heights))
         # All else follows from how it stands on level ground.
@@ -316,7 +316,9 @@ class _Judge:
         level[rest] = differs + np.maximum(over.max(axis=1) - feet.max(axis=1), 0.0) <= self.level
         return level
 
-    def _below(self, ground: Ground, points: Array, at: _At, along: Sequence[float] | Array, turn: float) -> Array:
+    def _below(
+        self, ground: PaddedGround, points: Array, at: _At, along: Sequence[float] | Array, turn: float
+    ) -> Array:
         """Return the heights of the ground below points of the robot at places, and so far ahead, (n, k points)."""
         x, y, yaw = (values[:, None] for values in at)
         c, s = np.cos(yaw + turn), np.sin(yaw + turn)
@@ -393,7 +395,7 @@ class _Judge:
         return np.asarray(~has_stood(rest) | (rest.tilt > self.steep))
 
 
-def _extreme(ground: Ground, cells: int, best: np.ufunc) -> Ground:
+def _extreme(ground: PaddedGround, cells: int, best: np.ufunc) -> PaddedGround:
     """Return the least or largest height of the cells around each, up to so many away; NaN where one is on a frame."""
     heights = ground.heights.reshape(ground.shape)
     for axis in range(2):
@@ -491,7 +493,7 @@ class _Part:
 
     @property
     def is_over(self) -> bool:
-        """Whether there are enough spots, or enough was tried."""
+        """Return whether there are enough spots, or enough was tried."""
         return len(self.chosen) == self.count or not self.lanes
 
     def places(self, numbers: Ints) -> tuple[_At, Mask]:

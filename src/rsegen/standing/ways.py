@@ -23,7 +23,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
 from rsegen.standing.resting import Poses, has_stood, margins, of_settled
-from rsegen.standing.settling import Ground, Settled, joined, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -124,7 +124,7 @@ class Lattice:
 
     def __init__(self, field: StepField, body: Body, best: str = "length", watch: Watch = _unwatched) -> None:
         self.field, self.body, self.best, self.watch = field, body, best, watch
-        self.ground = Ground.of(field, reach_of(body))
+        self.ground = PaddedGround.of(field, reach_of(body))
         self.x, self.y = middles_of(field, 0), middles_of(field, 1)
         shape = (*field.shape, HEADINGS)
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
@@ -479,7 +479,7 @@ def events(way: Any) -> str:
     return "".join(told)
 
 
-def _told(ground: Ground, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()) -> dict[str, Any]:
+def _told(ground: PaddedGround, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()) -> dict[str, Any]:
     """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
     rests = [of_settled(ground, body, rest) for rest in (*turned, *(lane.poses for lane in lanes))]
     return {
@@ -535,7 +535,7 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
         length=high - low,
         length_ratio=1.0,
         points=points if axis == 0 else points[:, ::-1].copy(),
-        **_told(Ground.of(field, reach_of(body)), body, [lanes.lane(best)]),
+        **_told(PaddedGround.of(field, reach_of(body)), body, [lanes.lane(best)]),
     )
 
 

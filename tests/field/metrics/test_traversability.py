@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 import rsegen
 from rsegen import StepField, StepLimits
 from rsegen.field.metrics.graphs import connected, strongly_connected
-from rsegen.field.metrics.traversability import Ground, Traversability, ground, lane, traversability
+from rsegen.field.metrics.traversability import PathGround, Traversability, ground, lane, traversability
 from rsegen.field.stepfield import Ints
 from rsegen.params.sorts import NANOMETRES
 from tests.field.metrics.test_families import field, turned
@@ -29,7 +29,7 @@ CLIMBERS = st.builds(
 )
 
 
-def graph(carrying: Ground, climber: StepLimits, tread: int) -> csr_array:
+def graph(carrying: PathGround, climber: StepLimits, tread: int) -> csr_array:
     """Every move that a robot can make, with its cost."""
     heights, (climb, drop) = carrying.heights.ravel(), climber.limits
     one, other = carrying.moves()

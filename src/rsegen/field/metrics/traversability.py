@@ -37,7 +37,7 @@ if TYPE_CHECKING:  # they find paths here
 Heights = NDArray[np.int64]
 
 
-class Ground(NamedTuple):
+class PathGround(NamedTuple):
     """Heights (n_x, n_y) in nanometres; in which rows j moves along x are allowed, in which columns i those along y."""
 
     heights: Heights
@@ -55,10 +55,10 @@ class Ground(NamedTuple):
         return low, high
 
 
-def ground(field: StepField, width: float) -> Ground:
+def ground(field: StepField, width: float) -> PathGround:
     """Return the ground of a field, frames counted, for robots of a width in metres whose middle is on a cell."""
     heights = _widened(field_heights(field), cells_to_each_side(field, width))
-    return Ground(heights, rows=field.inside(1), columns=field.inside(0))
+    return PathGround(heights, rows=field.inside(1), columns=field.inside(0))
 
 
 def below(field: StepField, width: float, cells: Mask) -> Mask:
@@ -66,13 +66,13 @@ def below(field: StepField, width: float, cells: Mask) -> Mask:
     return np.asarray((_widened(cells.astype(np.int64), cells_to_each_side(field, width)) > 0) & ~field.frame)
 
 
-def lane(field: StepField, width: float, axis: int) -> Ground:
+def lane(field: StepField, width: float, axis: int) -> PathGround:
     """Return the ground with level ground before and behind the field along an axis, which becomes the first axis."""
     margin = cells_to_each_side(field, width) + 1
     heights = field_heights(field) if axis == 0 else field_heights(field).T
     widened = _widened(np.pad(heights, ((margin, margin), (0, 0))), margin - 1)
     columns = np.pad(field.inside(axis), margin, constant_values=True)
-    return Ground(widened, rows=field.inside(1 - axis), columns=columns)
+    return PathGround(widened, rows=field.inside(1 - axis), columns=columns)
 
 
 def field_heights(field: StepField) -> Heights:
@@ -119,7 +119,7 @@ class CheapestPaths(NamedTuple):
         return np.stack(np.unravel_index(cells[::-1], self.predecessors.shape), axis=1)
 
 
-def cheapest_paths(ground: Ground, tread: int, limits: tuple[int, int], *, shortest: bool) -> CheapestPaths:
+def cheapest_paths(ground: PathGround, tread: int, limits: tuple[int, int], *, shortest: bool) -> CheapestPaths:
     """Return the cheapest paths from the first row to each cell; a move costs tread + |dh|, within (climb, drop).
 
     shortest: of equally cheap paths, the one with the fewest moves; else any, but the same in every run. All lengths
@@ -299,7 +299,7 @@ def percolation_step(field: StepField, width: float, axis: int) -> float:
     return _minimax(lane(field, width, axis)) / NANOMETRES
 
 
-def _minimax(ground: Ground) -> int:
+def _minimax(ground: PathGround) -> int:
     """Return the smallest step that connects both sides, by bisection over the steps with union of components."""
     # If the middle step opens a way, larger steps are dropped; if not, all that it connects becomes one node.
     heights, (low, high) = ground.heights, ground.moves()
