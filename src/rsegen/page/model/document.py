@@ -56,7 +56,7 @@ class Document:
 
     @property
     def shown_title(self) -> str:
-        """Return the title of the document on a page: the name of its file, or, in the folder of a map or a drive, of the map."""
+        """Return the title on a page: the name of the file, or, in the folder of a map or a drive, of the map."""
         if self.path and self.path.name == "recipe.json":
             return self.session.recipe.map_name(self.session.recipe.first_map)
         return self.path.name if self.path else self.title
