@@ -196,3 +196,19 @@ def test_ends_of_kinds_that_need_no_axis_stay_unchanged() -> None:
 @example(FULL)
 def test_a_draft_is_its_recipe(recipe: Recipe) -> None:
     assert draft_of(recipe).recipe() == recipe
+
+
+def test_an_obstacle_with_holes_raises_the_ground_as_far_as_it_needs_and_undo_lowers_it(session: Session) -> None:
+    session.add(PEAK)
+    pit = {"kind": "pit", "levels": 4, "first": [2, 2], "last": [7, 7]}
+    row = session.add(pit)
+    assert session.problem is None
+    assert session.recipe.ground_level == 3
+    assert build(session.recipe).blocks[2:8, 2:8].max() == 0
+    session.change(row, {**pit, "levels": 6})
+    assert session.recipe.ground_level == 5
+    session.change(row, {**pit, "levels": 3})
+    assert session.recipe.ground_level == 5  # a deck may be higher than its holes are deep
+    for _ in range(3):
+        session.undo()
+    assert session.recipe.ground_level == 0

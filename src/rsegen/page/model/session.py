@@ -15,7 +15,7 @@ from types import MappingProxyType
 from rsegen.errors import ParameterError, RsegenError
 from rsegen.params.sorts import Json
 from rsegen.params.streams import fresh_seed
-from rsegen.recipe.codec import decode
+from rsegen.recipe.codec import decode, decode_obstacle
 from rsegen.recipe.recipe import Recipe
 
 Entry = Mapping[str, Json]
@@ -42,6 +42,18 @@ def draft_of(recipe: Recipe) -> Draft:
     """Return the draft of a recipe."""
     rows = tuple(MappingProxyType(obstacle.entry()) for obstacle in recipe.obstacles)
     return Draft(values=MappingProxyType(recipe.values()), rows=rows)
+
+
+def _raised(draft: Draft, entry: Entry) -> Draft:
+    """Return a draft whose ground is as high as the holes of an obstacle are deep, which end at the floor."""
+    try:
+        depth = -decode_obstacle(entry).level_range[0] if is_enabled(entry) else 0
+    except RsegenError:  # a row that is not valid is said with the whole draft
+        return draft
+    ground = draft.values.get("ground_level", 0)
+    if not isinstance(ground, int) or depth <= ground:
+        return draft
+    return replace(draft, values=MappingProxyType({**draft.values, "ground_level": depth}))
 
 
 def short_seed() -> int:
@@ -106,7 +118,7 @@ class Session:
         """Return the draft with another obstacle, at the end by default."""
         at = len(self.draft.rows) if at is None else at
         row = MappingProxyType({**entry, "key": self._free_key()})
-        return replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:]))
+        return _raised(replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:])), row)
 
     def remove(self, row: int) -> None:
         """Remove a row."""
@@ -189,7 +201,7 @@ class Session:
 
     def _replace(self, number: int, entry: Entry, gesture: object) -> None:
         rows = (*self.draft.rows[:number], MappingProxyType(dict(entry)), *self.draft.rows[number + 1 :])
-        self._put(replace(self.draft, rows=rows), gesture)
+        self._put(_raised(replace(self.draft, rows=rows), entry), gesture)
 
     def _put(self, draft: Draft, gesture: object) -> None:
         if draft == self.draft:
