@@ -25,8 +25,6 @@ from __future__ import annotations
 
 import errno
 import reprlib
-import shlex
-import sys
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 
@@ -166,11 +164,6 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
     for name in names:
         if name not in known:
             raise UnknownName.among("", what, name, known)
-
-
-def pip_install(extras: Iterable[str]) -> str:
-    """Return the command that installs extras of rsegen for the Python that runs this."""
-    return f"{shlex.quote(sys.executable or 'python3')} -m pip install 'rsegen[{','.join(extras)}]'"
 
 
 def said_by(error: Exception) -> str:

@@ -135,7 +135,7 @@ def test_an_array_of_another_sort_is_not_read(tmp_path: Path, array: np.ndarray[
 
 def test_parquet_without_pyarrow(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    assert "pip install 'rsegen[dataset]'" in refused(*MADE, "--metrics", "parquet", "-o", "set")
+    assert "pip install 'pyarrow" in refused(*MADE, "--metrics", "parquet", "-o", "set")
 
 
 def test_more_than_the_disk_has(refused: Refused) -> None:

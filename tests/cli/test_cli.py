@@ -96,7 +96,7 @@ def test_every_map_is_a_folder_of_its_own(tmp_path: Path) -> None:
 
 def test_the_report_names_every_world_and_the_seed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = printed(capsys, "generate", *SMALL, "--maps", "2", "-o", tmp_path)
-    assert "2 maps of 6 x 6 cells, seed 7" in out
+    assert "2 maps of 4 x 4 blocks (6 x 6 cells with frames), seed 7" in out
     for name in ("rse_0000", "rse_0001"):
         assert str(tmp_path / name / f"{name}.world") in out
 
@@ -246,7 +246,7 @@ def test_info_agrees_with_generated_maps(tmp_path: Path, capsys: pytest.CaptureF
 def test_info_for_people_says_size_levels_and_cost(recipe_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = printed(capsys, "info", recipe_file)
     assert "rse_0000, seed 7" in out
-    assert "6 x 6 cells with frames, 0.6 x 0.6 m" in out
+    assert "4 x 4 blocks (6 x 6 cells with frames), 0.6 x 0.6 m" in out
     assert "16 in levels of 10 cm" in out
     assert "1 model, " in out
 

@@ -14,11 +14,9 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.cli import doctor as environment
 from rsegen.cli import main
-from rsegen.errors import pip_install
 from rsegen.params import extras
-from rsegen.params.extras import EXTRAS
+from rsegen.params.extras import EXTRAS, pip_install
 from rsegen.simulation.simulators import SIMULATORS
 from tests.simulation.simulators.standins import PROGRAMS, alone_on_path, put
 
@@ -101,5 +99,5 @@ def test_without_package_metadata_the_report_is_printed(monkeypatch: pytest.Monk
     def not_installed(_: str) -> list[str]:
         raise PackageNotFoundError
 
-    monkeypatch.setattr(environment, "requires", not_installed)
+    monkeypatch.setattr(extras, "requires", not_installed)
     assert summary(capsys)["libraries"] == {"numpy": np.__version__}

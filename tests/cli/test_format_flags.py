@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,8 +11,8 @@ import pytest
 
 import rsegen
 from rsegen.cli import main
-from rsegen.errors import pip_install
 from rsegen.params import extras
+from rsegen.params.extras import pip_install
 from tests.support.complaints import exit_code, the_line
 
 
@@ -82,10 +81,7 @@ def test_everything_that_is_missing_is_named_at_once_with_this_pythons_command(
     monkeypatch.setattr(extras, "find_spec", lambda module: None)
     assert exit_code("export", "peak", "--to", "stl,heightmap,usd,glb", "-o", tmp_path / "out") == 2
     line = the_line(capsys.readouterr().err)
-    assert line == (
-        "rsegen: stl, usd, glb need trimesh, pxr, which are not installed; "
-        f"{sys.executable} -m pip install 'rsegen[mesh,usd]'"
-    )
+    assert line == (f"rsegen: stl, usd, glb need trimesh, pxr, which are not installed; {pip_install(['mesh', 'usd'])}")
     assert not (tmp_path / "out").exists()
 
 

@@ -8,7 +8,10 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -21,7 +24,6 @@ from rsegen import KINDS
 from rsegen.cli import main
 from rsegen.recipe.examples import EXAMPLES
 from tests.plugins.installed import declare, done
-from tests.support.long import long_unless
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -31,49 +33,78 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
-OWN_TESTS = {
-    "CONTRIBUTING.md",
-    "api.md",
-    "datasets.md",
-    "difficulty.md",
-    "formats.md",
-    "gazebo.md",
-    "learning.md",
-    "metrics.md",
-    "plugins.md",
-    "sheet.md",
-}
+ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md"}
 """Pages whose programs have tests of their own below."""
+LONG = {
+    "README.md": "a robot looks for its ways over several maps",
+    "metrics.md": "a robot looks for its ways over several maps",
+    "scan.md": "tests/cli/test_scan.py has its commands",
+    "tutorial.md": "a robot looks for its ways over several maps",
+}
+"""Page -> why make test leaves it to make test-all."""
 RUN = [
     page
     for page in PAGES
-    if page.name not in OWN_TESTS and re.search("^```(bash|python)$", page.read_text("utf-8"), re.M)
+    if page.name not in ELSEWHERE and re.search("^```(bash|python)$", page.read_text("utf-8"), re.M)
 ]
 
 
-def steps(page: Path) -> list[tuple[str, str]]:
-    """The blocks of a page that a reader saves or runs, in order: their language and content."""
-    return re.findall(r"^```(bash|python|yaml)\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+class Program(NamedTuple):
+    """A block of a page that a reader runs; printed: the output that the page shows after it."""
+
+    language: str
+    content: str
+    printed: str
+
+
+def steps(page: Path) -> Iterator[Program | tuple[str, str]]:
+    """What a reader does on a page, in order: run a program, or save a file, which begins with its name as `# NAME`."""
+    fences = r"^```(bash|python|yaml|csv|text)\n(.*?)^```$"
+    found = re.findall(fences, page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    for (language, content), (next_language, printed) in pairwise([*found, ("", "")]):
+        if name := re.match(r"# (\S+\.(?:yaml|csv|py))\n", content):
+            yield name[1], content
+        elif language in ("bash", "python"):
+            yield Program(language, content, printed if next_language == "text" else "")
+
+
+def pattern(printed: str) -> str:
+    """Return a regular expression of an output as a page shows it: `...` stands for anything."""
+    return re.escape(printed).replace(re.escape("..."), ".*")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
-    long_unless(lambda page: page.name != "scan.md", RUN, reason="tests/cli/test_scan.py has its commands"),
+    [pytest.param(page, marks=pytest.mark.long(reason=LONG[page.name]) if page.name in LONG else ()) for page in RUN],
     ids=lambda page: page.name,
 )
-def test_the_commands_of_a_page_run_in_order_in_one_folder(page: Path, tmp_path: Path) -> None:
-    """Recipes begin with the name that they are saved by, as `# NAME.yaml`."""
+def test_a_page_runs_from_top_to_bottom_in_one_folder(page: Path, tmp_path: Path) -> None:
     tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     commands = {"bash": ["bash", "-euc"], "python": [sys.executable, "-c"]}
-    for language, content in steps(page):
-        if language != "yaml":
-            done = subprocess.run(
-                [*commands[language], content], check=False, cwd=tmp_path, env=tools, capture_output=True, text=True
-            )
-            assert done.returncode == 0, f"{content}\n{done.stderr}"
-        elif name := re.match(r"# (\S+\.yaml)\n", content):
-            (tmp_path / name[1]).write_text(content)
+    for step in steps(page):
+        if not isinstance(step, Program):
+            name, content = step
+            (tmp_path / name).write_text(content)
+            continue
+        command = [*commands[step.language], step.content]
+        done = subprocess.run(command, check=False, cwd=tmp_path, env=tools, capture_output=True, text=True)
+        assert done.returncode == 0, f"{step.content}\n{done.stderr}"
+        assert not step.printed or re.fullmatch(pattern(step.printed), done.stdout, re.DOTALL), done.stdout
+
+
+def test_a_page_shows_the_output_of_the_program_before_it(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "```csv\n# a.csv\n1\n```\n\n```bash\ncat a.csv\n```\n\n```text\n# ...\n1\n```\n\n```python\n2\n```\n"
+    )
+    assert [*steps(page)] == [
+        ("a.csv", "# a.csv\n1\n"),
+        ("bash", "cat a.csv\n", "# ...\n1\n"),
+        ("python", "2\n", ""),
+    ]
+    assert re.fullmatch(pattern("# ...\n1\n"), "# a.csv\n1\n")
+    assert not re.fullmatch(pattern("# ...\n1\n"), "# a.csv\n2\n")
 
 
 def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> None:
@@ -99,57 +130,12 @@ def test_the_first_two_commands_of_the_readme_are_there_and_the_second_opens_a_p
             server.terminate()
 
 
-def test_the_python_of_the_page_of_browsers_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "docs" / "page.md", "python")
-    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
-    assert {path.name for path in tmp_path.iterdir()} == {"map.html", "field.html", ".rsegen.jsonl"}
-
-
-def test_the_python_of_the_page_of_metrics_works() -> None:
-    (script,) = blocks(ROOT / "docs" / "metrics.md", "python")
-    found = subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, capture_output=True, text=True)
-    assert found.stdout.startswith("0.13017")
-
-
-@pytest.mark.slow
-def test_the_python_of_the_page_of_difficulty_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "docs" / "difficulty.md", "python")
-    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
-    assert (tmp_path / "course" / "mixed-course-0004_0000" / "mixed-course-0004_0000.world").is_file()
-    assert (tmp_path / "course" / "series.png").is_file()
-
-
 def test_the_recipe_of_the_page_of_gazebo_has_frictions(tmp_path: Path) -> None:
     (recipe,) = blocks(ROOT / "docs" / "gazebo.md", "yaml")
     (tmp_path / "icy.yaml").write_text(recipe)
     (made,) = rsegen.generate(rsegen.load(tmp_path / "icy.yaml"), tmp_path).maps
     touched = sorted(path.name for path in (made.folder / "meshes" / "touched").iterdir())
     assert touched == [f"rse_0000_friction_{friction}.obj" for friction in (0.1, 0.4, 0.9)]
-
-
-@pytest.mark.slow
-def test_the_python_of_the_page_of_formats_works(tmp_path: Path) -> None:
-    (script,) = blocks(ROOT / "docs" / "formats.md", "python")
-    (tmp_path / "rubble.yaml").write_text("{name: rubble, seed: 7, maps: 3, obstacles: [{kind: random, levels: 4}]}")
-    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
-    for folder in ("exported", "worlds"):
-        assert (tmp_path / folder / "rubble_0002" / "posture" / "raster.npy").is_file()
-
-
-@pytest.mark.slow
-def test_the_python_of_the_page_of_build_sheets_works() -> None:
-    (script,) = blocks(ROOT / "docs" / "sheet.md", "python")
-    found = subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True, capture_output=True, text=True)
-    assert found.stdout == "# build sheet of rse_0000 with seed 7\n"
-
-
-@pytest.mark.slow
-def test_the_python_of_the_page_of_data_sets_works(tmp_path: Path) -> None:
-    script = "".join(blocks(ROOT / "docs" / "datasets.md", "python"))
-    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
-    *_, tiles, kinds, index, columns = found.stdout.splitlines()
-    assert [tiles, kinds, index] == ["(10, 20, 10, 10) (10, 20, 3)", "hills 1", "1999"]
-    assert columns.strip("[]").split() == ["1"] * 14 + ["0"] * 6
 
 
 @pytest.mark.long(reason="tests/learning has each framework")
@@ -226,23 +212,6 @@ def test_the_contributing_page_s_file_alone_makes_a_kind(tmp_path: Path) -> None
     subprocess.run([sys.executable, "-m", "rsegen", *command], cwd=tmp_path, check=True, capture_output=True)
     levels = (tmp_path / "worlds" / "rse_0000" / "levels.csv").read_text("utf-8").splitlines()
     assert levels[1:] == ["0,0,1,1,2,2,3,3,4,0"] * 10
-
-
-def test_the_page_of_plug_ins_works_as_a_file(tmp_path: Path) -> None:
-    source, script = blocks(ROOT / "docs" / "plugins.md", "python")
-    (tmp_path / "ramp.py").write_text(source)
-    tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    said = [
-        subprocess.run(
-            ["bash", "-euc", commands], cwd=tmp_path, env=tools, check=True, capture_output=True, text=True
-        ).stdout
-        for commands in blocks(ROOT / "docs" / "plugins.md", "bash")
-    ]
-    assert "Steps that rise along x from first to last. From ramp.py." in said[0]
-    assert "Height of the highest cell" in said[0]
-    assert said[1].endswith("plug-in  ramp of ramp.py\n")
-    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert found.stdout == "(2, 2)\n(2, 2)\n"
 
 
 def test_the_package_of_the_page_of_plug_ins_is_found(tmp_path: Path) -> None:

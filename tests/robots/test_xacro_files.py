@@ -89,7 +89,7 @@ def test_macros_that_never_end_are_stopped(tmp_path: Path, monkeypatch: pytest.M
 
 def test_without_xacro_the_way_to_get_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda module: None)
-    with pytest.raises(UserError, match=r"mine\.xacro: needs xacro, .* -m pip install 'rsegen\[xacro\]'$"):
+    with pytest.raises(UserError, match=r"mine\.xacro: needs xacro, .* -m pip install 'xacro>=2\.1'$"):
         expanding(tmp_path, "")
 
 

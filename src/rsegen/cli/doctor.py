@@ -8,14 +8,13 @@ import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, requires, version
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from rsegen import __version__
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.sim import FoundSimulator, found_simulators
-from rsegen.errors import pip_install
-from rsegen.params.extras import EXTRAS, Extra
+from rsegen.params.extras import EXTRAS, Extra, pip_install, requirements
 from rsegen.params.registry import entry_points
 
 
@@ -58,15 +57,15 @@ class Environment:
 
 def environment() -> Environment:
     """Look; no server is started, and what fails is a line of the result."""
-    needed = _requirements()
+    names = {extra: [re.split(r"[^\w.-]", each)[0] for each in needed] for extra, needed in requirements().items()}
     return Environment(
         rsegen=__version__,
         python=f"{platform.python_implementation()} {platform.python_version()}",
         executable=sys.executable,
         platform=f"{platform.platform()}, {platform.machine()}",
-        libraries={name: _version(name) for name in needed.get("", ["numpy"])},
+        libraries={name: _version(name) for name in names.get("", ["numpy"])},
         simulators=tuple(found_simulators()),
-        extras=tuple(_found_extra(extra, needed.get(extra.name, [])) for extra in EXTRAS),
+        extras=tuple(_found_extra(extra, names.get(extra.name, [])) for extra in EXTRAS),
         plugins=tuple(dict.fromkeys(f"{each.source}: {each.name}" for each in entry_points())),
     )
 
@@ -74,20 +73,6 @@ def environment() -> Environment:
 def _found_extra(extra: Extra, packages: list[str]) -> FoundExtra:
     versions = {name: found for name in packages if (found := _version(name))}
     return FoundExtra(extra=extra, missing=extra.missing_modules, versions=versions)
-
-
-def _requirements() -> dict[str, list[str]]:
-    """The packages that rsegen needs, by its extras; those that it always needs by an empty name."""
-    try:
-        lines = requires("rsegen") or []
-    except PackageNotFoundError:  # it runs from a folder
-        return {}
-    found: dict[str, list[str]] = {}
-    for line in lines:
-        name, extra = re.match(r"[\w.-]+", line), re.search(r"extra == ['\"]([\w-]+)", line)
-        if name and name[0] != "rsegen":
-            found.setdefault(extra[1] if extra else "", []).append(name[0])
-    return found
 
 
 def _version(package: str) -> str | None:

@@ -104,8 +104,10 @@ def _lines(made: Generated) -> Iterator[str]:
         yield f"{_count(len(made.already))} there already, seed {made.recipe.seed}"
     if not made.maps:
         return
-    n_x, n_y = made.maps[0].cells
-    yield f"{_count(len(made.maps))} of {n_x} x {n_y} cells, seed {made.recipe.seed}:"
+    from rsegen.exporters.map_summary import size_in_words
+
+    size = size_in_words(made.recipe.grid.shape, made.maps[0].cells)
+    yield f"{_count(len(made.maps))} of {size}, seed {made.recipe.seed}:"
     for each in made.maps[:SHOWN]:
         yield f"  {each.world}"
     if len(made.maps) > SHOWN:

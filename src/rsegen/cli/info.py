@@ -71,12 +71,13 @@ def _content(summary: MapSummary) -> dict[str, object]:
 
 
 def _lines(summary: MapSummary) -> Iterator[str]:
+    from rsegen.exporters.map_summary import size_in_words
     from rsegen.exporters.numbers import lengths_in
 
-    (n_x, n_y), (along_x, along_y) = summary.cells, summary.extent
+    along_x, along_y = summary.extent
     blocks = sum(summary.level_counts.values())
     yield f"{summary.name}, seed {summary.seed}"
-    yield f"size     {n_x} x {n_y} cells with frames, {along_x:g} x {along_y:g} m"
+    yield f"size     {size_in_words(summary.grid, summary.cells)}, {along_x:g} x {along_y:g} m"
     written = lengths_in(summary.units)
     in_levels = f"in levels of {written.level(1, summary.unit_cm)} {written.unit}"
     yield f"blocks   {blocks:,} {in_levels}, fingerprint {summary.fingerprint}"

@@ -188,14 +188,35 @@ def _report(measured: Iterable[Measured], crosser: str) -> Iterator[str]:
 
 
 def _table(measured: Iterable[Measured]) -> Iterator[str]:
-    from rsegen.field.metrics.catalogue import custom
+    from rsegen.field.metrics.catalogue import METRICS, custom
 
-    yield "lengths in cm; opens: minimax step; region, way: of the robot (rsegen metrics --map INDEX says more)"
+    with_reach = False
     for number, (scene, found) in enumerate(measured):
-        cells = _cells(found) | {name: _plain(value) for name, value in custom(scene.field).items()}
+        own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
+        cells = _cells(found) | own
         if not number:
-            yield f"{'map':<24}" + "".join(f"{name:>{_width(name)}}" for name in cells)
-        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(name)}}" for name, text in cells.items())
+            with_reach = found.reach is not None
+            yield f"{'map':<24}" + "".join(f"{name:>{_width(name)}}" for name, _ in cells)
+            yield f"{'':<24}" + "".join(f"{unit:>{_width(name)}}" for name, unit in cells)
+        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(name)}}" for (name, _), text in cells.items())
+    yield ""
+    yield from (f"{name:<11}{text}" for name, text in _LEGEND.items())
+    yield from (f"{name:<11}{text}" for name, text in (_LEGEND_OF_REACH if with_reach else {}).items())
+    yield "rsegen metrics --map INDEX says more of one map, docs/metrics.md has every formula"
+
+
+_LEGEND = {
+    "height, sd": "mean height of the blocks, and its standard deviation",
+    "step, max": "height difference of neighbouring blocks: the mean, the largest",
+    "TRI": "terrain ruggedness index: root mean square height difference of a block from its 8 neighbours",
+    "surface": "area of tops and sides, divided by that of the plan",
+    "climb w-e": "smallest step with which some path leads across from west to east; s-n: from south to north",
+}
+_LEGEND_OF_REACH = {
+    "region": "share of the blocks in the largest region in which the robot gets from everywhere to everywhere",
+    "way w-e": "its way across from west to east, divided by the straight one; empty: there is none",
+}
+"""The words below a table, for who has never read docs/metrics.md."""
 
 
 def _width(name: str) -> int:
@@ -203,33 +224,34 @@ def _width(name: str) -> int:
     return max(_WIDTH, len(name) + 1)
 
 
-_WIDTH = 10
+_WIDTH = 11
 _SIZES = 24
 """The largest number of step sizes that a page lists."""
 
 
-def _cells(found: Metrics) -> dict[str, str]:
-    """Return the cells of one map in a table, by the heads of its columns."""
-    cells = {
-        "mean": _cm(found.spread.mean),
-        "deviation": _cm(found.spread.deviation),
-        "step": _cm(found.steps.mean),
-        "highest": _cm(found.steps.highest),
-        "TRI": _cm(found.ruggedness.tri),
-        "surface": f"{found.ruggedness.surface_ratio:.2f}",
-        "opens w-e": _cm(found.opening.west_east),
-        "opens s-n": _cm(found.opening.south_north),
+def _cells(found: Metrics) -> dict[tuple[str, str], str]:
+    """Return the cells of one map in a table, by the heads of its columns and their units; empty without a value."""
+    lengths = {
+        "height": found.spread.mean,
+        "sd": found.spread.deviation,
+        "step": found.steps.mean,
+        "max": found.steps.highest,
+        "TRI": found.ruggedness.tri,
+        "climb w-e": found.opening.west_east,
+        "climb s-n": found.opening.south_north,
     }
-    if found.reach is None:
-        return cells
-    ways = {"way w-e": found.reach.west_east, "way s-n": found.reach.south_north}
-    ratios = {name: _ratio(way) for name, way in ways.items()}
-    return {**cells, "region": f"{found.reach.cover:.0%}", **ratios}
+    cells = {(name, "cm"): "" if length is None else _cm(length) for name, length in lengths.items()}
+    cells["surface", "x plan"] = f"{found.ruggedness.surface_ratio:.2f}"
+    if found.reach is not None:
+        cells["region", "%"] = f"{found.reach.cover:.0%}".rstrip("%")
+        cells["way w-e", "x straight"] = _ratio(found.reach.west_east)
+        cells["way s-n", "x straight"] = _ratio(found.reach.south_north)
+    return cells
 
 
 def _ratio(way: Crossing | Way) -> str:
     ratio = getattr(way, "cost_ratio", way.length_ratio)
-    return "none" if ratio is None else f"{ratio:.2f}"
+    return "" if ratio is None else f"{ratio:.2f}"
 
 
 def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
@@ -239,11 +261,12 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     yield from _steps(found.steps)
     yield _scale(found.scale)
     rugged, opens = found.ruggedness, found.opening
-    yield f"local    TRI {_cm(rugged.tri)} cm (root mean), {_cm(rugged.riley)} cm (Riley), of {rugged.cells:,} blocks"
+    yield f"rugged   TRI {_cm(rugged.tri)} cm (root mean), {_cm(rugged.riley)} cm (Riley), of {rugged.cells:,} blocks"
+    yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
     wide = " for this width" if found.reach else ""
     ways = f"{_cm(opens.west_east)} cm west to east, {_cm(opens.south_north)} cm south to north"
-    yield f"opens    at a step of {ways}{wide}"
+    yield f"climb    that is needed to cross{wide}: {ways}"
     if found.reach:
         yield from _reach(found.reach, crosser)
     from rsegen.field.metrics.catalogue import METRICS, custom

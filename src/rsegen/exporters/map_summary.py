@@ -18,13 +18,15 @@ and ten seconds, or 0.25 GB, which a small laptop feels."""
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MapSummary:
-    """The size of a map and what it costs: cells with frames, extent in metres, models, visual faces, bytes.
+    """The size of a map and what it costs: extent in metres, models, visual faces, bytes.
 
+    grid: blocks along x and y   cells: the same with frames
     switched_off: the obstacles of its recipe that are not in it
     """
 
     name: str
     seed: int
+    grid: tuple[int, int]
     cells: tuple[int, int]
     extent: tuple[float, float]
     unit_cm: float
@@ -53,6 +55,7 @@ def map_summary(scene: Scene) -> MapSummary:
     return MapSummary(
         name=scene.name,
         seed=scene.recipe.seed,
+        grid=scene.recipe.grid.shape,
         cells=scene.field.shape,
         extent=scene.field.extent,
         unit_cm=scene.recipe.unit_cm,
@@ -72,6 +75,12 @@ def map_summary(scene: Scene) -> MapSummary:
         ),
         warnings=warnings(scene),
     )
+
+
+def size_in_words(grid: tuple[int, int], cells: tuple[int, int]) -> str:
+    """Return the size of a map as `10 x 10 blocks (12 x 12 cells with frames)`, a frame being a cell wide."""
+    blocks = f"{grid[0]} x {grid[1]} blocks"
+    return blocks if cells == grid else f"{blocks} ({cells[0]} x {cells[1]} cells with frames)"
 
 
 def warnings(scene: Scene) -> tuple[str, ...]:

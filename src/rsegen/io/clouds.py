@@ -19,12 +19,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, UserError, pip_install, said_by
+from rsegen.errors import FileError, ParameterError, UserError, said_by
 from rsegen.field.stepfield import Array
 from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.io.npy_files import mapped
 from rsegen.io.scan_options import CLOUDS
-from rsegen.params.extras import SCAN
+from rsegen.params.extras import SCAN, pip_install
 from rsegen.params.sorts import CENTIMETRES
 
 MOST_POINTS = 20_000_000

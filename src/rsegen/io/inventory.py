@@ -20,7 +20,7 @@ def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
     """Return the number of blocks of level 1, 2, ... in a CSV file of heights and counts; a height may stand twice.
 
     Heights are in cm, or in inches if their column is height_in. Cells are separated by commas or semicolons; with
-    semicolons a comma is a decimal point.
+    semicolons a comma is a decimal point. Empty lines, and those that begin with `#`, are comments.
     """
     counts: Counter[int] = Counter()
     (_, head), *rows = _rows(path)
@@ -32,20 +32,21 @@ def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """The header and the rows below it, each with its line."""
-    lines = [line for line in text_of(path, _MOST_MIB, "an inventory").splitlines() if line.strip()]
-    semicolons = bool(lines) and ";" in lines[0]
-    rows = csv.reader(lines, delimiter=";" if semicolons else ",")
+    lines = text_of(path, _MOST_MIB, "an inventory").splitlines()
+    lines = ["" if not line.strip() or line.startswith("#") else line for line in lines]  # they keep their numbers
+    semicolons = ";" in next(filter(None, lines), "")
+    rows = filter(None, reader := csv.reader(lines, delimiter=";" if semicolons else ","))
     try:
         head = next(rows, [])
         if head not in (COLUMNS, _IN_INCHES):
             raise FileError(
                 f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
             )
-        yield rows.line_num, head
+        yield reader.line_num, head
         for row in rows:
-            yield rows.line_num, [cell.replace(",", ".") for cell in row] if semicolons else row
+            yield reader.line_num, [cell.replace(",", ".") for cell in row] if semicolons else row
     except csv.Error as error:
-        raise FileError(f"{path}: line {rows.line_num}: {error}") from None
+        raise FileError(f"{path}: line {reader.line_num}: {error}") from None
 
 
 def _row(where: str, row: list[str], unit_cm: float, written: str) -> tuple[int, int]:

@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING, Any
 from isaaclab.terrains import SubTerrainBaseCfg
 from isaaclab.utils import configclass
 
-from rsegen.errors import ParameterError, UnknownName, UserError, pip_install
+from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.meshes import MESHES
 from rsegen.learning.tile import check_recipe, index_of, tile
-from rsegen.params.extras import MESH
+from rsegen.params.extras import MESH, pip_install
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.recipe import Recipe
 

@@ -1,8 +1,14 @@
-"""The extras of rsegen: what each is for, and the libraries that `pip install 'rsegen[NAME]'` brings."""
+"""The extras of rsegen: what each is for, the libraries that it brings, and the command that installs them."""
 
 from __future__ import annotations
 
+import re
+import shlex
+import sys
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, requires
 from importlib.util import find_spec
+from pathlib import Path
 from typing import NamedTuple
 
 
@@ -40,3 +46,34 @@ XACRO = Extra("xacro", "xacro", "robots in Xacro files, as ROS has them")
 
 EXTRAS: tuple[Extra, ...] = (CLUSTER, DATASET, MAT, MESH, SCAN, USD, XACRO)
 """Every extra of rsegen, as in pyproject.toml, but for `all`."""
+
+
+def requirements() -> dict[str, list[str]]:
+    """Return what rsegen needs, as pip takes it, by its extras; what it always needs by an empty name.
+
+    Empty if rsegen was not installed, and runs from its folder.
+    """
+    try:
+        lines = requires("rsegen") or []
+    except PackageNotFoundError:
+        return {}
+    needed: dict[str, list[str]] = {}
+    for line in lines:
+        requirement, _, marker = line.partition(";")
+        extra = re.search(r"extra == ['\"]([\w-]+)", marker)
+        if not re.match(r"rsegen\b", requirement):  # `all` names the other extras
+            needed.setdefault(extra[1] if extra else "", []).append(requirement.strip())
+    return needed
+
+
+def pip_install(extras: Iterable[str]) -> str:
+    """Return the command that installs the libraries of extras for the Python that runs this.
+
+    It names the libraries, not `rsegen[mesh]`: for that pip would look for rsegen in an index. rsegen may come from a
+    folder or an archive, and a package of its name in an index may be somebody else's.
+    """
+    needed = requirements()
+    wanted = [each for extra in extras for each in needed.get(extra, [])] or [
+        f"{Path(__file__).parents[3]}[{','.join(extras)}]"  # not installed: the folder that it runs from
+    ]
+    return f"{shlex.quote(sys.executable or 'python3')} -m pip install {shlex.join(dict.fromkeys(wanted))}"

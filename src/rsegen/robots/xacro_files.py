@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
-from rsegen.errors import FileError, UserError, line_of, pip_install, said_by
-from rsegen.params.extras import XACRO
+from rsegen.errors import FileError, UserError, line_of, said_by
+from rsegen.params.extras import XACRO, pip_install
 from rsegen.robots.uris import found_package
 
 _SECONDS = 20

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from rsegen.errors import ParameterError, WorkerLost, pip_install
-from rsegen.params.extras import CLUSTER
+from rsegen.errors import ParameterError, WorkerLost
+from rsegen.params.extras import CLUSTER, pip_install
 from rsegen.params.plugins import with_plugins
 from rsegen.params.sorts import Integer
 from rsegen.run import stop

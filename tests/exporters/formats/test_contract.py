@@ -12,11 +12,11 @@ import pytest
 
 import rsegen
 from rsegen import Recipe, Scene, compose, load
-from rsegen.errors import pip_install
 from rsegen.exporters.formats import FORMATS, Format, Step, exported
 from rsegen.io.importers import IMPORTERS as READ
 from rsegen.io.input_files import JOURNAL
 from rsegen.params import extras
+from rsegen.params.extras import pip_install
 from rsegen.params.registry import summary
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import to_json

@@ -44,8 +44,9 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
     page = printed(capsys, PALLET, *TEN)
     for words in ("mean 19.6 cm", "0.568 of the mean", "rms 13.02 cm", "Hurst exponent 0.17; weak, of 5 lags"):
         assert words in page
-    for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "at a step of 10 cm west to east", "96.0%"):
+    for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "96.0%"):
         assert words in page
+    assert "climb    that is needed to cross for this width: 10 cm west to east" in page
     assert max(map(len, page.splitlines())) <= 120
 
 
@@ -65,9 +66,27 @@ def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture
 
 def test_a_folder_of_maps_is_a_table_with_a_line_for_each(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     lines = printed(capsys, maps).splitlines()
-    assert [line.split()[0] for line in lines[2:]] == ["rse_0000", "rse_0001", "rse_0002"]
-    assert len({len(line) for line in lines[1:]}) == 1
-    assert printed(capsys, maps, *TEN).splitlines()[1].endswith("region   way w-e   way s-n")
+    assert [line.split()[0] for line in lines[2:5]] == ["rse_0000", "rse_0001", "rse_0002"]
+    assert len({len(line) for line in lines[:5]}) == 1
+    assert lines[1].split() == [*["cm"] * 7, "x", "plan"]
+    heads, units, *_ = printed(capsys, maps, *TEN).splitlines()
+    assert heads.split()[-5:] == ["region", "way", "w-e", "way", "s-n"]
+    assert units.split()[-5:] == ["%", "x", "straight", "x", "straight"]
+
+
+def test_below_a_table_its_heads_are_explained(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    table, _, legend = printed(capsys, maps, *TEN).partition("\n\n")
+    explained = legend.replace(",", "").replace(":", "").split()
+    assert [word for word in table.splitlines()[0].split()[1:] if word not in explained] == []
+    assert "terrain ruggedness index" in legend
+
+
+def test_in_a_table_a_map_without_a_way_has_empty_cells(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "walls.yaml"
+    path.write_text("{maps: 2, seed: 7, obstacles: [{kind: random, levels: 9}]}")
+    heads, _, row, *_ = printed(capsys, path, "--climb-cm", "1").splitlines()
+    assert row[heads.index("way w-e") :].strip() == ""
+    assert "none" not in row
 
 
 def test_one_of_many_is_a_page(capsys: pytest.CaptureFixture[str], maps: Path) -> None:

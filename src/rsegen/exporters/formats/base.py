@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import ClassVar, Literal, TypeVar
 
-from rsegen.errors import ParameterError, UserError, pip_install
+from rsegen.errors import ParameterError, UserError
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
-from rsegen.params.extras import MAT, Extra
+from rsegen.params.extras import MAT, Extra, pip_install
 from rsegen.params.registry import Contract, Registry, clash
 from rsegen.params.sorts import Json, parameters, validate
 from rsegen.recipe.codec import map_json

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.errors import DatasetDamaged, FileError, ParameterError, UserError, pip_install
+from rsegen.errors import DatasetDamaged, FileError, ParameterError, UserError
 from rsegen.field.metrics.batch import COLUMNS, Table, batch_metrics
 from rsegen.field.metrics.catalogue import RMS, By, Crosser
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
@@ -32,7 +32,7 @@ from rsegen.io.dataset.layout import (
 )
 from rsegen.io.dataset.tiles import Tiles, tiles
 from rsegen.io.input_files import open_regular
-from rsegen.params.extras import DATASET
+from rsegen.params.extras import DATASET, pip_install
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe

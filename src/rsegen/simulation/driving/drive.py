@@ -164,7 +164,8 @@ class DriveResult:
             yield f"  {robot.name}: {driven}{crossed}, stuck {metrics.stuck:g} s{tipped}{incidents}"
             if metrics.touched:
                 most = list(metrics.touched.items())[:_PARTS]
-                yield "    contacts of " + ", ".join(f"{part} {share:.0%}" for part, share in most)
+                shares = ", ".join(f"{part} {share:.0%}" for part, share in most)
+                yield f"    parts on the ground (link::shape, share of the time): {shares}"
         yield from (f"note: {line}" for line in self.notes)
         yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
 
