@@ -411,3 +411,17 @@ def test_a_stop_while_a_module_is_imported_is_one_line(tmp_path: Path) -> None:
     found = subprocess.run(command, check=False, capture_output=True, text=True)
     assert found.returncode in (130, -2), found.stderr  # a shell says 130 of both
     assert found.stderr.count("\n") == 1, found.stderr
+
+
+def test_python_is_advised_in_python_and_a_shell_in_flags(
+    recipe_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "out"
+    for make in (rsegen.generate, rsegen.make_dataset):
+        made = folder / make.__name__
+        make(rsegen.load(recipe_file), made)
+        with pytest.raises(rsegen.UserError, match=r"give (force|resume)=True") as refused:
+            make(rsegen.load(recipe_file), made)
+        assert "--" not in str(refused.value)
+    assert generated(recipe_file, "-o", folder / "generate") == 2
+    assert "give --force to replace it" in capsys.readouterr().err

@@ -67,7 +67,9 @@ def test_a_kind_that_registers_itself_is_recorded_alike(ramp: Path, tmp_path: Pa
 
 def test_the_missing_file_is_named(ramp: Path, tmp_path: Path) -> None:
     done("generate", *FLAGS, "--plugin", ramp, "-o", tmp_path / "worlds")
-    assert "kind 'ramp' of my ramp.py is not loaded; give --plugin my ramp.py" in refused("info", tmp_path / "worlds")
+    assert "kind 'ramp' of my ramp.py is not loaded; load it by --plugin my ramp.py" in refused(
+        "info", tmp_path / "worlds"
+    )
     assert "plug-in  ramp of my ramp.py" in done("info", tmp_path / "worlds", RSEGEN_PLUGINS=str(ramp))
 
 

@@ -143,7 +143,7 @@ def test_a_folder_that_is_no_map_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_to_keep_and_to_replace_exclude_each_other(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match="resume: --resume and --force exclude each other"):
+    with pytest.raises(ParameterError, match="resume: resume=True and force=True exclude each other"):
         rsegen.generate(Recipe(seed=7), tmp_path, resume=True, force=True)
     assert list(tmp_path.iterdir()) == []
 

@@ -82,7 +82,7 @@ def test_existing_outputs_stay_without_force_or_resume(tmp_path: Path, name: str
 @pytest.mark.parametrize("name", ["generate", "series", "dataset"])
 def test_to_keep_and_to_replace_exclude_each_other(tmp_path: Path, name: str) -> None:
     message = refused(RUNS[name], RECIPE, tmp_path / "out", ParameterError, force=True, resume=True)
-    assert message == "resume: --resume and --force exclude each other"
+    assert message == "resume: resume=True and force=True exclude each other"
 
 
 @pytest.mark.parametrize("name", ["generate", "series"])

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from rsegen.cli.commands import OVERVIEW, complete, parser
 from rsegen.cli.parser import load_plugins
-from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
+from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, in_flags, line_of, printable
 from rsegen.run import stop
 
 if TYPE_CHECKING:
@@ -103,9 +103,9 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
     """The exit code, and what to say; nothing to whoever has stopped listening."""
     match error:
         case RsegenError():
-            return 2 if isinstance(error, UserError) else 1, str(error)
+            return 2 if isinstance(error, UserError) else 1, in_flags(str(error))
         case KeyboardInterrupt():
-            return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
+            return 128 + signal, f"stopped; {in_flags(str(error))}" if str(error) else "stopped"
         case OSError():
             where = error.filename or "what was to be printed"
             said = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"

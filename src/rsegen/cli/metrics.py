@@ -221,10 +221,10 @@ _LEGEND_OF_REACH = {
 
 def _width(name: str) -> int:
     """Return the width of a column; a metric of a plug-in may have a long name."""
-    return max(_WIDTH, len(name) + 1)
+    return max(_WIDTH, len(name) + 2)
 
 
-_WIDTH = 11
+_WIDTH = 7
 _SIZES = 24
 """The largest number of step sizes that a page lists."""
 
@@ -241,11 +241,11 @@ def _cells(found: Metrics) -> dict[tuple[str, str], str]:
         "climb s-n": found.opening.south_north,
     }
     cells = {(name, "cm"): "" if length is None else _cm(length) for name, length in lengths.items()}
-    cells["surface", "x plan"] = f"{found.ruggedness.surface_ratio:.2f}"
+    cells["surface", "x"] = f"{found.ruggedness.surface_ratio:.2f}"
     if found.reach is not None:
         cells["region", "%"] = f"{found.reach.cover:.0%}".rstrip("%")
-        cells["way w-e", "x straight"] = _ratio(found.reach.west_east)
-        cells["way s-n", "x straight"] = _ratio(found.reach.south_north)
+        cells["way w-e", "x"] = _ratio(found.reach.west_east)
+        cells["way s-n", "x"] = _ratio(found.reach.south_north)
     return cells
 
 

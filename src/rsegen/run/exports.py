@@ -256,7 +256,7 @@ def _missing_formats(
             raise OutputError(f"{place}: was not written by rsegen, so it is not replaced; give another folder")
         refuse_loss_below(home, format_.name, journal)
         if on_existing is OnExisting.REFUSE:
-            raise OutputError(f"{place}: exists already; give --force to replace it, or another folder")
+            raise OutputError(f"{place}: exists already; give force=True to replace it, or another folder")
         same = listed.get(format_.name) == recorded_options([format_])[format_.name]
         is_complete = journal is not None and compare(home, journal, format_.name).is_intact
         if not (on_existing is OnExisting.KEEP and same and is_complete):
@@ -276,7 +276,7 @@ def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExis
     if on_existing is not OnExisting.REPLACE:
         raise OutputError(
             f"{home}: exists already and is another map, of another seed or parameter; "
-            "give --force to replace it, or another folder or --name"
+            "give force=True to replace it, or another folder or name"
         )
     if others:
         raise OutputError(
@@ -354,10 +354,12 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
         others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
         if journal is None or not same or others:
             problem = "exists already and does not hold these maps and no others"
-            raise OutputError(f"{home}: {problem}; give --force to replace it, or another package or folder")
+            raise OutputError(f"{home}: {problem}; give force=True to replace it, or another package or folder")
         comparison = compare(home, journal)
     for name in (*comparison.changed, *comparison.missing):
-        raise OutputError(f"{home / name}: was changed or lost after rsegen wrote it; give --force, or another folder")
+        raise OutputError(
+            f"{home / name}: was changed or lost after rsegen wrote it; give force=True, or another folder"
+        )
 
 
 def _recipe_file(recipe: Recipe, index: int) -> str:

@@ -314,7 +314,7 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
     shown = at or folder
     refuse_link(folder)
     if not folder.is_dir():
-        raise OutputError(f"{shown}: is a file; give another folder or --name")
+        raise OutputError(f"{shown}: is a file; give another folder or name")
     with read_errors(folder):
         journal = read_journal(folder)
         if journal is None:

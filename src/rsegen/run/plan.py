@@ -125,7 +125,7 @@ class OnExisting(Enum):
     def of(cls, *, force: bool, resume: bool) -> OnExisting:
         """Return what two flags ask for; a ParameterError for both together."""
         if force and resume:
-            raise ParameterError("resume", "--resume and --force exclude each other")
+            raise ParameterError("resume", "resume=True and force=True exclude each other")
         return cls.REPLACE if force else cls.KEEP if resume else cls.REFUSE
 
 
@@ -243,7 +243,7 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
         if journal is None or Checksum.of(recipe_file) not in journal.files.get("recipe.json", ()):
             raise OutputError(
                 f"{home}: exists already and is not this map of rsegen: its journal is missing, or says another seed, "
-                "parameter or version; give those of the run that was stopped, or another folder or --name"
+                "parameter or version; give those of the run that was stopped, or another folder or name"
             )
         comparison = compare(home, journal)
     for name in comparison.changed:

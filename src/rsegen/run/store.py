@@ -308,8 +308,8 @@ def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
 
 def taken(place: Path) -> OutputError:
     """Return the error of a name that exists already."""
-    what = "another folder or --name" if place.is_dir() else "another name"
-    return OutputError(f"{place}: exists already; give --force to replace it, or {what}")
+    what = "another folder or name" if place.is_dir() else "another name"
+    return OutputError(f"{place}: exists already; give force=True to replace it, or {what}")
 
 
 def _make_folder(folder: Path, undo: ExitStack) -> None:

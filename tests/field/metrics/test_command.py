@@ -67,11 +67,11 @@ def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture
 def test_a_folder_of_maps_is_a_table_with_a_line_for_each(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
     lines = printed(capsys, maps).splitlines()
     assert [line.split()[0] for line in lines[2:5]] == ["rse_0000", "rse_0001", "rse_0002"]
-    assert len({len(line) for line in lines[:5]}) == 1
-    assert lines[1].split() == [*["cm"] * 7, "x", "plan"]
+    assert len({len(line) for line in lines[:5]}) == 1 > len(lines[0]) // 120
+    assert lines[1].split() == [*["cm"] * 7, "x"]
     heads, units, *_ = printed(capsys, maps, *TEN).splitlines()
     assert heads.split()[-5:] == ["region", "way", "w-e", "way", "s-n"]
-    assert units.split()[-5:] == ["%", "x", "straight", "x", "straight"]
+    assert units.split()[-3:] == ["%", "x", "x"]
 
 
 def test_below_a_table_its_heads_are_explained(capsys: pytest.CaptureFixture[str], maps: Path) -> None:

@@ -237,7 +237,11 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     path = folder / MANIFEST
     if not path.is_file():
         unfinished = (folder / JOURNAL).is_file()
-        why = "is not finished; the command that began it goes on with --resume" if unfinished else "has no " + MANIFEST
+        why = (
+            "is not finished; the command that began it goes on with resume=True"
+            if unfinished
+            else "has no " + MANIFEST
+        )
         raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is not a data set of rsegen"))
     entries = content(path)
     try:
@@ -312,7 +316,7 @@ def refuse_other_sizes(folder: Path, layout: ShardLayout, shards: Iterable[Shard
         size = path.stat().st_size if path.is_file() else None
         if size != part.bytes:
             problem = "is missing" if size is None else f"has {size} bytes, and the manifest says {part.bytes}"
-            raise DatasetDamaged(f"{path}: {problem}; the command that made the data set repairs it with --resume")
+            raise DatasetDamaged(f"{path}: {problem}; the command that made the data set repairs it with resume=True")
 
 
 def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> None:
@@ -321,7 +325,7 @@ def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[S
         if checksum_of(path) != part:
             raise DatasetDamaged(
                 f"{path}: has changed, its checksum is wrong; "
-                "the command that made the data set repairs it with --resume"
+                "the command that made the data set repairs it with resume=True"
             )
 
 

@@ -129,7 +129,7 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
     if journal and (journal.holds, journal.of) != (HOLDS, of):
         what = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
         raise OutputError(
-            f"{folder}: has {what}; give another folder" + (", or --force" if journal.holds == HOLDS else "")
+            f"{folder}: has {what}; give another folder" + (", or force=True" if journal.holds == HOLDS else "")
         )
     with read_errors(folder):
         for name in (*REPORT_FILES, *track_names(plan)):
