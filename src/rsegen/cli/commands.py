@@ -50,6 +50,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "sim": "list the simulators with version and path, or how to install them",
             "doctor": "list what is installed, what is missing and what it is needed for",
             "completion": "print what makes bash, zsh or fish complete commands and flags",
+            "man": "print the manual page of rsegen or of a command",
         },
     }
 )
