@@ -23,7 +23,7 @@ import rsegen
 from benchmarks import busy, crossings, datasets, learning, rests, scan, starts
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from docs import catalogue, difficulty, gallery, reliability
+from docs import catalogue, difficulty, gallery, records, reliability
 from rsegen import (
     FORMATS,
     KINDS,
@@ -167,8 +167,11 @@ def texts() -> dict[Path, str]:
     """Every generated text by its file."""
     figures = loaded(RESULTS / "speed.json")
     contact = (RESULTS / "contact.md").read_text("utf-8")
+    dated = records.dates(records.today())
     return {
         MEASURED: with_table(MEASURED.read_text("utf-8"), figures),
+        DOCS / "records.md": "\n".join((_RECORDS, *records.table(dated))) + "\n",
+        records.DATES: json.dumps(dated, indent=1) + "\n",
         DOCS / "benchmarks.md": page(figures),
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         POSES: filled(POSES.read_text("utf-8"), _predictions()),
@@ -196,6 +199,17 @@ def texts() -> dict[Path, str]:
         README: filled(README.read_text("utf-8"), _kinds_and_robots()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
+
+
+_RECORDS = """\
+# When, where and how
+
+Every record of figures in the repository (`benchmarks/results`): when it was measured, by what command, and on what.
+`busy before` are the cores that other work used as it began; figures of speed are CPU time, which that changes little.
+Dates up to 25 November 2026 are those on which a record was committed. What came out worse elsewhere is
+[on the page of claims](measured.md#where-it-came-out-worse). Each command measures its figures again, and `make docs`
+shows them.
+"""
 
 
 def pictures() -> dict[Path, Scene]:
