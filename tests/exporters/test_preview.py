@@ -7,6 +7,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pypdf
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -126,3 +127,26 @@ def test_cells_and_metres_are_on_opposite_sides() -> None:
     assert numbers["10"] == pytest.approx(0.15)
     assert [each.get_xlabel() for each in plan.child_axes if each.get_xlabel()] == ["x [m]"]
     assert plan.get_xlabel() == "x [cells]"
+
+
+@pytest.mark.parametrize("name", ["red-diagonal-pallet", "five-pallet-dash"])
+def test_a_picture_for_a_paper_is_a_column_wide_and_embeds_its_fonts(name: str) -> None:
+    scene = compose(rsegen.load(EXAMPLES[name]))
+    with Image.open(io.BytesIO(preview(scene, paper=True, outlines=True))) as found:
+        assert found.size[0] == 1050
+        assert found.info["dpi"] == pytest.approx((300, 300), abs=0.1)
+    made = preview(scene, "pdf", paper=True)
+    assert made == preview(scene, "pdf", paper=True)
+    (page,) = pypdf.PdfReader(io.BytesIO(made)).pages
+    assert float(page.mediabox.width) == 252  # points: 3.5 in
+    fonts = [font.get_object() for font in page["/Resources"]["/Font"].values()]  # type: ignore[index]
+    assert {font["/Subtype"] for font in fonts} == {"/Type0"}  # TrueType in a PDF; publishers refuse /Type3
+    sizes: list[float] = []
+    page.extract_text(visitor_text=lambda text, _, __, ___, size: sizes.append(size) if text.strip() else None)
+    assert min(sizes) >= 4
+
+
+def test_a_picture_for_a_paper_leaves_others_as_they_are() -> None:
+    before = preview(compose(RECIPE))
+    preview(compose(RECIPE), paper=True)
+    assert preview(compose(RECIPE)) == before

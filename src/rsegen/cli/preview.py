@@ -29,6 +29,13 @@ class _Drawing:
     outlines: Annotated[
         bool, Flag(help="draw on the plan which cells each obstacle covers, numbered from 0 as in error messages")
     ] = False
+    paper: Annotated[
+        bool,
+        Flag(
+            help="for one column of a paper: 8.9 cm wide, letters of 7 points, no title, 300 pixels per inch; "
+            "svg and pdf are vector graphics"
+        ),
+    ] = False
     robot: Annotated[
         str | None,
         Reference("KIND or FILE", help="robot to draw where it settles: its kind, or a file of it"),
@@ -68,7 +75,8 @@ def run(arguments: argparse.Namespace) -> Report:
     scene = scene_of(arguments)
     try:
         at = x, y, radians(heading)
-        picture = preview(scene, image_format(path), outlines=drawing.outlines, robot=robot, at=at)
+        form, outlines, paper = image_format(path), drawing.outlines, drawing.paper
+        picture = preview(scene, form, outlines=outlines, robot=robot, at=at, paper=paper)
     except ParameterError as error:  # of x or y
         raise ParameterError("--at" if error.where in ("x", "y") else f"--{error.where}", error.problem) from None
     write_file([picture], path, force=drawing.force)

@@ -24,6 +24,10 @@ LEGIBLE = 26
 """Cells per side up to which a plan has the heights in its cells: the font is then 5.8 points."""
 
 
+_SMALLEST = 4.0
+"""Points of the smallest heights in cells that print."""
+
+
 GROUND_GREY = 0.86
 """Each part of the colour of level ground, 0..1: lighter than all levels, darker than paper."""
 
@@ -47,12 +51,17 @@ def draw_plan(axes: Axes, drawn: Drawable) -> None:
     axes.set(xlabel="x [m]", ylabel="y [m]", title=draw_heights(axes, drawn))
 
 
-def draw_heights(axes: Axes, drawn: Drawable) -> str:
-    """Draw a field from above without a title; return what the title should say."""
+def draw_heights(axes: Axes, drawn: Drawable, share: float = 1.0) -> str:
+    """Draw a field from above without a title; return what the title should say.
+
+    share: size of the letters in cells, as a share of the usual one
+    """
     colours = draw_cells(axes, drawn)
-    if max(drawn.field.shape) > LEGIBLE:
+    most = max(drawn.field.shape)
+    size = min(11.0, 150 / most) * share  # the font shrinks with the cells
+    if most > LEGIBLE or size < _SMALLEST:
         return "plan"
-    _write_heights(axes, drawn, colours)
+    _write_heights(axes, drawn, colours, size)
     return "plan, heights in cm"
 
 
@@ -66,12 +75,11 @@ def draw_cells(axes: Axes, drawn: Drawable) -> Array:
     return colours
 
 
-def _write_heights(axes: Axes, drawn: Drawable, colours: Array) -> None:
+def _write_heights(axes: Axes, drawn: Drawable, colours: Array, size: float) -> None:
     middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
-    size = min(11.0, 150 / max(drawn.field.shape))
     heights = drawn.field.heights
     for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
-        # Legible on its colour, by the luma of ITU-R BT.601; the font shrinks with the cells.
+        # Legible on its colour, by the luma of ITU-R BT.601.
         ink = "white" if colours[i, j] @ (0.3, 0.59, 0.11) < 0.5 else "black"
         text = decimal(round(heights[i, j] * 100, 4))
         axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)

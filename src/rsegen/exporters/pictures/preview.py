@@ -113,6 +113,32 @@ def _one_below_the_other(plan: float, view: float, legend: float) -> Layout:
     )
 
 
+_PAPER = {"font.size": 7, "axes.titlesize": 7, "axes.linewidth": 0.5, "legend.fontsize": 7, "pdf.fonttype": 42} | {
+    f"{axis}tick.major.{key}": value for axis in "xy" for key, value in (("width", 0.5), ("size", 2), ("pad", 2))
+}
+"""Settings of a picture for a paper: letters of 7 points, but in cells; fonts of a PDF as publishers want them."""
+
+_COLUMN, _DPI, _TALL = 3.5, 300, 5.0
+"""Inches of a column of a paper with two; pixels per inch; inches of a plan whose heights have their usual size."""
+
+
+def _in_a_column(plan: float, view: float, entries: int) -> Layout:
+    """Return the layout for a column of a paper: plan, view, and a legend of some entries below them."""
+    number, head, gap = 0.45, 0.2, 0.05
+    width, below = _COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
+    above, middle = min(width / plan, _TALLEST / 2), min((_COLUMN - 2 * gap) / view, _TALLEST / 2)
+    low = below + middle + head + number
+    return Layout(
+        size=(_COLUMN, low + above + number + head),
+        plan=(number, low, width, above),
+        view=(gap, below, _COLUMN - 2 * gap, middle),
+        legend=0.0,
+    )
+
+
+_ACROSS = 4
+"""Entries of the legend next to one another in a column of a paper."""
+
 DRAWN = 200
 """Cells per side above which views are drawn coarser: a column is then three pixels wide, and 120,000 polygons take two
 seconds."""
@@ -229,41 +255,66 @@ def preview(
     outlines: bool = False,
     robot: Body | None = None,
     at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    paper: bool = False,
 ) -> bytes:
     """Return the plan and a 3D view of a field or a scene as the bytes of an image file: png, svg, pdf, jpg or webp.
 
     outlines: draw the outline of every obstacle on the plan; a field has none. The file of a scene carries its recipe.
     robot: drawn where it settles after it was put down at x, y [m] with a heading [rad]: `rsegen.robot_of(KIND).body`.
     ParameterError if that is outside the map, or the robot longer than it.
+    paper: as wide as a column of a paper, without a title, 300 pixels per inch
     """
+    from matplotlib import rc_context
+
+    with rc_context(_PAPER if paper else {}):
+        return _preview(shown, format, outlines=outlines, robot=robot, at=at, paper=paper)
+
+
+def _preview(
+    shown: StepField | Scene,
+    format: str,  # noqa: A002  # matplotlib's word
+    *,
+    outlines: bool,
+    robot: Body | None,
+    at: tuple[float, float, float],
+    paper: bool,
+) -> bytes:
     field = shown.field if isinstance(shown, Scene) else shown
     drawn = (robot, poses(field, robot, *at)) if robot else None
     if isinstance(shown, Scene):
-        figure = preview_figure(shown, _title(shown), outlined=shown if outlines else None, robot=drawn)
+        title = "" if paper else _title(shown)
+        figure = preview_figure(shown, title, outlined=shown if outlines else None, robot=drawn, paper=paper)
         return figure_bytes(figure, shown, format)
     (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
-    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return encoded(preview_figure(ColouredField(field=shown), title, robot=drawn), format)
+    title = "" if paper else f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    return encoded(preview_figure(ColouredField(field=shown), title, robot=drawn, paper=paper), format)
 
 
-def preview_figure(drawn: Drawable, title: str, *, outlined: Scene | None = None, robot: Robot | None = None) -> Figure:
+def preview_figure(
+    drawn: Drawable, title: str, *, outlined: Scene | None = None, robot: Robot | None = None, paper: bool = False
+) -> Figure:
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
 
     along_x, along_y = drawn.field.extent
     wide, high = np.ptp(view_bounds(drawn), axis=0)
-    placed = layout(along_x / along_y, float(wide / high), 2.2 if outlined else 1.6)
-    figure = Figure(figsize=placed.size, dpi=100)
+    ratios, entries = (along_x / along_y, float(wide / high)), _entries(drawn)
+    if paper:
+        placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
+    else:
+        placed = layout(*ratios, 2.2 if outlined else 1.6)
+    figure = Figure(figsize=placed.size, dpi=_DPI if paper else 100)
     plan, view = (figure.add_axes(placed.share(box)) for box in (placed.plan, placed.view))
-    plan.set_title(draw_heights(plan, drawn))
+    plan.set_title(draw_heights(plan, drawn, placed.plan[3] / _TALL if paper else 1.0))
     number_cells(plan, drawn.field)
     view.set_title(draw_view(view, drawn, robot))
     if robot:
         draw_robot(plan, *robot)
         view.set_title(f"{view.get_title()}; {_how_it_stands(robot[1])}")
     shown = draw_outlines(plan, outlined) if outlined else []
-    _draw_legend(figure, drawn, placed.legend / placed.size[0], shown)
-    figure.suptitle(title, y=1 - 0.12 / placed.size[1], va="top")
+    _draw_legend(figure, entries, shown, None if paper else placed.legend / placed.size[0])
+    if title:
+        figure.suptitle(title, y=1 - 0.12 / placed.size[1], va="top")
     return figure
 
 
@@ -311,9 +362,8 @@ def image_format(path: Path) -> str:
     return name
 
 
-def _draw_legend(figure: Figure, drawn: Drawable, left: float, outlines: Sequence[tuple[str, str]]) -> None:
-    """Draw a swatch for every height that the map has, at most _SWATCHES of them, and a line for every outline."""
-    from matplotlib.lines import Line2D
+def _entries(drawn: Drawable) -> list[Any]:
+    """Return a swatch for every height that the map has, at most _SWATCHES of them, and one for its frames."""
     from matplotlib.patches import Patch
 
     # Of too many heights every second, third, ... is shown; a legend of more than one column of entries is smaller.
@@ -324,11 +374,22 @@ def _draw_legend(figure: Figure, drawn: Drawable, left: float, outlines: Sequenc
     if drawn.field.frame.any():
         frame = decimal(drawn.field.frame_height * 100)
         entries.append(Patch(facecolor=drawn.colour(0), label=f"frame, {frame} cm"))
+    return entries
+
+
+def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[str, str]], left: float | None) -> None:
+    """Draw the swatches and a line for every outline, from `left` on, a share of the picture; None: below all else."""
+    from matplotlib.lines import Line2D
+
+    entries = list(entries)
     for colour, text in outlines[:_SWATCHES]:
         entries.append(Line2D([], [], color=colour, linewidth=2.5, label=text))
     if len(outlines) > _SWATCHES:
         entries.append(Line2D([], [], linewidth=0, label=f"and {len(outlines) - _SWATCHES} more"))
-    if entries:
+    if entries and left is None:
+        room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 1.2, "handletextpad": 0.4, "borderaxespad": 0.1}
+        figure.legend(handles=entries, loc="lower center", ncols=_ACROSS, frameon=False, **room)  # type: ignore[arg-type]
+    elif entries:
         size = 10 if len(entries) <= _SWATCHES else 6
         figure.legend(handles=entries, loc="center left", bbox_to_anchor=(left, 0.5), frameon=False, fontsize=size)
 
