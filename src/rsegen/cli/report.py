@@ -220,7 +220,7 @@ def shards_bar(maps: int) -> Iterator[Progress | None]:
 @contextmanager
 def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
     """Yield a function for the simulation time."""
-    style = "{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}]"
+    style = "{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}<{remaining}, {rate_fmt}]"
     with _watched(seconds, "s", bar_format=style) as bar:
 
         def progress(done: float) -> None:
@@ -233,7 +233,7 @@ def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
 @contextmanager
 def share_bar(what: str) -> Iterator[Callable[[float], None]]:
     """Yield a function for the share of a search that is done, 0..1."""
-    style = {"bar_format": "{desc} {percentage:3.0f}%|{bar}| [{elapsed}]", "desc": what, "leave": False}
+    style = {"bar_format": "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]", "desc": what, "leave": False}
     with _watched(100, "%", **style) as bar:
 
         def progress(share: float) -> None:
