@@ -32,7 +32,6 @@ def add(commands: Subparsers) -> None:
     add_recipe_argument(command)
     add_output_flags(command)
     add_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def add_output_flags(command: Parser, without: Collection[str] = ()) -> None:

@@ -43,7 +43,6 @@ def add(commands: Subparsers) -> None:
     complete_examples(command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where))
     add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:

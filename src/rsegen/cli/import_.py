@@ -46,7 +46,6 @@ def add(commands: Subparsers) -> None:
     add_output_flags(command)
     add_flags(command, _Errors)
     add_recipe_flags(command, over="FILE")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

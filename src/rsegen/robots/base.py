@@ -182,10 +182,8 @@ ROBOTS = cast("Registry[Robot]", STANDING)
 """Every robot by its kind: the registry of what stands, in which all are of this class."""
 
 
-def register(robot: Robot) -> Robot:
-    """Register a robot under its kind."""
-    ROBOTS.add(robot.kind, robot)
-    return robot
+register = ROBOTS.register
+"""Make a robot known by its kind, and return it."""
 
 
 WHEEL = Float(0.001, SIDE.high, unit="m")

@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rsegen.errors import FileError
 from rsegen.params.registry import Contract, Registry, clash
@@ -275,11 +275,5 @@ IMPORTERS: Registry[type[Importer]] = Registry(
 )
 """Every importer by the suffixes of its files."""
 
-_Importer = TypeVar("_Importer", bound=type[Importer])
-
-
-def register(cls: _Importer) -> _Importer:
-    """Register an importer under the suffixes of its files."""
-    for suffix in cls.suffixes:
-        IMPORTERS.add(suffix, cls)
-    return cls
+register = IMPORTERS.register
+"""Decorator of an importer, which is known by the suffixes of its files then."""
