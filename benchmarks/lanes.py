@@ -25,7 +25,7 @@ from rsegen import Matrix, Recipe
 from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import Levels
 from rsegen.robots import ROBOTS, from_file
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Motion, Route
 from rsegen.simulation.driving.world_file import time_step, world_with_robots
