@@ -80,9 +80,9 @@ def one_of(
     raise ParameterError(where, problem)
 
 
-def map_index(recipe: Recipe, which: int | str | None, where: str = "map") -> int:
+def map_index(recipe: Recipe, which: int | str | None) -> int:
     """Return the index of a map of a recipe, given by index or name; the first by default."""
-    return one_of([(Path(), recipe)], which, "the recipe", where).map
+    return one_of([(Path(), recipe)], which, "the recipe", "map").map
 
 
 def _index(recipe: Recipe, which: str) -> int | None:
