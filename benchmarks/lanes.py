@@ -25,14 +25,14 @@ from rsegen import Matrix, Recipe
 from rsegen.exporters.scene import compose
 from rsegen.field.stepfield import Levels
 from rsegen.robots import ROBOTS, from_file
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Motion, Route
 from rsegen.simulation.driving.world_file import time_step, world_with_robots
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.simulators.server import attempted, running_server
 from rsegen.simulation.worlds import write_world
 from tests.simulation.real.burger import Start, way
 
@@ -189,7 +189,7 @@ def drives(
         models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs(robot, ground)]
         world = file.with_name("lanes.world")
         world.write_text(change(world_with_robots(file, models, unthrottled=True, backend=here.backend)))
-        return retried(lambda: _run(robot, world, ground, here, settings))
+        return attempted(lambda: _run(robot, world, ground, here, settings))[0]
 
 
 def _run(robot: DrivableRobot, world: Path, ground: str, here: Installation, settings: Settings) -> list[Lane]:

@@ -34,7 +34,7 @@ from rsegen.robots import ROBOTS, Robot
 from rsegen.robots.links import rotation
 from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.simulators.server import attempted, running_server
 from rsegen.simulation.worlds import world_of
 from rsegen.standing.body import Body
 from rsegen.standing.resting import has_stood, poses
@@ -150,7 +150,7 @@ def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> t
         scene = _scene(seed, UNITS[robot.kind])
         ground, starts = PaddedGround.of(scene.field, reach_of(body)), _starts(scene, body, seed)
         ends = {
-            "classic": retried(lambda scene=scene, starts=starts: _in_classic(here, scene, robot, starts)),  # type: ignore[misc]  # mypy has no types for defaults of lambdas
+            "classic": attempted(lambda scene=scene, starts=starts: _in_classic(here, scene, robot, starts))[0],  # type: ignore[misc]  # mypy has no types for defaults of lambdas
             "mujoco": [_in_mujoco(scene, robot, start) for start in starts],
         }
         for simulator, states in ends.items():

@@ -14,7 +14,6 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from importlib import import_module
 from math import radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -40,8 +39,7 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.cli.commands import COMMANDS, GROUPS, module_of
-from rsegen.cli.parser import Parser
+from rsegen.cli.commands import COMMANDS, GROUPS, parser_of
 from rsegen.cli.schema import FUNCTIONS
 from rsegen.exporters.pictures.pose_plots import pose_maps
 from rsegen.exporters.pictures.preview import figure_bytes, preview
@@ -442,9 +440,7 @@ def _code_in_table(text: str) -> str:
 
 def _usage(name: str) -> str:
     """Return the first line of a command's help: what must be given."""
-    commands = Parser(prog="rsegen").add_subparsers(prog="rsegen")
-    import_module(module_of(name)).add(commands)
-    return " ".join(commands.choices[name].format_help().partition("\n\n")[0].split()).removeprefix("usage: ")
+    return " ".join(parser_of(name).format_help().partition("\n\n")[0].split()).removeprefix("usage: ")
 
 
 def _parameters() -> Iterator[str]:

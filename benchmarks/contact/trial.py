@@ -18,7 +18,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose, Record
-from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.simulators.server import attempted, running_server
 from tests.simulation.real.bodies import SIZE
 from tests.simulation.real.burger import way
 
@@ -80,7 +80,7 @@ def _tried(construction: Construction, seed: int, gazebo: Installation, kinds: S
     """With these robots in one world."""
     with tempfile.TemporaryDirectory() as folder:
         world = written(construction, field_of(construction, seed), Path(folder), gazebo.backend, kinds)
-        return retried(lambda: _run(construction, seed, world, gazebo, kinds))
+        return attempted(lambda: _run(construction, seed, world, gazebo, kinds))[0]
 
 
 def _run(construction: Construction, seed: int, world: Path, gazebo: Installation, kinds: Sequence[str]) -> Trial:

@@ -13,9 +13,11 @@ from rsegen.params import registry
 from rsegen.params.plugins import Source
 from rsegen.params.registry import Contract, EntryPoint, Registry
 
+PRICES = Contract(base=int, names=lambda price: (f"for {price}",), is_class=False)
+
 
 def fruits() -> Registry[int]:
-    found: Registry[int] = Registry("fruit")
+    found: Registry[int] = Registry("fruit", contract=PRICES)
     for name, price in (("pear", 3), ("apple", 5), ("fig", 1)):
         found.add(name, price)
     return found
@@ -24,10 +26,15 @@ def fruits() -> Registry[int]:
 def test_a_registry_lists_names_in_order() -> None:
     assert dict(fruits()) == {"pear": 3, "apple": 5, "fig": 1}
     assert list(fruits()) == ["apple", "fig", "pear"]
-    dearest: Registry[int] = Registry("fruit", order=lambda price: -price)
+    dearest: Registry[int] = Registry("fruit", order=lambda price: -price, contract=PRICES)
     for name, price in fruits().items():
         dearest.add(name, price)
     assert list(dearest) == ["apple", "pear", "fig"]
+
+
+def test_what_is_registered_is_kept_under_the_names_of_the_contract_and_returned() -> None:
+    found = fruits()
+    assert found.register(7) == found["for 7"] == 7
 
 
 def test_two_of_one_name_are_a_mistake() -> None:

@@ -16,7 +16,7 @@ import yaml
 
 from rsegen.robots import ROBOTS, Robot
 from rsegen.robots.links import SdfPose, rotation
-from rsegen.robots.urdf_writer import ROOT
+from rsegen.robots.ros2 import ROOT
 from rsegen.standing.spots import Outline
 from tests.simulation.real.conftest import missing
 

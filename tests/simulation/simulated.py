@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rsegen.simulation.simulators.base import Installation
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.simulators.server import retried, running_server
+from rsegen.simulation.simulators.server import attempted, running_server
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,4 +32,4 @@ def simulated(here: Installation, world: Path, *, steps: int, models: Path | Non
                 poses = live.poses()
             return Run(poses=poses, errors=server.errors)
 
-    return retried(once)
+    return attempted(once)[0]

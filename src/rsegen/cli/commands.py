@@ -79,9 +79,11 @@ class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argpar
         super().__call__(parser, namespace, values, option_string)
 
     def add(self, name: str) -> None:
-        """Add the parser of a command, if it is not there yet."""
+        """Add the parser of a command, and what runs it, if it is not there yet."""
         if name not in self._name_parser_map:
-            import_module(module_of(name)).add(self)
+            module = import_module(module_of(name))
+            module.add(self)
+            self._name_parser_map[name].set_defaults(run=module.run)
 
 
 def parser() -> Parser:

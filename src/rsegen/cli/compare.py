@@ -56,7 +56,6 @@ def add(commands: Subparsers) -> None:
     add_flags(command.add_argument_group("output"), _Drawing)
     add_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_KNOWN)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -25,7 +25,6 @@ def add(commands: Subparsers) -> None:
     )
     text = f"{', '.join(_SHELLS)} (default: that of $SHELL)"
     command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

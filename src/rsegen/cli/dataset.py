@@ -37,7 +37,6 @@ def add(commands: Subparsers) -> None:
     add_flags(group, make_dataset, without=["folder"])
     group.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
     add_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

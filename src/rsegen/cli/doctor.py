@@ -89,8 +89,7 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     text = "Print the versions, simulators and extras that rsegen finds here, what is missing, and what it is "
     epilog = "Starts no simulator and changes nothing. Add its output to bug reports."
-    command = add_command(commands, "doctor", text=f"{text}needed for.", epilog=epilog)
-    command.set_defaults(run=run)
+    add_command(commands, "doctor", text=f"{text}needed for.", epilog=epilog)
 
 
 def run(arguments: argparse.Namespace) -> Report:

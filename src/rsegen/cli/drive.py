@@ -21,7 +21,6 @@ def add(commands: Subparsers) -> None:
     add_target(command, "WORLD-or-DIR-or-RECIPE", "a world made by rsegen, its folder, or a recipe")
     add_flags(command.add_argument_group("drive"), drive)
     add_target_recipe_flags(command, ("seed", *_OWN))
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -26,7 +26,6 @@ def add(commands: Subparsers) -> None:
     epilog = "The name of an example works wherever a recipe is expected: rsegen generate peak -o worlds"
     command = add_command(commands, "examples", _Copies, epilog=epilog)
     add_flags(command, _Copies)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

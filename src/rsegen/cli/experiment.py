@@ -23,7 +23,6 @@ def add(commands: Subparsers) -> None:
     names = "quick, driven, paper, burgers, frames, representations"
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")
     add_flags(command.add_argument_group("output"), experiment)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -26,7 +26,6 @@ def add(commands: Subparsers) -> None:
     add_flags(command.add_argument_group("output"), export_maps)
     add_format_rows(command, "--to")
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

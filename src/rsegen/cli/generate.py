@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,12 +32,11 @@ def add(commands: Subparsers) -> None:
     add_recipe_argument(command)
     add_output_flags(command)
     add_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
-def add_output_flags(command: Parser, without: Collection[str] = ()) -> None:
+def add_output_flags(command: Parser) -> None:
     """Add where to write worlds, and how."""
-    add_flags(command.add_argument_group("output"), generate, without=without)
+    add_flags(command.add_argument_group("output"), generate)
     add_format_rows(command)
 
 

@@ -43,7 +43,6 @@ def add(commands: Subparsers) -> None:
     complete_examples(command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where))
     add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -92,6 +91,8 @@ def _opened(host: Host, what: str, arguments: argparse.Namespace) -> str:
 
 def _say(service: Service, doc: str, arguments: argparse.Namespace) -> None:
     """Print the address, and open the browser if there is one that a person sees."""
+    from rsegen.simulation.simulators.server import has_screen
+
     url = service.url(doc)
     if arguments.json:
         print(json.dumps({"url": url}), flush=True)
@@ -109,7 +110,7 @@ def _say(service: Service, doc: str, arguments: argparse.Namespace) -> None:
             f"From your own machine: ssh -L {port}:localhost:{port} {_login()}, then open the address there.",
             flush=True,
         )
-    elif not arguments.no_browser and _has_screen():
+    elif not arguments.no_browser and has_screen():
         import webbrowser
 
         webbrowser.open(url)
@@ -121,7 +122,3 @@ def _login() -> str:
     import socket
 
     return f"{getpass.getuser()}@{socket.gethostname()}"
-
-
-def _has_screen() -> bool:
-    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))

@@ -46,7 +46,6 @@ def add(commands: Subparsers) -> None:
     add_output_flags(command)
     add_flags(command, _Errors)
     add_recipe_flags(command, over="FILE")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:
@@ -54,7 +53,7 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.exporters.pictures.measured import rounding_plot
     from rsegen.exporters.pictures.preview import image_format
     from rsegen.exporters.scene import compose
-    from rsegen.io.importers.reading import heights_in, importer_for, recipe_of
+    from rsegen.io.importers import heights_in, importer_for, recipe_of
     from rsegen.run.store import write_file
 
     path, force = Path(arguments.file), bool(arguments.force)

@@ -23,7 +23,6 @@ def add(commands: Subparsers) -> None:
     text = "compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded"
     command.add_argument_group("output").add_argument("--verify", action="store_true", help=text)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

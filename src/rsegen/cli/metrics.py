@@ -80,7 +80,6 @@ def add(commands: Subparsers) -> None:
     output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
     add_flags(output, _Drawing)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     text = "List the kinds of obstacles with their parameters, ranges and meaning; as JSON their schemas."
-    command = add_command(commands, "obstacles", text=text)
-    command.set_defaults(run=run)
+    add_command(commands, "obstacles", text=text)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -30,7 +30,6 @@ def add(commands: Subparsers) -> None:
     add_flags(group, open_world)
     group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
     add_target_recipe_flags(command, _OWN)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -55,7 +55,6 @@ def add(commands: Subparsers) -> None:
     add_target_flags(command)
     add_flags(command.add_argument_group("output"), _Drawing)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

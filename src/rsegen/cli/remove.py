@@ -15,7 +15,6 @@ def add(commands: Subparsers) -> None:
     command = add_command(commands, "remove", remove)
     command.add_argument("names", nargs="+", metavar="NAME", help="name of a model in the simulation")
     add_flags(command, remove)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

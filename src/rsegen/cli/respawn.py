@@ -23,7 +23,6 @@ def add(commands: Subparsers) -> None:
     where = "the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first"
     command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
     add_flags(command.add_argument_group("respawn"), respawn)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

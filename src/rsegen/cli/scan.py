@@ -49,7 +49,6 @@ def add(commands: Subparsers) -> None:
     add_output_flags(command)
     add_flags(command, _Fit)
     add_recipe_flags(command, over="CLOUD")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

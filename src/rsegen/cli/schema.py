@@ -29,7 +29,6 @@ def add(commands: Subparsers) -> None:
     text = "Print the JSON Schema (2020-12) of recipe files, by which editors complete and check recipes; or of the "
     command = add_command(commands, "schema", text=f"{text}parameters of a command, of which a form can be made.")
     command.add_argument("command", nargs="?", metavar="COMMAND", help=", ".join(FUNCTIONS))
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

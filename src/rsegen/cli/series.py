@@ -31,7 +31,6 @@ def add(commands: Subparsers) -> None:
     add_format_rows(command)
     add_flags(command.add_argument_group("difficulty"), series, without=declared(generate))
     add_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -44,7 +44,6 @@ def add(commands: Subparsers) -> None:
     add_flags(command.add_argument_group("output"), _Files)
     add_flags(command.add_argument_group("cutting"), CutSettings)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     text = "List the simulators in which rsegen can open worlds: version and path, or how to install them."
-    command = add_command(commands, "sim", text=text)
-    command.set_defaults(run=run)
+    add_command(commands, "sim", text=text)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -32,7 +32,6 @@ def add(commands: Subparsers) -> None:
     add_target(command, "DIR-or-RECIPE-or-ROBOT", where)
     add_flags(command.add_argument_group("spawn"), spawn)
     add_target_recipe_flags(command, _OWN)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -42,7 +42,6 @@ def add(commands: Subparsers) -> None:
     add_flags(command.add_argument_group("spots"), spots, without=["map"])
     add_flags(command.add_argument_group("output"), _Drawing)
     add_target_recipe_flags(command, ("seed",))
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

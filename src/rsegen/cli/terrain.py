@@ -47,7 +47,6 @@ def add(commands: Subparsers) -> None:
     add_flags(group, TerrainDesign)
     add_flags(group, _Tiles)
     add_output_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -28,7 +28,6 @@ def add(commands: Subparsers) -> None:
     add_target_flags(command, "all, to choose from on the page")
     add_flags(command.add_argument_group("output"), _Page)
     add_target_recipe_flags(command)
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:

@@ -16,7 +16,7 @@ from rsegen.params.streams import SEEDS
 if TYPE_CHECKING:
     from rsegen.exporters.formats import Format
     from rsegen.field.metrics.catalogue import Crosser
-    from rsegen.robots.base import DrivableRobot
+    from rsegen.robots.lookup import DrivableRobot
 
 Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
 

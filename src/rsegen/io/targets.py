@@ -31,15 +31,6 @@ def recipe_in(path: str | Path) -> Recipe:
     return recipe.alone(index)
 
 
-def dataset_at(path: Path) -> Path | None:
-    """Return the folder of a data set, if the path is a folder or a manifest; else None."""
-    if path.is_dir():
-        return path
-    from rsegen.io.dataset.layout import MANIFEST
-
-    return path.parent if path.name == MANIFEST and path.is_file() else None
-
-
 class ChosenMap(NamedTuple):
     """A map of a recipe, and the file that the recipe is from."""
 
@@ -89,9 +80,9 @@ def one_of(
     raise ParameterError(where, problem)
 
 
-def map_index(recipe: Recipe, which: int | str | None, where: str = "map") -> int:
+def map_index(recipe: Recipe, which: int | str | None) -> int:
     """Return the index of a map of a recipe, given by index or name; the first by default."""
-    return one_of([(Path(), recipe)], which, "the recipe", where).map
+    return one_of([(Path(), recipe)], which, "the recipe", "map").map
 
 
 def _index(recipe: Recipe, which: str) -> int | None:

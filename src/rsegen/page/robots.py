@@ -30,8 +30,8 @@ from rsegen.page.scenes import kept, scene_of
 from rsegen.page.turns import newest_turn
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import Robot, SdfRobot, robot_of
-from rsegen.robots.base import DrivableRobot
 from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
 from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
 from rsegen.simulation.driving.routes import followed

@@ -173,6 +173,7 @@ def _of(folder: Path) -> Iterator[EntryPoint]:
 
 
 Thing = TypeVar("Thing")
+Offered = TypeVar("Offered")
 
 
 class Registry(Mapping[str, Thing]):
@@ -187,9 +188,9 @@ class Registry(Mapping[str, Thing]):
         sort: str,
         order: Callable[[Thing], Any] | None = None,
         *,
+        contract: Contract,
         package: str = "",
         group: str = "",
-        contract: Contract | None = None,
     ) -> None:
         # Things and sources by name; the rest is how far the search for plug-ins has come.
         self._sort = sort
@@ -223,6 +224,12 @@ class Registry(Mapping[str, Thing]):
         if name in self._things and self._things[name] is not thing:
             raise TypeError(f"two {self._sort}s are named {name!r}: {self._things[name]} and {thing}")
         self._things[name] = thing
+
+    def register(self, offered: Offered) -> Offered:
+        """Make one of rsegen's own known under its names, as a plug-in's by the contract; a decorator of its class."""
+        for name in self._contract.names(offered):
+            self.add(name, self._contract.kept(offered))
+        return offered
 
     def named(self, name: str, where: str) -> Thing:
         """Look up a user-supplied name; raise UnknownName for `where`, which lists the valid names."""
@@ -290,10 +297,8 @@ class Registry(Mapping[str, Thing]):
                 self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
 
     def _held(self, plugin: Plugin) -> Iterable[tuple[str, Any]]:
-        contract, known = self._contract, set(map(id, self._things.values()))
-        if contract is None:
-            return []
-        held = ((name, value) for name, value in vars(plugin.module).items() if contract.is_held(value, plugin))
+        known = set(map(id, self._things.values()))
+        held = ((name, value) for name, value in vars(plugin.module).items() if self._contract.is_held(value, plugin))
         return [(name, value) for name, value in held if isinstance(value, type) or id(value) not in known]
 
     def _offered(self) -> tuple[EntryPoint, ...]:
@@ -319,8 +324,6 @@ class Registry(Mapping[str, Thing]):
     def _enter(self, offered: Any, source: Source, where: str, wanted: str | None = None) -> None:
         """Keep an object of a plug-in under its names; PluginError if it does not meet the contract."""
         contract = self._contract
-        if contract is None:
-            raise PluginError(f"{where}: there are no plug-ins that are a {self._sort}")
         if problem := contract.problem(offered) or self._misnamed(offered, contract.names(offered), wanted):
             raise PluginError(f"{where}: {problem}")
         for name in contract.names(offered):

@@ -44,10 +44,12 @@ class Parameter(Protocol):
         """Return `value` in canonical form, or raise a ParameterError that says what would be right."""
 
     def parse(self, text: str) -> object:
-        """Parse a text of the command line; the value is not yet checked."""
+        """Parse a text of the command line, by default as it stands; the value is not yet checked."""
+        return text
 
     def format(self, value: Any) -> str:
         """Return the text of the command line for a value as a file has it."""
+        return str(value)
 
     def schema(self) -> dict[str, Json]:
         """Return the JSON Schema of the sort."""
@@ -57,7 +59,7 @@ class Parameter(Protocol):
 
 
 @dataclass(frozen=True)
-class Float:
+class Float(Parameter):
     """A finite number from `low` to `high`, both allowed."""
 
     low: float = -math.inf
@@ -87,9 +89,6 @@ class Float:
         except ValueError:
             return text
 
-    def format(self, value: Any) -> str:
-        return str(value)
-
     def schema(self) -> dict[str, Json]:
         bounds = {"minimum": self.low, "maximum": self.high}
         return {"type": "number"} | {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
@@ -99,7 +98,7 @@ class Float:
 
 
 @dataclass(frozen=True)
-class Integer:
+class Integer(Parameter):
     """A whole number from `low` to `high`, both allowed."""
 
     low: int
@@ -119,9 +118,6 @@ class Integer:
     def parse(self, text: str) -> object:
         return parse_int(text)
 
-    def format(self, value: Any) -> str:
-        return str(value)
-
     def schema(self) -> dict[str, Json]:
         high = {} if self.high is None else {"maximum": self.high}
         return {"type": "integer", "minimum": self.low} | high
@@ -131,7 +127,7 @@ class Integer:
 
 
 @dataclass(frozen=True)
-class Choice:
+class Choice(Parameter):
     """A word from a few."""
 
     values: tuple[str, ...]
@@ -142,12 +138,6 @@ class Choice:
             return value
         raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}{nearest(value, self.values)}")
 
-    def parse(self, text: str) -> object:
-        return text
-
-    def format(self, value: Any) -> str:
-        return str(value)
-
     def schema(self) -> dict[str, Json]:
         return {"enum": list(self.values)}
 
@@ -156,7 +146,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Flag:
+class Flag(Parameter):
     """Yes or no."""
 
     help: str = ""
@@ -180,7 +170,7 @@ class Flag:
 
 
 @dataclass(frozen=True)
-class Text:
+class Text(Parameter):
     """A text that a pattern matches whole, and that UTF-8 can write."""
 
     pattern: str
@@ -192,12 +182,6 @@ class Text:
             return value
         raise ParameterError(where, f"invalid value {shown(value)}: expected {self.meaning}")
 
-    def parse(self, text: str) -> object:
-        return text
-
-    def format(self, value: Any) -> str:
-        return str(value)
-
     def schema(self) -> dict[str, Json]:
         return {"type": "string", "pattern": f"^{self.pattern}$"}
 
@@ -206,7 +190,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class ListOf:
+class ListOf(Parameter):
     """A list of values of one type, `length` of them or up to `most`; a single value is a list of one."""
 
     sort: Parameter
@@ -240,7 +224,7 @@ class ListOf:
 
 
 @dataclass(frozen=True)
-class Reference:
+class Reference(Parameter):
     """A name, a path, or the thing itself in Python: whoever is called looks it up.
 
     meaning: what it may be, in words
@@ -253,12 +237,6 @@ class Reference:
         if value is None or value == "":
             raise ParameterError(where, f"nothing is given; give {self.meaning}")
         return value
-
-    def parse(self, text: str) -> object:
-        return text
-
-    def format(self, value: Any) -> str:
-        return str(value)
 
     def schema(self) -> dict[str, Json]:
         return {"type": "string", "minLength": 1}
@@ -376,7 +354,7 @@ ANYWHERE: Place = ("random", "random")
 
 
 @dataclass(frozen=True)
-class CellRef:
+class CellRef(Parameter):
     """A place: `[2, 3]`, `[random, 3]`, or `random` for both coordinates."""
 
     help: str = ""
@@ -414,7 +392,7 @@ class CellRef:
 
 
 @dataclass(frozen=True)
-class Size2D:
+class Size2D(Parameter):
     """A whole number for each of x and y, from 1 to a thousand million; one number stands for both."""
 
     high: ClassVar[int] = 10**9

@@ -27,7 +27,7 @@ _SOURCE = Text(r"[^\x00-\x1f]{1,100}", "a package and its version, or a file", "
 
 
 @dataclass(frozen=True)
-class PluginRecord:
+class PluginRecord(Parameter):
     """Kinds of obstacles, each with the package and version, or the file, that it comes from."""
 
     help: str = "package and version, or file, of each kind of obstacle that is not one of rsegen's own"
@@ -37,14 +37,6 @@ class PluginRecord:
         if not isinstance(value, Mapping) or not all(isinstance(kind, str) for kind in value):
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         return {kind: _SOURCE.check(f"{where}.{kind}", source) for kind, source in value.items()}
-
-    def parse(self, text: str) -> object:
-        """Return the text as it is: no flag gives these records."""
-        return text
-
-    def format(self, value: Any) -> str:
-        """Return the value as Python shows it: no flag gives these records."""
-        return str(value)
 
     def schema(self) -> dict[str, Json]:
         """Return the schema of an object whose values are texts."""

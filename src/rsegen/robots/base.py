@@ -9,12 +9,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol, cast
+from typing import ClassVar, cast
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.field.limits import SIDE
-from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Registry
 from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.body import body_of_links
@@ -24,42 +23,6 @@ from rsegen.robots.ros2 import ros_files
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import ROBOTS as STANDING
 from rsegen.standing.kinds import Standing
-from rsegen.standing.ways import Reach, Way
-
-
-class DrivableRobot(Protocol):
-    """The interface of a robot that can be driven over a map: an included one, or one from an SDF file.
-
-    size: overall length, width and height, metres; speed, turn: maximum speed and turn rate, m/s and rad/s.
-    """
-
-    @property
-    def kind(self) -> str: ...  # noqa: D102  # the class says it
-    @property
-    def size(self) -> Vector: ...  # noqa: D102  # the class says it
-    @property
-    def speed(self) -> float: ...  # noqa: D102  # the class says it
-    @property
-    def turn(self) -> float: ...  # noqa: D102  # the class says it
-    @property
-    def driving_speed(self) -> float: ...  # noqa: D102  # the class says it
-    @property
-    def body(self) -> Body: ...  # noqa: D102  # the class says it
-    @property
-    def body_or_box(self) -> Body: ...  # noqa: D102  # the class says it
-    @property
-    def width(self) -> float: ...  # noqa: D102  # the class says it
-    def reach(self, field: StepField) -> Reach:
-        """Return where it gets on a field, and its ways across."""
-
-    def crossing(self, field: StepField, axis: int) -> Way:
-        """Return its way across a field, along x for axis 0, along y for axis 1."""
-
-    def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
-        """Return its <model>, with its origin at a pose."""
-
-    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
-        """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -182,10 +145,8 @@ ROBOTS = cast("Registry[Robot]", STANDING)
 """Every robot by its kind: the registry of what stands, in which all are of this class."""
 
 
-def register(robot: Robot) -> Robot:
-    """Register a robot under its kind."""
-    ROBOTS.add(robot.kind, robot)
-    return robot
+register = ROBOTS.register
+"""Make a robot known by its kind, and return it."""
 
 
 WHEEL = Float(0.001, SIDE.high, unit="m")

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+from typing import TypeAlias
 
 from numpy.typing import ArrayLike
 
 from rsegen.field.stepfield import StepField
-from rsegen.robots.base import ROBOTS, DrivableRobot, Robot
-from rsegen.robots.sdf_file import from_file, is_robot_file
+from rsegen.robots.base import ROBOTS, Robot
+from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.standing import resting
 from rsegen.standing.resting import Poses
+
+DrivableRobot: TypeAlias = Robot | SdfRobot
+"""A robot that can be driven over a map: of a kind, or of a file."""
 
 
 def robot(kind: str, where: str = "robot") -> Robot:

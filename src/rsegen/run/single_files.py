@@ -9,7 +9,7 @@ All content is made before the first file is written, whole or not at all (`stor
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from math import prod
@@ -121,12 +121,11 @@ def write_sheets(
     saw: CutSettings | None = None,
     *,
     force: bool = False,
-    progress: Callable[[object], None] | None = None,
 ) -> Scene:
     """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
 
-    All are made before the first is written; `progress` is called after each page of a PDF. Raises an OutputError if a
-    file exists already, unless `force`; TooLarge or a ParameterError if the map cannot have a sheet.
+    All are made before the first is written. Raises an OutputError if a file exists already, unless `force`; TooLarge
+    or a ParameterError if the map cannot have a sheet.
     """
     # Everything that may be wrong is checked first, as a map and its sheet take their time.
     saw = saw or CutSettings.default(recipe.units)
@@ -136,7 +135,7 @@ def write_sheets(
     refuse_too_large(recipe)
     refuse_unbuildable(recipe, saw)
     scene = compose(recipe, index)
-    write_paths({path: sheet(scene, saw, format_, progress=progress) for path, format_ in formats.items()}, force=force)
+    write_paths({path: sheet(scene, saw, format_) for path, format_ in formats.items()}, force=force)
     return scene
 
 

@@ -144,19 +144,17 @@ class Store:
         bundle: Mapping[str, Iterable[bytes]],
         *,
         force: Collection[str] | bool = False,
-        whole: Collection[str] = (),
         holds: str = "files",
     ) -> None:
         """Write files of the folder, with a journal: all of them, or none if that fails.
 
-        force: the names of those that may be replaced, or all of them; whole: folders that are replaced as one, whose
-        files are all in the bundle.
+        force: the names of those that may be replaced, or all of them.
         """
         root = new_root(self.staging)
         files = stage_all(root, {PurePosixPath(path): content for path, content in bundle.items()})
         if self.sync:
             sync_tree(root)
-        self.put_staged(root, files, force=force, whole=whole, holds=holds)
+        self.put_staged(root, files, force=force, holds=holds)
 
     def put_staged(
         self,
@@ -168,7 +166,11 @@ class Store:
         whole: Collection[str] = (),
         holds: str = "files",
     ) -> None:
-        """Give staged files their names, as `put` does; below: a folder that has them, and a journal of its own."""
+        """Give staged files their names, as `put` does.
+
+        below: a folder that has them, and a journal of its own; whole: folders that are replaced as one, whose files
+        are all among them.
+        """
         # A unit is a file, or a whole folder among them: each is swapped by itself, and swapped back if a later one
         # fails.
         folder = self.folder / below

@@ -7,7 +7,7 @@ import random
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from rsegen.cli.commands import COMMANDS, parser
+from rsegen.cli.commands import COMMANDS, parser_of
 from tests.fuzz.case import Case, Content, Special
 from tests.fuzz.hostile import NUMBERS, TEXTS
 from tests.fuzz.seeds import INVENTORY, TABLES, map_folder
@@ -109,15 +109,8 @@ _OBSTACLES += (
 @cache
 def options(command: str) -> Mapping[str, argparse.Action]:
     """Every flag of a command."""
-    top = parser()
-    (commands,) = (action for action in top._actions if isinstance(action, argparse._SubParsersAction))
-    from importlib import import_module
-
-    from rsegen.cli.commands import module_of
-
-    import_module(module_of(command)).add(commands)
-    own = commands._name_parser_map[command]
-    found = {flag: action for action in own._actions for flag in action.option_strings if flag not in NEVER}
+    actions = parser_of(command)._actions
+    found = {flag: action for action in actions for flag in action.option_strings if flag not in NEVER}
     return {flag: action for flag, action in found.items() if (command, flag) not in LONG}
 
 

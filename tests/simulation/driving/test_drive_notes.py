@@ -14,7 +14,7 @@ import pytest
 import rsegen
 from rsegen.exporters.scene import compose
 from rsegen.robots import from_file, robot
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.drive import DriveResult, draw_trajectories, drive_notes, driven_robot
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.recording import DriveRecording, RobotRun, send_commands

@@ -12,7 +12,7 @@ from rsegen.robots import Robot
 from rsegen.simulation.driving.world_file import add_systems
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.simulators.server import Server, retried, running_server
+from rsegen.simulation.simulators.server import Server, attempted, running_server
 
 LANE = 4.0
 """Metres from lane to lane."""
@@ -88,7 +88,7 @@ def driven(
                 poses.append(live.poses())
         return poses
 
-    return retried(once)
+    return attempted(once)[0]
 
 
 @contextmanager

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from math import pi
 from pathlib import Path
@@ -14,7 +16,8 @@ from rsegen.robots.drives import Tracks
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.classic_world import ClassicWorld
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.simulators.server import retried
+from rsegen.simulation.simulators.server import attempted
+from rsegen.simulation.simulators.wire import pose_of
 from tests.simulation.real.courses import Course, driven, served, stair
 from tests.simulation.real.test_sdformat import said
 from tests.support.long import long_unless
@@ -114,12 +117,15 @@ def test_flippers_and_arm_reach_the_commanded_angles(gazebo_classic: Installatio
     def moved() -> Mapping[str, Pose]:
         with served(gazebo_classic, course, tmp_path) as (server, live):
             for joint in ("left_flipper_pivot", "shoulder_joint"):
-                server.run_command(*ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell)
+                name, *words = ROBOTS["crawler"].servo_command("one", joint, angles[joint]).shell
+                command = [str(gazebo_classic.commands[name]), *words]
+                subprocess.run(command, env=os.environ | dict(server.environment), timeout=60, check=True)
             live.step(2000)
             assert isinstance(live, ClassicWorld)
-            return live.links()
+            links = (link for model in live._models().values() for link in model.get("link", []))
+            return {link["name"]: pose_of(link["pose"]) for link in links}
 
-    links = retried(moved)
+    links = attempted(moved)[0]
     turned = {
         "left_flipper_pivot": "left_flipper",
         "right_flipper_pivot": "right_flipper",

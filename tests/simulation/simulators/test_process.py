@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators import LaunchCommand
+from rsegen.simulation.simulators import LaunchCommand, process
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.process import output_of, running
+from rsegen.simulation.simulators.process import command_output, running
 from tests.support.leftovers import MARK, left, left_in_the_end
 from tests.support.long import long_unless
 
@@ -116,11 +116,15 @@ def test_nothing_is_left_when_rsegen_is_killed(script: str, word: str, tmp_path:
     assert left_in_the_end(mark) == []
 
 
-def test_a_program_that_does_not_answer_in_time_is_an_error_and_gone(tmp_path: Path, mark: str) -> None:
-    with pytest.raises(SimulatorFailed, match=r"/bin/sh: no answer after 0.3 s without progress"):
-        output_of(shell("echo something; sleep 60", tmp_path), Patience(seconds=0.3))
+def test_a_command_that_does_not_answer_in_time_is_gone_and_an_error_if_it_printed_nothing(
+    mark: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(process, "_SHORT_COMMAND", Patience(seconds=0.3))
+    with pytest.raises(SimulatorFailed, match=r"^/bin/sh -c 'sleep 60' prints nothing, after 0.3 s without progress$"):
+        command_output(["/bin/sh", "-c", "sleep 60"])
+    assert command_output(["/bin/sh", "-c", "echo something; sleep 60"]) == "something\n"
     assert left(mark) == []
 
 
-def test_an_answer_is_both_outputs(tmp_path: Path) -> None:
-    assert output_of(shell("echo out; echo err >&2; cat", tmp_path), Patience()) == "out\nerr\n"
+def test_the_output_of_a_command_is_both_outputs() -> None:
+    assert command_output(["/bin/sh", "-c", "echo out; echo err >&2; cat"]) == "out\nerr\n"

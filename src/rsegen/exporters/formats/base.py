@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import ClassVar, Literal, TypeVar
+from typing import ClassVar, Literal
 
 from rsegen.errors import ParameterError, UserError
 from rsegen.exporters.gazebo import Bundle
@@ -118,13 +118,8 @@ FORMATS: Registry[type[Format]] = Registry(
 )
 """Every format by its name."""
 
-_Format = TypeVar("_Format", bound=type[Format])
-
-
-def register(cls: _Format) -> _Format:
-    """Make a format known by its name."""
-    FORMATS.add(cls.name, cls)
-    return cls
+register = FORMATS.register
+"""Decorator of a format, which is known by its name then."""
 
 
 def format_named(name: str, where: str = "formats") -> type[Format]:

@@ -402,13 +402,8 @@ def kind(name: str, where: str = "kind") -> type[Obstacle]:
     return KINDS.named(name, where)
 
 
-_Kind = TypeVar("_Kind", bound=type[Obstacle])
-
-
-def register(cls: _Kind) -> _Kind:
-    """Register an obstacle class under the name of its kind."""
-    KINDS.add(cls.kind, cls)
-    return cls
+register = KINDS.register
+"""Decorator of an obstacle class, which is known by the name of its kind then."""
 
 
 def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng: np.random.Generator) -> Cell:

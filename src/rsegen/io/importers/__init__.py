@@ -3,7 +3,6 @@
 file --Importer.read--> Heights --imported--> Recipe of one matrix
 """
 
-from rsegen.io.importers.base import IMPORTERS, Heights, Importer
-from rsegen.io.importers.reading import heights_in, imported, importer_for, recipe_of
+from rsegen.io.importers.base import IMPORTERS, Heights, Importer, heights_in, imported, importer_for, recipe_of
 
 __all__ = ["IMPORTERS", "Heights", "Importer", "heights_in", "imported", "importer_for", "recipe_of"]

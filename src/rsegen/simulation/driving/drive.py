@@ -20,8 +20,9 @@ from rsegen.exporters.pictures.plan import draw_plan
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 from rsegen.robots import from_file, is_robot_file, robot_of
-from rsegen.robots.base import DrivableRobot, Robot
-from rsegen.robots.drives import Tracks, Wheels
+from rsegen.robots.base import Robot
+from rsegen.robots.drives import Tracks
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
 from rsegen.simulation.driving.drive_metrics import (
@@ -281,8 +282,7 @@ def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator
     if seconds < _NOTICED or moved >= SLOW * commanded or drive.tilt.max() > TIPPED:
         return
     share = f"{run.name} moved {moved:.2f} m in {seconds:.3g} s, {moved / commanded:.1%} of what was commanded"
-    drive_of = run.robot.drive if isinstance(run.robot, Robot | SdfRobot) else None
-    parts = ", ".join((*drive_of.left, *drive_of.right)) if isinstance(drive_of, Wheels | Tracks) else "its wheels"
+    parts = ", ".join((*run.robot.drive.left, *run.robot.drive.right))
     doubt = f"perhaps {parts} do not turn, do not touch the ground, or are not what it drives on"
     if route == Wandering.name:
         yield f"{share}: it is stuck where it started, or {doubt}"

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.errors import SimulatorFailed
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.routes import STOP, PlannedWay, Route
 from rsegen.simulation.driving.world_file import camera, last_frame, time_step, world_with_robots

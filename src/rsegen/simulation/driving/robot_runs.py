@@ -16,7 +16,7 @@ import numpy as np
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.simulation.simulators.live_world import Pose

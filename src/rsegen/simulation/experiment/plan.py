@@ -22,7 +22,7 @@ from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference,
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS, is_robot_file
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.drive import drivable
 from rsegen.simulation.simulators import SIMULATORS
 

@@ -22,7 +22,7 @@ from rsegen.errors import inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array, StepField
-from rsegen.robots.base import DrivableRobot
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import (
     PLANE,
     Course,

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 from rsegen.params.registry import Contract, Registry
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
@@ -202,13 +202,8 @@ SIMULATORS: Registry[Simulator] = Registry(
 )
 """Every simulator by its name, the newest first."""
 
-_Kind = TypeVar("_Kind", bound=type[Simulator])
-
-
-def register(cls: _Kind) -> _Kind:
-    """Register a simulator under its name."""
-    SIMULATORS.add(cls.name, cls())
-    return cls
+register = SIMULATORS.register
+"""Decorator of a simulator, one of which is known by its name then."""
 
 
 def installations(first: str = "") -> Iterator[Installation]:

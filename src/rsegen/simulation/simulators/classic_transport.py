@@ -45,15 +45,12 @@ _MOST = 2**26
 """Bytes of a message at most: 64 MiB, many times a picture or the poses of a large world."""
 
 
-class TransportClient:
+class TransportClient(Inbox):
     """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each."""
 
     def __init__(self, address: tuple[str, int], patience: Patience) -> None:
         # What threads learn changes inside the inbox's condition; sockets are kept to be closed at the end.
-        self.patience = patience
-        self._inbox = Inbox("Gazebo Classic")
-        self._types: dict[str, str] = {}
-        self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
+        super().__init__("Gazebo Classic", patience)
         self._subscribers: dict[str, list[socket.socket]] = defaultdict(list)
         self._publishers: dict[socket.socket, str] = {}
         self._sockets: set[socket.socket] = set()
@@ -78,14 +75,9 @@ class TransportClient:
         """The name of the server's world."""
         return self._world
 
-    @property
-    def is_connected(self) -> bool:
-        """Return whether the server still answers."""
-        return not self._inbox.has_failed
-
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
         """Subscribe to a topic; `on_message` takes its messages, else they are kept."""
-        full = self._full_topic(topic)
+        full = self.full_name(topic)
         self._types[full] = type_name
         if on_message:
             self._takers[full] = on_message
@@ -93,11 +85,11 @@ class TransportClient:
 
     def is_subscribed(self, topic: str) -> bool:
         """Return whether a topic was ever subscribed."""
-        return self._full_topic(topic) in self._types
+        return self.full_name(topic) in self._types
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
-        full = self._full_topic(topic)
+        full = self.full_name(topic)
         if not self._subscribers[full]:
             publication = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
             self._send_to_master("advertise", "Publish", publication)
@@ -105,41 +97,21 @@ class TransportClient:
         for subscriber in self._subscribers[full]:
             _send(subscriber, CLASSIC.encode(type_name, message))
 
-    def wait_for_message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
-        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        return self._inbox.wait_for_message(self._full_topic(topic), wanted, self.patience)
-
-    def wait(self, why: str, until: Callable[[], bool], patience: Patience | None = None) -> None:
-        """Wait until something holds that messages change; SimulatorFailed with the reason when patience is over."""
-        self._inbox.wait(why, until, patience or self.patience)
-
-    def kept(self, topic: str) -> list[dict[str, Any]]:
-        """Return the messages of a topic that are kept, the oldest first."""
-        return self._inbox.kept(self._full_topic(topic))
-
-    def last(self, topic: str) -> dict[str, Any] | None:
-        """Return the last message of a topic; None if there is none yet."""
-        return self._inbox.last(self._full_topic(topic))
-
-    def clear(self, topic: str) -> None:
-        """Delete the messages of a topic that were received until now."""
-        self._inbox.clear(self._full_topic(topic))
-
     @contextmanager
     def muted(self, topic: str) -> Iterator[None]:
         """A topic is unsubscribed inside, so that its publishers have less to do."""
-        self._unsubscribe({self._full_topic(topic)})
+        self._unsubscribe({self.full_name(topic)})
         yield
-        self._subscribe_and_wait(self._full_topic(topic))
+        self._subscribe_and_wait(self.full_name(topic))
 
     @contextmanager
     def subscribed(self, topic: str, type_name: str) -> Iterator[None]:
         """A topic is subscribed inside, and only there."""
-        self._types[self._full_topic(topic)] = type_name
-        self._subscribe_and_wait(self._full_topic(topic))
+        self._types[self.full_name(topic)] = type_name
+        self._subscribe_and_wait(self.full_name(topic))
         time.sleep(_QUIET_TIME)
         yield
-        self._unsubscribe({self._full_topic(topic)})
+        self._unsubscribe({self.full_name(topic)})
         self.clear(topic)
 
     def close(self) -> None:
@@ -159,7 +131,8 @@ class TransportClient:
         for thread in list(self._threads):
             thread.join(DISCONNECT_TIMEOUT)
 
-    def _full_topic(self, topic: str) -> str:
+    def full_name(self, topic: str) -> str:
+        """Return the name with that of the world; a full name as it is."""
         return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
 
     def _subscribe_and_wait(self, topic: str) -> None:
@@ -200,12 +173,12 @@ class TransportClient:
                 if kind == "topic_namepaces_init":
                     names = CLASSIC.decode("GzString_V", inside).get("data", [])
                     world = next((name for name in names if "/" not in name), "")
-                    self._inbox.update(partial(setattr, self, "_world", world))
+                    self.update(partial(setattr, self, "_world", world))
                 elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
                     self._connect_publisher(CLASSIC.decode("Publish", inside))
         self._end(self._master)
         if not self._is_closed:
-            self._inbox.fail("the server has ended")
+            self.fail("the server has ended")
 
     def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
         """Connect to a publisher of a subscribed topic."""
@@ -218,18 +191,13 @@ class TransportClient:
             other = self._registered(socket.create_connection((host, port), self.patience.seconds))
         except (OSError, OverflowError, UnicodeError):  # it is gone already, or this is no address
             return
-        self._inbox.update(lambda: self._publishers.update({other: topic}))
+        self.update(lambda: self._publishers.update({other: topic}))
         with suppress(SimulatorFailed):  # it goes in this moment: then nothing is received
             _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
         for content in _received(other):
-            decode = partial(CLASSIC.decode, self._types[topic], content)
-            if taker := self._takers.get(topic):
-                with suppress(NoMessage):
-                    taker(decode())
-            else:
-                self._inbox.add(topic, decode)
+            self.add(topic, partial(CLASSIC.decode, self._types[topic], content))
             self._last = time.monotonic()
-        self._inbox.update(lambda: self._publishers.pop(other))
+        self.update(lambda: self._publishers.pop(other))
         self._end(other)
 
     def _accept_subscribers(self) -> None:
@@ -248,9 +216,9 @@ class TransportClient:
                 packet = CLASSIC.decode("Packet", content)
                 if packet["type"] == "sub":
                     topics.append(CLASSIC.decode("Subscribe", packet["serialized_data"])["topic"])
-                    self._inbox.update(lambda: self._subscribers[topics[-1]].append(subscriber))
+                    self.update(lambda: self._subscribers[topics[-1]].append(subscriber))
         for topic in topics:
-            self._inbox.update(partial(self._subscribers[topic].remove, subscriber))
+            self.update(partial(self._subscribers[topic].remove, subscriber))
         self._end(subscriber)
 
     def _registered(self, other: socket.socket) -> socket.socket:

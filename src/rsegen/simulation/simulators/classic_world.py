@@ -137,11 +137,6 @@ class ClassicWorld(LiveWorld):
         self.client.subscribe(topic, kind, lambda _: frames.append(None))
         return lambda: len(frames)
 
-    def links(self) -> Mapping[str, Pose]:
-        """Return the pose of every link in its model, by its full name."""
-        links = (link for model in self._models().values() for link in model.get("link", []))
-        return {link["name"]: pose_of(link["pose"]) for link in links}
-
     def mesh_files(self) -> Mapping[str, str]:
         """Return the files in the answer about poses; those of a map in a world file are relative to the world."""
         return {name: file for name, model in self._models().items() if (file := mesh_file(model))}

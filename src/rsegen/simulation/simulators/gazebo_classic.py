@@ -27,22 +27,6 @@ _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
 _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
 
 
-def record_options(period: float) -> tuple[str, ...]:
-    """Return the options of a server that records a state as text every `period` seconds."""
-    return "--record_encoding", "txt", "--record_period", f"{period:g}"
-
-
-def parse_record(text: str) -> Record:
-    """Return the models of each recorded state."""
-    return [
-        (
-            int(seconds) + int(nanos) / 1e9,
-            {name: [float(value) for value in pose.split()] for name, pose in _MODEL.findall(models)},
-        )
-        for seconds, nanos, models in _STATE.findall(text)
-    ]
-
-
 SET_UP = Path(".cache", "rsegen", "gazebo-classic")
 """The folder in the user's home in which scripts/gazebo-classic sets it up."""
 
@@ -127,11 +111,17 @@ class GazeboClassic(Simulator):
 
     def record_options(self, period: float) -> tuple[str, ...]:
         """Return the options of a record as text."""
-        return record_options(period)
+        return "--record_encoding", "txt", "--record_period", f"{period:g}"
 
     def read_record(self, home: Path) -> Record | None:
         """Return the record, which is complete when the server has ended."""
-        return parse_record((home / STATE).read_text())
+        return [
+            (
+                int(seconds) + int(nanos) / 1e9,
+                {name: [float(value) for value in pose.split()] for name, pose in _MODEL.findall(models)},
+            )
+            for seconds, nanos, models in _STATE.findall((home / STATE).read_text())
+        ]
 
 
 def _address(master: str) -> tuple[str, int]:

@@ -25,21 +25,35 @@ _LOOK = 0.1
 
 
 class Inbox:
-    """Messages by topic; `title`: of the simulator, for errors."""
+    """Messages by topic, the base of a client of a simulator; `title`: of the simulator, for errors."""
 
-    def __init__(self, title: str) -> None:
+    def __init__(self, title: str, patience: Patience) -> None:
+        self.patience = patience
         self._title = title
+        self._types: dict[str, str] = {}
+        self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
         self._failure = ""
         self._changed = threading.Condition()
         self._messages: dict[str, deque[_Received]] = defaultdict(lambda: deque(maxlen=_KEPT))
 
-    def add(self, topic: str, decode: Callable[[], dict[str, Any]]) -> None:
-        """Keep a message, which is decoded when somebody looks at it."""
-        self.update(lambda: self._messages[topic].append(_Received(decode)))
+    def full_name(self, topic: str) -> str:
+        """Return the name under which the messages of a topic are sent."""
+        return topic
+
+    def add(self, full: str, decode: Callable[[], dict[str, Any]]) -> None:
+        """Hand on a message of a topic of this full name if somebody takes them, else keep it.
+
+        What is kept is decoded when somebody looks at it.
+        """
+        if taker := self._takers.get(full):
+            with suppress(NoMessage):
+                taker(decode())
+        else:
+            self.update(lambda: self._messages[full].append(_Received(decode)))
 
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
-        self.update(self._messages[topic].clear)
+        self.update(self._messages[self.full_name(topic)].clear)
 
     def update(self, change: Callable[[], object]) -> None:
         """Change what others may wait for."""
@@ -52,12 +66,13 @@ class Inbox:
         self.update(lambda: setattr(self, "_failure", why))
 
     @property
-    def has_failed(self) -> bool:
-        """Return whether no further message can arrive."""
-        return bool(self._failure)
+    def is_connected(self) -> bool:
+        """Return whether the server still answers."""
+        return not self._failure
 
-    def wait(self, why: str, until: Callable[[], bool], patience: Patience) -> None:
-        """Wait until a condition holds; SimulatorFailed with the reason when patience is over."""
+    def wait(self, why: str, until: Callable[[], bool], patience: Patience | None = None) -> None:
+        """Wait until something holds that messages change; SimulatorFailed with the reason when patience is over."""
+        patience = patience or self.patience
         wait = patience.begin()
         with self._changed:
             while not (self._failure or until()):
@@ -70,29 +85,28 @@ class Inbox:
     def kept(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""
         with self._changed:
-            return list(self._newest_first(topic))[::-1]
+            return list(self._newest_first(self.full_name(topic)))[::-1]
 
     def last(self, topic: str) -> dict[str, Any] | None:
         """Return the last message of a topic; None if there is none yet."""
         with self._changed:
-            return next(self._newest_first(topic), None)
+            return next(self._newest_first(self.full_name(topic)), None)
 
-    def wait_for_message(
-        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool], patience: Patience
-    ) -> dict[str, Any]:
+    def wait_for_message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
+        full = self.full_name(topic)
         found: list[dict[str, Any]] = []
 
         def has_come() -> bool:
-            found.extend(islice(filter(wanted, self._newest_first(topic)), 1))
+            found.extend(islice(filter(wanted, self._newest_first(full)), 1))
             return bool(found)
 
-        self.wait(f"no message on {topic}", has_come, patience)
+        self.wait(f"no message on {full}", has_come)
         return found[0]
 
-    def _newest_first(self, topic: str) -> Iterator[dict[str, Any]]:
+    def _newest_first(self, full: str) -> Iterator[dict[str, Any]]:
         """Yield the messages of a topic, which are decoded as far as they are taken."""
-        for received in reversed(self._messages[topic]):
+        for received in reversed(self._messages[full]):
             if received.message is not None:
                 yield received.message
 

@@ -87,40 +87,27 @@ def running(
         yield started
 
 
-def output_of(launch: LaunchCommand, patience: Patience) -> str:
-    """stdout and stderr of a program that ends by itself; SimulatorFailed if it does not."""
-    printed, has_ended = _printed(launch, patience)
-    if not has_ended:
-        raise SimulatorFailed(f"{launch.command[0]}: no answer after {patience} without progress")
-    return printed
-
-
 def command_output(command: Sequence[str | Path]) -> str:
-    """stdout and stderr of a short command, empty if there is none; SimulatorFailed if it prints nothing for long."""
-    launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
-    try:
-        printed, has_ended = _printed(launch, _SHORT_COMMAND)
-    except OSError:
-        return ""
-    if not (printed or has_ended):
-        words = shlex.join(launch.command)
-        raise SimulatorFailed(f"{words} prints nothing, after {_SHORT_COMMAND} without progress")
-    return printed
-
-
-def _printed(launch: LaunchCommand, patience: Patience) -> tuple[str, bool]:
-    """Return what a program prints until patience is over, and whether it has ended.
+    """stdout and stderr of a short command, empty if there is none; SimulatorFailed if it prints nothing for long.
 
     Its own end counts, not that of a pipe, which any process that it has started may keep open.
     """
-    with TemporaryFile("w+", encoding="utf-8", errors="replace") as file, running(launch, file) as started:
-        wait = replace(patience, works=Work(started)).begin()
+    launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
+    with suppress(OSError), ExitStack() as stack:
+        file = stack.enter_context(TemporaryFile("w+", encoding="utf-8", errors="replace"))
+        started = stack.enter_context(running(launch, file))
+        wait = replace(_SHORT_COMMAND, works=Work(started)).begin()
         while started.exit_code is None and not wait.is_over:
             with suppress(subprocess.TimeoutExpired):
-                started.process.wait(min(PAUSE, patience.seconds))
+                started.process.wait(min(PAUSE, _SHORT_COMMAND.seconds))
         has_ended = started.exit_code is not None
         file.seek(0)
-        return file.read(), has_ended
+        printed = file.read()
+        if not (printed or has_ended):
+            words = shlex.join(launch.command)
+            raise SimulatorFailed(f"{words} prints nothing, after {_SHORT_COMMAND} without progress")
+        return printed
+    return ""
 
 
 class Work:

@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from html import unescape
 from pathlib import Path
-from typing import Generic, NamedTuple, TypeVar
+from typing import TypeVar
 
 from rsegen.errors import NoSimulator, NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.base import (
@@ -32,7 +32,7 @@ from rsegen.simulation.simulators.base import (
 )
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.patience import SECONDS, Patience
-from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, Work, counted, output_of
+from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, Work, counted
 
 _PAUSE = 0.02
 """Seconds between two looks at a server that loads: each reads its log."""
@@ -119,14 +119,6 @@ class Server:
             watch()
             time.sleep(0 if is_loaded else _PAUSE)
 
-    def run_command(self, name: str, *arguments: str) -> str:
-        """Return the output of one of the installation's commands with this server's variables."""
-        command = (str(self.here.commands[name]), *arguments)
-        try:
-            return output_of(replace(self.launch, command=command), self.patience)
-        except SimulatorFailed as error:
-            raise self.failure(str(error)) from None
-
     def stop(self) -> None:
         """Let it finish its files, and end."""
         self.running.end()
@@ -165,27 +157,15 @@ def running_server(  # options of a server
             yield server
 
 
-class Attempted(NamedTuple, Generic[Result]):
-    """A result, and the number of attempts that it took."""
-
-    result: Result
-    attempts: int
-
-
-def attempted(once: Callable[[], Result], most: int = ATTEMPTS) -> Attempted[Result]:
-    """Return the result of `once`, which is called again if its server fails; the last failure is raised."""
-    for attempt in range(1, most):
+def attempted(once: Callable[[], Result]) -> tuple[Result, int]:
+    """Return the result of `once`, and how often it was called: again if its server fails, until the last attempt."""
+    for attempt in range(1, ATTEMPTS):
         with suppress(SimulatorFailed):
-            return Attempted(once(), attempt)
+            return once(), attempt
     try:
-        return Attempted(once(), most)
+        return once(), ATTEMPTS
     except SimulatorFailed as error:
-        raise SimulatorFailed(f"{error}\nthis was attempt {most} of {most}") from None
-
-
-def retried(once: Callable[[], Result]) -> Result:
-    """Return the result of `once` where the number of attempts is of no interest, as by `attempted`."""
-    return attempted(once).result
+        raise SimulatorFailed(f"{error}\nthis was attempt {ATTEMPTS} of {ATTEMPTS}") from None
 
 
 def choose_installation(made_for: str, name: str | None, timeout: float = SECONDS) -> Installation:

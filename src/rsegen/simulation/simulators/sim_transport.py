@@ -238,17 +238,14 @@ _RETRY = 0.002
 """Seconds between two tries to send a request while the connection is being made, which takes a few milliseconds."""
 
 
-class TransportClient:
+class TransportClient(Inbox):
     """A client in a partition, which publishes, subscribes, and requests services."""
 
     def __init__(self, environment: Mapping[str, str], patience: Patience) -> None:
         # The thread alone touches the sockets; what it learns changes inside the inbox's condition.
-        self.patience = patience
+        super().__init__("Gazebo Sim", patience)
         self.partition = partition_of(environment)
         self._process, self._node = (str(uuid.uuid4()) for _ in range(2))
-        self._inbox = Inbox("Gazebo Sim")
-        self._types: dict[str, str] = {}
-        self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
         self._publications: dict[str, Message] = {}
         self._subscribed: set[str] = set()
         self._connections: dict[tuple[str, str], Message] = {}
@@ -266,18 +263,13 @@ class TransportClient:
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    @property
-    def is_connected(self) -> bool:
-        """Return whether the program that is attended still runs."""
-        return not self._inbox.has_failed
-
     def attend(self, process: str) -> None:
         """Fail as soon as this program has ended."""
         self._attended, self._silent_beats = process, 0.0
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
         """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
-        full = self._full_name(topic)
+        full = self.full_name(topic)
         if full in self._types:
             return
         self._types[full] = type_name
@@ -288,15 +280,13 @@ class TransportClient:
 
     def wait_for_publisher(self, topic: str, patience: Patience | None = None) -> None:
         """Wait until a topic that is subscribed has a publisher, which knows of it."""
-        full = self._full_name(topic)
+        full = self.full_name(topic)
         known = self._connections
-        self._inbox.wait(
-            f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), patience or self.patience
-        )
+        self.wait(f"no publisher of {topic}", lambda: any(name == full for name, _ in list(known)), patience)
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message, of the full name of a type, to all subscribers of a topic; the first time, wait for one."""
-        full = self._full_name(topic)
+        full = self.full_name(topic)
         if full not in self._subscribed:
             self._publications[full] = {
                 "topic": full,
@@ -305,25 +295,25 @@ class TransportClient:
                 "msg_pub": {"ctrl": "", "msg_type": type_name},
             }
             self._do(lambda: self._topics.send(Event.ADVERTISE, pub=self._publications[full]))
-            self._inbox.wait(f"no subscriber of {topic}", lambda: full in self._subscribed, self.patience)
+            self.wait(f"no subscriber of {topic}", lambda: full in self._subscribed)
         content = SIM.encode(type_name.rpartition(".")[2], message)
         parts = [part.encode() for part in (full, self._sockets.publisher_address)]
         self._do(lambda: self._sockets.publisher.send_multipart([*parts, content, type_name.encode()]))
 
     def offers(self, service: str, patience: Patience | None = None) -> list[Message]:
         """Return the publications of all programs that offer a service; SimulatorFailed if none answers."""
-        full, wait = self._full_name(service), (patience or self.patience).begin()
+        full, wait = self.full_name(service), (patience or self.patience).begin()
         while not self._services.get(full):
             if wait.is_over:
                 raise SimulatorFailed(f"Gazebo Sim: nobody offers {service}")
             self._ask(self._offers, full)
             with suppress(SimulatorFailed):
-                self._inbox.wait("", lambda: bool(self._services.get(full)), Patience(seconds=_ASK_AGAIN))
+                self.wait("", lambda: bool(self._services.get(full)), Patience(seconds=_ASK_AGAIN))
         return list(self._services[full].values())
 
     def all_offers(self, service: str) -> list[Message]:
         """Return the publications of all programs that offer a service and answer within a moment after the first."""
-        self._ask(self._offers, self._full_name(service))
+        self._ask(self._offers, self.full_name(service))
         time.sleep(_ASK_AGAIN / 2)
         return self.offers(service)
 
@@ -339,30 +329,19 @@ class TransportClient:
         types = [publisher["request_type"].encode(), publisher["response_type"].encode()]
         content = [*(part.encode() for part in parts), SIM.encode(type_name, message), *types]
         self._do(lambda: self._send_request(offer["address"], content, patience.begin()))
-        self._inbox.wait(f"{service} does not answer", lambda: request_id in self._responses, patience)
+        self.wait(f"{service} does not answer", lambda: request_id in self._responses, patience)
         answer, is_done = self._responses.pop(request_id)
         if not is_done:
             raise SimulatorFailed(f"Gazebo Sim: {service} refuses")
         return SIM.decode(publisher["response_type"].rpartition(".")[2], answer)
-
-    def wait_for_message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
-        """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
-        return self._inbox.wait_for_message(self._full_name(topic), wanted, self.patience)
-
-    def last(self, topic: str) -> dict[str, Any] | None:
-        """Return the last message of a topic; None if there is none yet."""
-        return self._inbox.last(self._full_name(topic))
-
-    def clear(self, topic: str) -> None:
-        """Delete the messages of a topic that were received until now."""
-        self._inbox.clear(self._full_name(topic))
 
     def close(self) -> None:
         """Unsubscribe from everything, and disconnect."""
         self._do(self._end)
         self._thread.join()
 
-    def _full_name(self, topic: str) -> str:
+    def full_name(self, topic: str) -> str:
+        """Return the name with that of the partition."""
         return f"@/{self.partition.strip('/')}@{topic}"
 
     def _ask(self, where: Discovery, full: str) -> None:
@@ -395,7 +374,7 @@ class TransportClient:
                     with suppress(KeyError, ValueError, NoMessage, sockets.Error):  # what others send may be anything
                         readers[ready]()
         finally:
-            self._inbox.fail("the connection is closed")
+            self.fail("the connection is closed")
             for other in (sockets, self._topics, self._offers, self._wake, self._woken):
                 other.close()
 
@@ -403,7 +382,7 @@ class TransportClient:
         self._silent_beats = 0.0 if self._attended in self._heard else self._silent_beats + share()
         self._heard.clear()
         if self._attended and self._silent_beats >= _SILENT_BEATS:
-            self._inbox.fail("the server does not answer any more")
+            self.fail("the server does not answer any more")
         for discovery in (self._topics, self._offers):
             discovery.send(Event.HEARTBEAT)
         for publication in list(self._publications.values()):
@@ -444,10 +423,10 @@ class TransportClient:
         registered = {"ctrl": process, "msg_type": kind}
         own = {"topic": topic, "address": publication["address"], "node_uuid": self._node, "msg_pub": registered}
         self._topics.send(Event.NEW_CONNECTION, pub=own)
-        self._inbox.update(lambda: self._connections.update({(topic, process): own}))
+        self.update(lambda: self._connections.update({(topic, process): own}))
 
     def _note_service(self, publication: Message) -> None:
-        self._inbox.update(
+        self.update(
             lambda: self._services.setdefault(publication["topic"], {}).update(
                 {publication["process_uuid"]: publication}
             )
@@ -456,8 +435,8 @@ class TransportClient:
     def _forget(self, process: str) -> None:
         """Drop the services and topics of a program that has said goodbye."""
         if process == self._attended:
-            self._inbox.fail("the server has ended")
-        self._inbox.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
+            self.fail("the server has ended")
+        self.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
         for topic, other in list(self._connections):
             if other == process:
                 del self._connections[topic, other]
@@ -467,22 +446,17 @@ class TransportClient:
         topic = full.decode(errors="replace")
         name = self._types.get(topic)
         if name and kind.decode(errors="replace").rpartition(".")[2] == name:
-            decode = partial(SIM.decode, name, content)
-            if taker := self._takers.get(topic):
-                with suppress(NoMessage):
-                    taker(decode())
-            else:
-                self._inbox.add(topic, decode)
+            self.add(topic, partial(SIM.decode, name, content))
 
     def _read_subscription(self) -> None:
         """Note a subscription: a first byte of 1 says that somebody has subscribed, of 0 that nobody is left."""
         content = self._sockets.publisher.recv()
         change = self._subscribed.add if content[:1] == b"\1" else self._subscribed.discard
-        self._inbox.update(lambda: change(content[1:].decode(errors="replace")))
+        self.update(lambda: change(content[1:].decode(errors="replace")))
 
     def _read_response(self) -> None:
         *_, request_id, content, result = self._sockets.responder.recv_multipart()
-        self._inbox.update(lambda: self._responses.update({request_id.decode(): (content, result == b"1")}))
+        self.update(lambda: self._responses.update({request_id.decode(): (content, result == b"1")}))
 
     def _send_request(self, address: str, content: list[bytes], wait: Wait) -> None:
         """Send a request; while the connection is being made, try again."""

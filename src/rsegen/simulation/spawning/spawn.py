@@ -21,8 +21,8 @@ from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS, Robot, SdfRobot, from_file, is_robot_file, robot_of
-from rsegen.robots.base import DrivableRobot
 from rsegen.robots.links import rotation
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map, start_pose
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
@@ -46,7 +46,7 @@ from rsegen.standing.resting import poses as resting_poses
 _TRIES = 10
 """Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
 
-_Spawnable: TypeAlias = Robot | SdfRobot | MapModel
+_Spawnable: TypeAlias = DrivableRobot | MapModel
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -66,7 +66,7 @@ class SpawnResult:
 
 
 def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
-    target: Target | Robot | SdfRobot,
+    target: Target | DrivableRobot,
     which: int | str | None,
     name: str | None,
     at: Sequence[float] | None,
@@ -115,7 +115,7 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
 
 def _rider(
     what: _Spawnable, robot: str | os.PathLike[str] | DrivableRobot | None, pose: object
-) -> Robot | SdfRobot | None:
+) -> DrivableRobot | None:
     """Return the robot that is to be put on a map, if one is; a ParameterError for one without a map."""
     if robot is None:
         if pose is not None:
@@ -123,9 +123,7 @@ def _rider(
         return None
     if not isinstance(what, MapModel):
         raise ParameterError("robot", f"{what.kind} is a robot already; give the map that this one is put on")
-    rider = robot_of(robot, "robot")
-    assert isinstance(rider, Robot | SdfRobot)  # noqa: S101  # there are no others that a simulator can be given
-    return rider
+    return robot_of(robot, "robot")
 
 
 def _spawned(
@@ -155,7 +153,7 @@ def _there(
     return running
 
 
-def _at_rest(field: StepField, robot: Robot | SdfRobot, place: Sequence[float]) -> Pose:
+def _at_rest(field: StepField, robot: DrivableRobot, place: Sequence[float]) -> Pose:
     """Return the pose of a robot at rest on a map; a ParameterError if it does not stand there."""
     try:
         rest = resting_poses(field, robot.body_or_box, *place)
@@ -168,14 +166,14 @@ def _at_rest(field: StepField, robot: Robot | SdfRobot, place: Sequence[float]) 
     return Pose(x=x, y=y, z=z + DROP_HEIGHT, roll=roll, pitch=pitch, yaw=yaw)
 
 
-def _in_world(rest: Pose, robot: Robot | SdfRobot, ground: SpawnedMap) -> Pose:
+def _in_world(rest: Pose, robot: DrivableRobot, ground: SpawnedMap) -> Pose:
     """Return the pose of a robot's model in the world, from that of its body on a map: its origin is `lift` above."""
     up = robot.lift * rotation(rest.roll, rest.pitch, rest.yaw)[:, 2]
     x, y = ground.outside(rest.x + float(up[0]), rest.y + float(up[1]))
     return replace(rest, x=x, y=y, z=ground.at.z + rest.z + float(up[2]), yaw=ground.at.yaw + rest.yaw)
 
 
-def _own_notes(robot: Robot | SdfRobot, live: LiveWorld) -> list[str]:
+def _own_notes(robot: DrivableRobot, live: LiveWorld) -> list[str]:
     return list(robot.spawn_notes(live.backend)) if isinstance(robot, SdfRobot) else []
 
 
@@ -186,7 +184,7 @@ def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[st
         yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
-def _on_top(robot: Robot | SdfRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
+def _on_top(robot: DrivableRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
     """Return the pose of a robot on top of the maps under it, unless z is given."""
     radius = hypot(*robot.size[:2]) / 2
     x, y = at[:2] if at else free_area(radius, radius, taken)[:2]
@@ -194,7 +192,7 @@ def _on_top(robot: Robot | SdfRobot, taken: list[Area], maps: list[SpawnedMap], 
     return _pose([x, y, ground + robot.lift + DROP_HEIGHT] if len(at) <= 2 else at)
 
 
-def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> Pose | None:
+def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> Pose | None:
     """Return the pose at a free spot of the first map that has one."""
     radius, body = hypot(*robot.size[:2]) / 2, robot.body_or_box
     for spawned in maps:
@@ -210,7 +208,7 @@ def _on_map(robot: Robot | SdfRobot, name: str, maps: list[SpawnedMap], poses: M
     return None
 
 
-def _robot_or_map(target: Target | Robot | SdfRobot, which: int | str | None, output: Path) -> _Spawnable:
+def _robot_or_map(target: Target | DrivableRobot, which: int | str | None, output: Path) -> _Spawnable:
     if isinstance(target, str) and target in ROBOTS:
         target = ROBOTS[target]
     elif isinstance(target, str | os.PathLike) and is_robot_file(os.fspath(target)):
