@@ -135,7 +135,12 @@ def kinds() -> Iterator[rsegen.Recipe]:
     for kind, mesh_type in zip(rsegen.KINDS, cycle(("single", "multi"))):
         placement = rsegen.KINDS[kind](levels=4, softness=40)
         yield rsegen.Recipe(
-            name=f"{kind}-{mesh_type}", chunk_size=6, mesh_type=mesh_type, seed=1, obstacles=(placement,)
+            name=f"{kind}-{mesh_type}",
+            chunk_size=6,
+            ground_level=max(0, -placement.level_range[0]),  # a pit reaches below the ground
+            mesh_type=mesh_type,
+            seed=1,
+            obstacles=(placement,),
         )
 
 
