@@ -19,7 +19,6 @@ def add(commands: Subparsers) -> None:
     epilog += "~/.local/share/man/man1/rsegen-generate.1, and then: man rsegen-generate."
     command = add_command(commands, "man", text=text, epilog=epilog)
     command.add_argument("command", nargs="?", metavar="COMMAND", help="default: the list of commands")
-    command.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> Report:
