@@ -113,9 +113,13 @@ def _one_below_the_other(plan: float, view: float, legend: float) -> Layout:
     )
 
 
-_PAPER = {"font.size": 7, "axes.titlesize": 7, "axes.linewidth": 0.5, "legend.fontsize": 7, "pdf.fonttype": 42} | {
-    f"{axis}tick.major.{key}": value for axis in "xy" for key, value in (("width", 0.5), ("size", 2), ("pad", 2))
-}
+_PAPER: dict[Any, Any] = {
+    "font.size": 7,
+    "axes.titlesize": 7,
+    "axes.linewidth": 0.5,
+    "legend.fontsize": 7,
+    "pdf.fonttype": 42,
+} | {f"{axis}tick.major.{key}": value for axis in "xy" for key, value in (("width", 0.5), ("size", 2), ("pad", 2))}
 """Settings of a picture for a paper: letters of 7 points, but in cells; fonts of a PDF as publishers want them."""
 
 _COLUMN, _DPI, _TALL = 3.5, 300, 5.0
@@ -388,7 +392,7 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
         entries.append(Line2D([], [], linewidth=0, label=f"and {len(outlines) - _SWATCHES} more"))
     if entries and left is None:
         room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 1.2, "handletextpad": 0.4, "borderaxespad": 0.1}
-        figure.legend(handles=entries, loc="lower center", ncols=_ACROSS, frameon=False, **room)  # type: ignore[arg-type]
+        figure.legend(handles=entries, loc="lower center", ncols=_ACROSS, frameon=False, **room)
     elif entries:
         size = 10 if len(entries) <= _SWATCHES else 6
         figure.legend(handles=entries, loc="center left", bbox_to_anchor=(left, 0.5), frameon=False, fontsize=size)
