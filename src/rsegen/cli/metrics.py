@@ -195,9 +195,9 @@ def _table(measured: Iterable[Measured]) -> Iterator[str]:
         cells = _cells(found) | own
         if not number:
             with_reach = found.reach is not None
-            yield f"{'map':<24}" + "".join(f"{name:>{_width(name)}}" for name, _ in cells)
-            yield f"{'':<24}" + "".join(f"{unit:>{_width(name)}}" for name, unit in cells)
-        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(name)}}" for (name, _), text in cells.items())
+            yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
+            yield f"{'':<24}" + "".join(f"{unit:>{_width(name, unit)}}" for name, unit in cells)
+        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(*head)}}" for head, text in cells.items())
     yield ""
     yield from (f"{name:<11}{text}" for name, text in _LEGEND.items())
     yield from (f"{name:<11}{text}" for name, text in (_LEGEND_OF_REACH if with_reach else {}).items())
@@ -218,9 +218,9 @@ _LEGEND_OF_REACH = {
 """The words below a table, for who has never read docs/metrics.md."""
 
 
-def _width(name: str) -> int:
-    """Return the width of a column; a metric of a plug-in may have a long name."""
-    return max(_WIDTH, len(name) + 2)
+def _width(name: str, unit: str) -> int:
+    """Return the width of a column; a metric of a plug-in may have a long name, and a long unit."""
+    return max(_WIDTH, len(name) + 2, len(unit) + 2)
 
 
 _WIDTH = 7
