@@ -77,6 +77,8 @@ def robot() -> str:
 class Rover(MujocoEnv):
     """Drives along +x. Actions, from -1 to 1: speed, turning, raising the front and the rear arm."""
 
+    arms: Any = (0.0, 0.0)
+
     def __init__(self, file: str) -> None:
         super().__init__(file, frame_skip=10, observation_space=gymnasium.spaces.Box(-np.inf, np.inf, (17,)))
         self.action_space = gymnasium.spaces.Box(-1, 1, (4,), dtype=np.float32)
@@ -98,7 +100,7 @@ class Rover(MujocoEnv):
         self.arms = np.zeros(2)
         qpos = self.init_qpos.copy()
         qpos[1] = self.np_random.uniform(-0.2, 0.2)
-        self.set_state(qpos, self.init_qvel)
+        self.set_state(qpos, self.init_qvel)  # type: ignore[no-untyped-call]
         return self._observation()
 
     def _observation(self) -> Any:
