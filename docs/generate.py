@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rsegen
-from benchmarks import busy, crossings, datasets, learning, rests, scan, starts
+from benchmarks import busy, crossings, datasets, learning, rests, scan, starts, training
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, records, reliability
@@ -64,6 +64,7 @@ DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
 SCAN = DOCS / "scan.md"
 LEARNING = DOCS / "learning.md"
+TRAINING = DOCS / "training.md"
 POSES = DOCS / "poses.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
@@ -174,6 +175,7 @@ def texts() -> dict[Path, str]:
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         POSES: filled(POSES.read_text("utf-8"), _predictions()),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
+        TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "busy.md": busy.page(json.loads(busy.FILE.read_text("utf-8"))),
@@ -256,6 +258,8 @@ def main(arguments: list[str]) -> int:
         path.write_bytes(_rise(same_field=same_field))
     plan, results, *_ = load_summary(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiment_plot(plan, results))
+    learned = training.plot(json.loads(training.FILE.read_text("utf-8")))
+    (DOCS / "pictures" / "training.png").write_bytes(learned)
     return 0
 
 

@@ -43,6 +43,7 @@ SOURCES: Mapping[str, Source] = {
     "speed": Source("[speed and size](benchmarks.md)", "make bench"),
     "starts": Source("[starts](driving.md)", "python -m benchmarks.starts"),
     "syncing": Source("[waiting for the disk](reliability.md)", "python -m benchmarks.syncing"),
+    "training": Source("[a robot that learns](training.md)", "python -m benchmarks.training"),
 }
 
 

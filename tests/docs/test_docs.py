@@ -33,7 +33,7 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
-ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md"}
+ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md", "training.md"}
 """Pages whose programs have tests of their own below."""
 LONG = {
     "README.md": "a robot looks for its ways over several maps",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -128,3 +129,30 @@ def test_too_few_maps_are_refused(worlds: Any) -> None:
         blocks.write(rsegen.build_many(RECIPE, range(2)), worlds=[1, 32])
     with pytest.raises(ParameterError, match="levels: 3 maps for 2 worlds"):
         blocks.write(rsegen.build_many(RECIPE, range(3)), worlds=[0, 1])
+
+
+def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them() -> None:
+    """By v^2 / (2 mu g), across the seams of blocks; world k is level at level k + 1."""
+    friction = np.array(RECIPE.level_friction)
+    grid, spec = BlockGrid(replace(RECIPE, chunk_size=20, chunks=(1, 1))), mujoco.MjSpec()
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 100  # contacts hardly creep
+    grid.add_to(spec)
+    body = spec.worldbody.add_body()
+    body.add_freejoint()
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.08, 0.06, 0.02], friction=[1e-3, 1e-3, 1e-3])
+    compiled = spec.compile()
+    model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=len(friction), njmax=128)
+    blocks = BlocksOfWorlds(grid, compiled, model, data)
+    levels = np.broadcast_to(np.arange(1, 6, dtype=np.int16)[:, None, None], (5, 20, 20))
+    blocks.write(levels)
+    qpos, qvel = np.zeros((5, 7)), np.zeros((5, 6))
+    qpos[:, :2], qpos[:, 2], qpos[:, 3] = (-0.65, 0.02), 0.05 * np.arange(1, 6) + 0.02, 1
+    qvel[:, 0] = 2.0
+    data.qpos.assign(qpos.astype(np.float32))
+    data.qvel.assign(qvel.astype(np.float32))
+    for _ in range(700):
+        mjw.step(model, data)
+    after = data.qpos.numpy()
+    assert after[:, 0] + 0.65 == pytest.approx(2.0**2 / (2 * friction * 9.81), rel=0.02)
+    assert np.abs(data.qvel.numpy()).max() < 0.01

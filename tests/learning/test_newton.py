@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from rsegen import Random, Recipe, build_many, compose
+from rsegen import Matrix, Random, Recipe, build_many, compose
 from rsegen.errors import ParameterError, UnknownName
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
@@ -143,3 +144,58 @@ def test_balls_rest_on_the_blocks_written_last(solver: str) -> None:
             stepper.step(now, following, control, contacts, 0.002)
             now, following = following, now
         assert now.body_q.numpy()[:, 2] == pytest.approx(0.53 + levels[:, 2, 1] * 0.05, abs=0.002)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:set_const_:DeprecationWarning")  # Newton calls it
+@pytest.mark.parametrize(
+    ("solver", "ground", "least", "most"),
+    [
+        ("SolverMuJoCo", "blocks", 0.98, 1.01),
+        ("SolverXPBD", "boxes", 0.98, 1.01),
+        # A box catches on the seams of blocks; docs/learning.md says so.
+        ("SolverXPBD", "blocks", 0.5, 0.9),
+    ],
+)
+def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them(
+    solver: str, ground: str, least: float, most: float
+) -> None:
+    """By v^2 / (2 mu g), on `blocks` of a grid or on the `boxes` of a map; world k is level at level k + 1."""
+    if solver == "SolverMuJoCo":
+        pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+    friction, builder, shapes = np.array([0.2, 0.4, 0.6]), newton.ModelBuilder(), []
+    grid = BlockGrid(replace(GRID.recipe, chunk_size=16))
+    levels = np.ones((3, 16, 16), dtype=np.int16) * np.arange(1, 4, dtype=np.int16)[:, None, None]
+    for level in (1, 2, 3):
+        world = newton.ModelBuilder()
+        if ground == "blocks":
+            shapes.append(np.array(grid.add_to(world)) + builder.shape_count)
+        else:
+            matrix = Matrix(rows=(" ".join([str(level)] * 16),) * 16)
+            add_map(world, compose(replace(grid.recipe, obstacles=(matrix,))))
+        box = world.add_body(xform=wp.transform(wp.vec3(-0.5, 0.02, 0.05 * level + 0.02), wp.quat_identity()))
+        # The solvers combine two frictions in different ways, which all give the same for two equal ones.
+        material = newton.ModelBuilder.ShapeConfig(mu=float(friction[level - 1]))
+        world.add_shape_box(box, hx=0.08, hy=0.06, hz=0.02, cfg=material)
+        builder.add_world(world)
+    model = builder.finalize(device="cpu")
+    if ground == "blocks":
+        grid.write(model, levels, np.array(shapes))
+    own = {"njmax": 512, "nconmax": 256} if solver == "SolverMuJoCo" else {}
+    stepper, control = getattr(newton.solvers, solver)(model, **own), model.control()
+    pipeline = newton.CollisionPipeline(model) if solver == "SolverXPBD" else None
+    contacts = pipeline.contacts() if pipeline else None
+    now, following = model.state(), model.state()
+    speeds = np.zeros((3, 6), dtype=np.float32)
+    speeds[:, 0] = 1.5
+    now.joint_qd.assign(speeds.ravel())
+    newton.eval_fk(model, now.joint_q, now.joint_qd, now)
+    for _ in range(500):
+        now.clear_forces()
+        if pipeline:
+            pipeline.collide(now, contacts)
+        stepper.step(now, following, control, contacts, 0.002)
+        now, following = following, now
+    share = (now.body_q.numpy()[:, 0] + 0.5) / (1.5**2 / (2 * friction * 9.81))
+    assert least < share.min() <= share.max() < most
+    assert np.abs(now.body_qd.numpy()).max() < 0.01
