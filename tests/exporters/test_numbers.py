@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen.exporters.numbers import DRESSED, lengths_in
+from rsegen.exporters.numbers import lengths_in
+from rsegen.params.lumber import DRESSED
 
 INCH, MARK = 25_400_000, 793_750
 INCHES, METRIC = lengths_in("in"), lengths_in("cm")

@@ -22,6 +22,7 @@ import numpy as np
 
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, StepField
+from rsegen.params.lumber import rounded
 from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, pixel_size, rasterized, refined
@@ -48,10 +49,6 @@ _MOST_OUTSIDE = 0.1
 
 _NEARLY_A_UNIT = 0.06
 """Units by which a frame's height may differ from a whole number of units to be one: 6 mm of a block of 10 cm."""
-
-_NEARLY = 0.015
-"""Share by which a length may differ from a multiple of half a centimetre to be taken for it (docs/scan.md). With more,
-other widths are rounded away; already with this one blocks of 8.89 cm (3.5 in) come out as 9 cm unless it is given."""
 
 
 def find_field(points: Array, settings: ScanSettings | None = None, known: StepField | None = None) -> Scan:
@@ -112,7 +109,7 @@ class _Gridded:
         """Return the height of the frames in the map's lengths [m]; a whole number of units if it is nearly one."""
         units = frames.height / self.unit
         near = abs(units - round(units)) < _NEARLY_A_UNIT
-        return round(units) * self.nominal_unit if near else _rounded(frames.height)
+        return round(units) * self.nominal_unit if near else rounded(frames.height)
 
 
 def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepField | None) -> _Gridded:
@@ -126,14 +123,16 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     nominal_unit = known.unit if known else settings.unit
     unit, grid = _unit_and_grid(upright, ground, nominal_unit, width)
     reading, unit = levelled(read_cells(upright, grid, unit, ground.noise), unit)
+    nominal_width = width or rounded(grid.width)
     return _Gridded(
         reading=reading,
         transform=Transform.of(ground, grid, reading, settings.base).after(middle),
         noise=ground.noise,
         unit=unit,
         width=grid.width,
-        nominal_unit=nominal_unit or _rounded(unit),
-        nominal_width=width or _rounded(grid.width),
+        # NIST's unit is the width of a post, or half of it.
+        nominal_unit=nominal_unit or rounded(unit, (nominal_width, nominal_width / 2)),
+        nominal_width=nominal_width,
     )
 
 
@@ -236,9 +235,3 @@ def _known_field(grid: _Gridded, known: StepField) -> Scan:
         boundary="known", side=None, blocks=known.shape, height=known.frame_height * stretch, field=known
     )
     return grid.scan(part, frames, transform)
-
-
-def _rounded(metres: float) -> float:
-    """Round a length to half a centimetre if that is nearly the length, else to a millimetre."""
-    halves = round(metres * 200) / 200
-    return round(halves if abs(metres - halves) < _NEARLY * metres else metres, 3)
