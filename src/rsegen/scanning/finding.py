@@ -25,7 +25,7 @@ from rsegen.field.stepfield import Array, StepField
 from rsegen.params.lumber import rounded
 from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
-from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, pixel_size, rasterized, refined
+from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, flat_points, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
 from rsegen.scanning.levels import Reading, find_unit, levelled, read_cells
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
@@ -169,7 +169,8 @@ def _unit_and_grid(
     if len(tops) < _FEWEST_TOPS:  # of a sparse cloud
         tops = raster.heights[np.isfinite(raster.heights)]
     unit = find_unit(tops, ground.noise, unit)
-    return unit, refined(find_grid(upright, unit, ground.noise, pixel, width), upright, unit)
+    grid = find_grid(upright, unit, ground.noise, pixel, width)
+    return unit, refined(grid, flat_points(few, unit, ground.noise, pixel), unit)
 
 
 def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import cos, pi, sin
+from math import cos, pi, radians, sin
 
 import numpy as np
 
@@ -108,12 +108,20 @@ def flat_heights(raster: Raster, most: float) -> Array:
     return np.asarray(inner[flat & np.isfinite(inner)])
 
 
-def edges_of(points: Array, pixel: float, least: float) -> Array:
-    """Return places (n, 2) of edges: of each pixel whose points differ in height by more than `least` [m], the middle
-    between its high and its low points.
+_RASTERS = (0, 23, 54)
+"""Headings of the rasters in which edges are looked for [degrees], by no common angle apart.
 
-    Centres of pixels would lie on lines themselves, along the axes of the cloud, and hide those of blocks.
+Pixels lie on lines themselves. Along any heading only a third of the edges is of pixels in its lines, but all are of
+blocks."""
+
+
+def _edges_along(points: Array, pixel: float, least: float, heading: float) -> Array:
+    """Return places (n, 2) of edges: of each pixel whose points differ in height by more than `least` [m], the middle
+    between its high and its low points; pixels lie along a heading [radians].
     """
+    c, s = cos(heading), sin(heading)
+    turn = np.array([[c, s], [-s, c]])
+    points = np.column_stack([points[:, :2] @ turn.T, points[:, 2]])
     keys, _, _ = _keys(points, pixel)
     order = np.lexsort((points[:, 2], keys))
     keys, sorted_ = keys[order], points[order]
@@ -129,7 +137,7 @@ def edges_of(points: Array, pixel: float, least: float) -> Array:
         number = np.maximum(np.bincount(pixels[side], minlength=len(starts)), 1)
         for axis in (0, 1):
             middles[:, axis] += np.bincount(pixels[side], sorted_[side, axis], len(starts)) / number / 2
-    return np.asarray(middles[edge])
+    return np.asarray(middles[edge] @ turn)
 
 
 _FEWEST_EDGES = 40
@@ -180,10 +188,10 @@ def find_grid(points: Array, unit: float, noise: float, pixel: float, width: flo
     few = sample(points)
     # An edge is a step of nearly half a unit, or more than the noise makes, but never as much as a whole unit.
     least = max(0.4 * unit, min(2.5 * noise, 0.8 * unit))
-    edges = edges_of(few, pixel, least)
+    edges = np.concatenate([_edges_along(few, pixel, least, radians(degrees)) for degrees in _RASTERS])
     if len(edges) < _FEWEST_EDGES:
         raise ScanError("no grid of blocks: there are hardly any steps in the cloud")
-    return _gridded(points, _heading(edges, pixel), unit, pixel, width)
+    return _gridded(flat_points(few, unit, noise, pixel), _heading(edges, pixel), unit, pixel, width)
 
 
 def _heading(edges: Array, pixel: float) -> float:
@@ -250,6 +258,12 @@ _MOST_POINTS = 60_000
 _NEAR_LEVEL = 0.3
 """Share of a unit: points farther from any level are of sides, and tell nothing here."""
 
+_SHARP = 0.25
+"""Share of a unit: pixels up to this side show which points lie on flat tops. Most of the coarser ones have edges."""
+
+_FLAT = 3.0
+"""Standard deviations of the noise between the second lowest and the second highest of a flat pixel's points."""
+
 _HIGHEST = 30
 """Highest level that counts: 3 m of blocks of 10 cm; higher points are of other things."""
 
@@ -311,6 +325,23 @@ def _climbed(alike: Callable[[Array], int]) -> Array:
                 best, most = best + change, count
         steps = steps / 2
     return best
+
+
+def flat_points(points: Array, unit: float, noise: float, pixel: float) -> Array:
+    """Return the points (n, 3) of pixels that are flat, if pixels are fine enough to tell.
+
+    Phones smooth depths, so an edge becomes a slope of points that are on neither side: no evidence for any level.
+    """
+    if pixel > _SHARP * unit:
+        return points
+    keys, _, _ = _keys(points, pixel)
+    order = np.lexsort((points[:, 2], keys))
+    keys, heights = keys[order], points[order, 2]
+    starts = np.flatnonzero(np.diff(keys, prepend=-1))
+    counts = np.diff(np.append(starts, len(keys)))
+    low, high = heights[starts + np.minimum(1, counts - 1)], heights[starts + np.maximum(counts - 2, 0)]
+    flat = (counts >= _FEWEST_POINTS) & (high - low < max(_FLAT * noise, 0.1 * unit))
+    return np.asarray(points[order][np.repeat(flat, counts)])
 
 
 def _tops(points: Array, unit: float) -> tuple[Ints, Array]:
