@@ -25,7 +25,7 @@ from rsegen.field.stepfield import Array, StepField
 from rsegen.params.lumber import rounded
 from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
-from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, flat_points, pixel_size, rasterized, refined
+from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
 from rsegen.scanning.levels import Reading, find_unit, levelled, read_cells
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
@@ -121,8 +121,9 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
         upright[:, 2] = np.where(upright[:, 2] > settings.base / 2, upright[:, 2] - settings.base, 0)
     width = known.block_width if known else settings.block_width
     nominal_unit = known.unit if known else settings.unit
-    unit, grid = _unit_and_grid(upright, ground, nominal_unit, width)
-    reading, unit = levelled(read_cells(upright, grid, unit, ground.noise), unit)
+    unit, grid, pixel = _unit_and_grid(upright, ground, nominal_unit, width)
+    tops = on_tops(upright, unit, ground.noise, pixel)
+    reading, unit = levelled(read_cells(upright, tops, grid, unit, ground.noise), unit)
     nominal_width = width or rounded(grid.width)
     return _Gridded(
         reading=reading,
@@ -158,8 +159,8 @@ def _usable(points: Array) -> tuple[Array, Array]:
 
 def _unit_and_grid(
     upright: Array, ground: GroundFrame, unit: float | None, width: float | None
-) -> tuple[float, CloudGrid]:
-    """Find the height of a unit from flat pixels, then the grid from the steps between them."""
+) -> tuple[float, CloudGrid, float]:
+    """Find the height of a unit from flat pixels, then the grid; return both, and the side of the pixels [m]."""
     few = sample(upright)
     extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
     # A pixel is at most a fifth of a block, so that a top has flat pixels; of an unknown block 1/60 of the cloud.
@@ -170,7 +171,7 @@ def _unit_and_grid(
         tops = raster.heights[np.isfinite(raster.heights)]
     unit = find_unit(tops, ground.noise, unit)
     grid = find_grid(upright, unit, ground.noise, pixel, width)
-    return unit, refined(grid, flat_points(few, unit, ground.noise, pixel), unit)
+    return unit, refined(grid, few[on_tops(few, unit, ground.noise, pixel)], unit), pixel
 
 
 def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:

@@ -29,7 +29,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 
 from rsegen.errors import ScanError
-from rsegen.field.stepfield import Array, Ints
+from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.scanning.ground import sample
 
 _POINTS_PER_PIXEL = 6
@@ -191,7 +191,7 @@ def find_grid(points: Array, unit: float, noise: float, pixel: float, width: flo
     edges = np.concatenate([_edges_along(few, pixel, least, radians(degrees)) for degrees in _RASTERS])
     if len(edges) < _FEWEST_EDGES:
         raise ScanError("no grid of blocks: there are hardly any steps in the cloud")
-    return _gridded(flat_points(few, unit, noise, pixel), _heading(edges, pixel), unit, pixel, width)
+    return _gridded(few[on_tops(few, unit, noise, pixel)], _heading(edges, pixel), unit, pixel, width)
 
 
 def _heading(edges: Array, pixel: float) -> float:
@@ -327,13 +327,13 @@ def _climbed(alike: Callable[[Array], int]) -> Array:
     return best
 
 
-def flat_points(points: Array, unit: float, noise: float, pixel: float) -> Array:
-    """Return the points (n, 3) of pixels that are flat, if pixels are fine enough to tell.
+def on_tops(points: Array, unit: float, noise: float, pixel: float) -> Mask:
+    """Return which points are in flat pixels, if pixels are fine enough to tell.
 
     Phones smooth depths, so an edge becomes a slope of points that are on neither side: no evidence for any level.
     """
     if pixel > _SHARP * unit:
-        return points
+        return np.ones(len(points), dtype=bool)
     keys, _, _ = _keys(points, pixel)
     order = np.lexsort((points[:, 2], keys))
     keys, heights = keys[order], points[order, 2]
@@ -341,7 +341,9 @@ def flat_points(points: Array, unit: float, noise: float, pixel: float) -> Array
     counts = np.diff(np.append(starts, len(keys)))
     low, high = heights[starts + np.minimum(1, counts - 1)], heights[starts + np.maximum(counts - 2, 0)]
     flat = (counts >= _FEWEST_POINTS) & (high - low < max(_FLAT * noise, 0.1 * unit))
-    return np.asarray(points[order][np.repeat(flat, counts)])
+    flat_point = np.zeros(len(points), dtype=bool)
+    flat_point[order] = np.repeat(flat, counts)
+    return flat_point
 
 
 def _tops(points: Array, unit: float) -> tuple[Ints, Array]:
