@@ -52,6 +52,14 @@ class Lengths:
         """Return a length in nanometres in the unit, without its name."""
         return decimal(round(length / self.size, self.digits))
 
+    def measured(self, metres: float | None, digits: int = 2) -> str:
+        """Return a measured length, rounded to some decimals of the unit, without its name; a dash for none."""
+        return "-" if metres is None else decimal(round(metres * 1e9 / self.size, digits) + 0)
+
+    def said(self, metres: float | None, digits: int = 2) -> str:
+        """Return a measured length with its unit, rounded to some decimals of it."""
+        return f"{self.measured(metres, digits)} {self.unit}"
+
     def tape(self, length: int) -> str:
         """Return a length in nanometres as a tape measure shows it, without its unit: 10.5 of cm, 2 29/32 of inches."""
         marks = round(length * _TAPE / self.size)

@@ -106,8 +106,8 @@ class Reading:
 
     def quarter_turned(self, turns: int) -> Reading:
         """Return the reading turned counterclockwise by quarter turns about its middle; `first` is kept."""
-        heights, counts, slopes = (np.rot90(cells, turns) for cells in (self.heights, self.counts, self.slopes))
-        return replace(self, heights=heights, counts=counts, slopes=slopes)
+        heights, slopes = np.rot90(self.heights, turns), np.rot90(self.slopes, turns)
+        return replace(self, heights=heights, counts=np.rot90(self.counts, turns), slopes=slopes)
 
 
 def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: float) -> Reading:
