@@ -1,7 +1,7 @@
-"""The grid of blocks in an upright cloud: its heading, the width of a block and its origin, from the edges of blocks.
+"""The grid of blocks in an upright cloud: its heading, from edges; the width of a block and its origin, from tops.
 
-1. Raster: the cloud from above as pixels of some six points each, with the median of their heights. Neighbouring pixels
-   whose heights differ by half a unit are edges; flat pixels are tops.
+1. Raster: the cloud from above as pixels of some six points each. Pixels with points half a unit apart in height are
+   edges; flat pixels are tops.
 2. Heading: edges of blocks lie on few lines, so the histogram of edges across the right heading has few, high bins:
    the sum of their squares is largest.
 3. Width: on the true grid all points of a cell are at one level, and half a block away most cells have several. So for
@@ -141,7 +141,7 @@ def _edges_along(points: Array, pixel: float, least: float, heading: float) -> A
 
 
 _FEWEST_EDGES = 40
-"""Edge pixels, at the least, and a quarter of them in each direction: a single block of 10 pixels per side has 40."""
+"""Edges of all rasters, at the least: a single block of 10 pixels per side has 40 in each."""
 
 _OFF = 0.06
 """Share by which blocks of a given width may be wider or narrower in the cloud, by gaps between them and by scale."""
@@ -292,8 +292,8 @@ the edges are not those of blocks. With half the share 4 of 7 true grids are ref
 
 
 _MOST_LEFT_ALONG = 0.9
-"""The same for a grid half a block away along one axis, for which it is 0.5 to 0.7: of ridges, nothing changes along
-them."""
+"""The same for a grid half a block away along one axis: of ridges, nothing changes along
+them, and it would be 1."""
 
 
 def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
