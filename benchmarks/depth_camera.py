@@ -83,8 +83,13 @@ def _cast(field: StepField, rays: Array, place: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Flaws:
-    """What is wrong with a real scan: noise along each ray [m], share of missing points, share of outliers."""
+    """What is wrong with a real scan: noise along each ray [m], share of missing points, share of outliers.
 
+    blur: standard deviation of the Gauss filter of each depth image [pixels], as phones smooth depths: at an edge of a
+    block the depths of both sides are mixed into points that are on neither.
+    """
+
+    blur: float = 0.0
     noise: float = 0.0
     missing: float = 0.0
     outliers: float = 0.0
@@ -94,11 +99,24 @@ def scanned(field: StepField, cameras: Sequence[DepthCamera], flaws: Flaws, rng:
     """The points (n, 3) that some cameras see of a field, in the field's own frame [m]."""
     clouds = []
     for camera in cameras:
-        depth = cast(field, camera)
+        depth = blurred(cast(field, camera).reshape(camera.rows, camera.columns), flaws.blur).ravel()
         seen = np.isfinite(depth)
         place = np.asarray(camera.place)
         clouds.append((place, place + camera.directions()[seen] * depth[seen, None]))
     return with_flaws(clouds, flaws, rng)
+
+
+def blurred(depth: Array, deviation: float) -> Array:
+    """A depth image (rows, columns) after a Gauss filter of a deviation in pixels; pixels without depth stay so."""
+    if not deviation:
+        return depth
+    reach = int(np.ceil(3 * deviation))
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / deviation) ** 2)
+    known = np.isfinite(depth)
+    sums, shares = np.where(known, depth, 0.0), known.astype(float)
+    for axis in (0, 1):
+        sums, shares = (np.apply_along_axis(np.convolve, axis, each, weights, "same") for each in (sums, shares))
+    return np.where(known, sums / np.maximum(shares, 1e-12), np.nan)
 
 
 def with_flaws(clouds: Sequence[tuple[Array, Array]], flaws: Flaws, rng: np.random.Generator) -> Array:

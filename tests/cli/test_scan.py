@@ -65,12 +65,14 @@ def test_a_scan_says_which_block_to_change(cloud: Path, tmp_path: Path, capsys: 
     assert main(["compare", str(cloud), wanted, "-o", str(tmp_path / "off.png"), "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     field = rsegen.build(RECIPE, 0)
-    assert [each["cell"] for each in found["differences"]] == [[4, 5]]
+    assert [(each["x"], each["y"], each["cell"]) for each in found["differences"]] == [(3, 4, [4, 5])]
     assert found["differences"][0]["height_m"] == pytest.approx(field.heights[4, 5] + 0.1, abs=0.01)
     assert found["differences"][0]["wanted_m"] == pytest.approx(field.heights[4, 5])
     assert width(tmp_path / "off.png") > 1000
     assert main(["compare", str(cloud), wanted]) == 1
-    assert "  x 3 y 4: " in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "x and y count the blocks of MAP from its south-west corner" in said
+    assert "  x 3 y 4: " in said
 
 
 def test_equal_maps_are_equal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,7 @@ from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
 from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
-from rsegen.scanning import Scan, ScanSettings, find_field
+from rsegen.scanning import SURE, Scan, ScanSettings, find_field
 from tests.support.long import long_unless
 
 KINDS: Mapping[str, Mapping[str, Any]] = {
@@ -156,12 +156,77 @@ def test_confidence_is_lower_where_points_are_few_and_far_from_a_level() -> None
 
     heights = np.array([[0.1, 0.1, 0.149], [np.nan, 0.2, 0.1]])
     counts = np.array([[400, 5, 5], [0, 400, 400]])
-    reading = Reading(heights=heights, counts=counts, spread=0.02, first=(0, 0))
+    reading = Reading(heights=heights, counts=counts, slopes=np.zeros((2, 3)), spread=0.02, first=(0, 0))
     found = reading.confidence(0.1)
+    sloping = replace(reading, slopes=np.full((2, 3), 0.04)).confidence(0.1)
+    assert (sloping[reading.seen] < 0.9).all()
     assert found[1, 0] == 0
     assert found[0, 2] < 0.6 < found[0, 1]
     assert ((found >= 0) & (found <= 1)).all()
     assert reading.levels(0.1)[1, 0] == -1
+
+
+def overhead(field: StepField) -> tuple[DepthCamera, ...]:
+    """Two cameras over each third of a field, on opposite sides."""
+    third = field.extent[0] / 3
+    places = [(x, y) for x in (-third, 0.0, third) for y in (-0.7, 0.7)]
+    return tuple(DepthCamera(place=(x, y, 2.2), target=(x, 0, 0), columns=400, rows=300, focal=330) for x, y in places)
+
+
+@pytest.mark.slow
+def test_a_field_of_three_metres_is_found_from_six_views() -> None:
+    field = field_of(1, boundary="none", chunks=(5, 2), chunk_size=6)
+    rng = np.random.default_rng(1)
+    cloud = scanned(field, overhead(field), Flaws(noise=0.005, missing=0.2, outliers=0.02), rng)
+    scan = find_field(turned(cloud, rng, 0.5))
+    right_turn(scan, field)
+    assert scan.seen.mean() > 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 1, range(1, 4), reason="a cloud more"))
+def test_a_single_coarse_image_is_enough(seed: int) -> None:
+    """160 x 120 pixels, one per 14 mm: six points in a pixel of 47 mm, half of a block."""
+    field = field_of(seed, boundary="outer")
+    camera = DepthCamera(place=(0.5, 0.45, 2.2), columns=160, rows=120, focal=132)
+    rng = np.random.default_rng(seed)
+    cloud = scanned(field, [camera], Flaws(noise=0.005, missing=0.2, outliers=0.02), rng)
+    scan = find_field(turned(cloud, rng, 0.5))
+    right_turn(scan, field)
+    assert scan.seen.mean() > 0.7
+
+
+@pytest.mark.slow
+def test_six_thousand_points_are_enough() -> None:
+    field = field_of(1, boundary="outer")
+    rng = np.random.default_rng(1)
+    cloud = turned(cloud_of(field), rng, 0.5)
+    scan = find_field(cloud[rng.permutation(len(cloud))[:6000]])
+    right_turn(scan, field)
+    assert scan.seen.mean() > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 1, range(1, 4), reason="a cloud more"))
+def test_no_level_of_a_smoothed_cloud_is_wrong_and_sure(seed: int) -> None:
+    """Depth images after a Gauss filter of two pixels, as of a phone: slopes in place of edges."""
+    field = field_of(seed, boundary="outer")
+    views = [replace(camera, columns=400, rows=300, focal=330.0) for camera in TWO_VIEWS]
+    rng = np.random.default_rng(seed)
+    cloud = scanned(field, views, Flaws(blur=2, noise=0.003, missing=0.2, outliers=0.02), rng)
+    scan = find_field(turned(cloud, rng, 0.5))
+    assert scan.levels.shape == field.levels.shape
+    sure = replace(scan, heights=np.where(scan.confidence >= SURE, scan.heights, np.nan))
+    right_turn(sure, field)
+    assert sure.seen.mean() > 0.3
+
+
+@pytest.mark.slow
+def test_posts_of_three_and_a_half_inches_are_not_9_cm_wide() -> None:
+    scan = find_field(turned(cloud_of(field_of(1, **KINDS["pallets of 3.5 inches"])), np.random.default_rng(1)))
+    assert (scan.block_width, scan.unit, scan.frame_height) == (0.0889, 0.0889, 0.0889)
+    scan = find_field(turned(cloud_of(field_of(1, unit_cm=9, block_width_cm=9)), np.random.default_rng(1)))
+    assert (scan.block_width, scan.unit) == (0.09, 0.09)
 
 
 def points_of(**values: Any) -> Array:

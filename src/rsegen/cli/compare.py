@@ -13,6 +13,7 @@ from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import map_of_flags, picture_path
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
+from rsegen.exporters.numbers import Lengths, lengths_in
 from rsegen.io.scan_options import ScanOptions
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.sorts import FilePath, parameters
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> Report:
     if picture:
         write_file([compared.picture(image_format(picture))], picture, force=bool(arguments.force))
     comparison = compared.comparison
-    lines = [summary(comparison), *_lines(comparison)]
+    lines = [summary(comparison), *_lines(comparison, lengths_in(recipe.units))]
     return Report(lines=lines, content=_content(comparison), code=0 if comparison.is_equal else 1)
 
 
@@ -98,36 +99,43 @@ def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) 
     return compare(other.alone(index), recipe)
 
 
-def _lines(comparison: Comparison) -> Iterator[str]:
+def _lines(comparison: Comparison, written: Lengths) -> Iterator[str]:
     changes = list(comparison.changes())
+    if changes:
+        yield "x and y count the blocks of MAP from its south-west corner without frames, as on its build sheet"
     for x, y, height, wanted in changes[:_SHOWN]:
         way = "too high" if height > wanted else "too low"
-        yield f"  {_cell(comparison, x, y)}: {_cm(height)} cm, should be {_cm(wanted)} cm ({way})"
+        stands, right = (written.said(metres, 1) for metres in (height, wanted))
+        yield f"  {_cell(comparison, x, y)}: {stands}, should be {right} ({way})"
     if len(changes) > _SHOWN:
         yield f"  and {len(changes) - _SHOWN} more"
 
 
-def _cm(metres: float) -> str:
-    from rsegen.exporters.numbers import decimal
-
-    return decimal(round(metres * 100, 1) + 0)
-
-
 def _cell(comparison: Comparison, x: int, y: int) -> str:
+    i, j = _numbers(comparison, x, y)
+    return f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
+
+
+def _numbers(comparison: Comparison, x: int, y: int) -> tuple[int, int] | tuple[None, None]:
+    """Return the numbers of a block as recipes and build sheets count them; of a frame there are none."""
     field = comparison.wanted
-    if field.frame[x, y]:
-        return f"frame, cell {x}, {y} from the south-west corner"
-    return f"x {field.numbered(0)[x]} y {field.numbered(1)[y]}"
+    return (None, None) if field.frame[x, y] else (int(field.numbered(0)[x]), int(field.numbered(1)[y]))
 
 
 def _content(comparison: Comparison) -> dict[str, object]:
-    """For programs; lengths in metres, cells counted from the south-west corner, frames counted."""
+    """For programs; lengths in metres.
+
+    x, y: as the text has them, of blocks in MAP, none for a frame; cell: of all cells of MAP, frames counted; turns:
+    quarter turns counterclockwise that lay what stands on MAP.
+    """
     return {
         "cells": comparison.wrong.size,
         "wrong": int(comparison.wrong.sum()),
         "not_seen": int((~comparison.seen).sum()),
+        "turns": comparison.turns,
         "differences": [
-            {"cell": [x, y], "height_m": round(height, 4), "wanted_m": wanted}
+            dict(zip("xy", _numbers(comparison, x, y), strict=True))
+            | {"cell": [x, y], "height_m": round(height, 4), "wanted_m": wanted}
             for x, y, height, wanted in comparison.changes()
         ],
     }

@@ -16,7 +16,7 @@ from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds, shar
 from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.numbers import Lengths, lengths_in
 from rsegen.field.limits import StepLimits
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.sorts import FilePath, Float, Reference
@@ -192,7 +192,7 @@ def _table(measured: Iterable[Measured]) -> Iterator[str]:
     with_reach = False
     for number, (scene, found) in enumerate(measured):
         own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
-        cells = _cells(found) | own
+        cells = _cells(found, lengths_in(scene.recipe.units)) | own
         if not number:
             with_reach = found.reach is not None
             yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
@@ -228,7 +228,7 @@ _SIZES = 24
 """The largest number of step sizes that a page lists."""
 
 
-def _cells(found: Metrics) -> dict[tuple[str, str], str]:
+def _cells(found: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
     """Return the cells of one map in a table, by the heads of its columns and their units; empty without a value."""
     lengths = {
         "height": found.spread.mean,
@@ -239,7 +239,9 @@ def _cells(found: Metrics) -> dict[tuple[str, str], str]:
         "climb w-e": found.opening.west_east,
         "climb s-n": found.opening.south_north,
     }
-    cells = {(name, "cm"): "" if length is None else _cm(length) for name, length in lengths.items()}
+    cells = {
+        (name, written.unit): "" if length is None else written.measured(length) for name, length in lengths.items()
+    }
     cells["surface", "x"] = f"{found.ruggedness.surface_ratio:.2f}"
     if found.reach is not None:
         cells["region", "%"] = f"{found.reach.cover:.0%}".rstrip("%")
@@ -254,17 +256,20 @@ def _ratio(way: Crossing | Way) -> str:
 
 
 def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
-    blocks, width = sum(found.spread.level_counts.values()), decimal(scene.field.block_width * 100)
-    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {width} x {width} cm; frames are not blocks"
-    yield from _spread(found.spread)
-    yield from _steps(found.steps)
-    yield _scale(found.scale)
+    blocks, written = sum(found.spread.level_counts.values()), lengths_in(scene.recipe.units)
+    width = written.short(round(scene.field.block_width * 1e9))
+    size = f"{width} x {width} {written.unit}"
+    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
+    yield from _spread(found.spread, written)
+    yield from _steps(found.steps, written)
+    yield _scale(found.scale, written)
     rugged, opens = found.ruggedness, found.opening
-    yield f"rugged   TRI {_cm(rugged.tri)} cm (root mean), {_cm(rugged.riley)} cm (Riley), of {rugged.cells:,} blocks"
+    tri = f"{written.said(rugged.tri)} (root mean), {written.said(rugged.riley)} (Riley)"
+    yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
     yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
     wide = " for this width" if found.reach else ""
-    ways = f"{_cm(opens.west_east)} cm west to east, {_cm(opens.south_north)} cm south to north"
+    ways = f"{written.said(opens.west_east)} west to east, {written.said(opens.south_north)} south to north"
     yield f"climb    that is needed to cross{wide}: {ways}"
     if found.reach:
         yield from _reach(found.reach, crosser)
@@ -274,28 +279,29 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
         yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
 
 
-def _spread(found: Spread) -> Iterator[str]:
+def _spread(found: Spread, written: Lengths) -> Iterator[str]:
     of_mean = "" if found.variation is None else f" ({found.variation:.3f} of the mean)"
-    yield f"heights  {_cm(found.lowest)}..{_cm(found.highest)} cm, mean {_cm(found.mean)} cm"
-    yield f"         standard deviation {_cm(found.deviation)} cm{of_mean}, entropy {found.entropy:.2f} bits"
+    yield f"heights  {written.measured(found.lowest)}..{written.said(found.highest)}, mean {written.said(found.mean)}"
+    yield f"         standard deviation {written.said(found.deviation)}{of_mean}, entropy {found.entropy:.2f} bits"
 
 
-def _steps(found: Steps) -> Iterator[str]:
+def _steps(found: Steps, written: Lengths) -> Iterator[str]:
     pairs = sum(found.counts.values())
-    yield f"steps    mean {_cm(found.mean)} cm, rms {_cm(found.rms)} cm, highest {_cm(found.highest)} cm"
+    mean, rms, highest = map(written.said, (found.mean, found.rms, found.highest))
+    yield f"steps    mean {mean}, rms {rms}, highest {highest}"
     if len(found.counts) > _SIZES:
         yield f"         of {len(found.counts):,} sizes, which --json lists"
         return
     for size, count in found.counts.items():
-        yield f"         {_cm(size * found.unit):>6} cm  {count:>9,}  {count / pairs:6.1%}"
+        yield f"         {written.measured(size * found.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
 
 
-def _scale(found: Scale) -> str:
+def _scale(found: Scale, written: Lengths) -> str:
     if found.hurst is None:
         return "scale    no exponent: the map is too small, or flat"
     weak = f"; weak, of {len(found.lags)} lags" if found.hurst_is_weak else ""
-    first, last = ((_cm(found.rms[at]), _cm(found.lags[at])) for at in (0, -1))
-    grows = f"rms difference {first[0]} cm at {first[1]} cm, {last[0]} cm at {last[1]} cm"
+    first, last = ((written.said(found.rms[at]), written.said(found.lags[at])) for at in (0, -1))
+    grows = f"rms difference {first[0]} at {first[1]}, {last[0]} at {last[1]}"
     return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
 
 
@@ -324,8 +330,3 @@ def _way(found: Crossing | Way) -> str:
 def _plain(value: float | None) -> str:
     """A metric of a plug-in in its own unit."""
     return "-" if value is None else f"{value:.4g}"
-
-
-def _cm(length: float | None) -> str:
-    """Metres as centimetres, to a tenth of a millimetre."""
-    return "-" if length is None else decimal(round(length * 100, 2))

@@ -11,6 +11,7 @@ from rsegen.cli.flags import add_recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import picture_path
+from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.io.scan_options import CLOUDS, ScanOptions
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.sorts import FilePath, parameters
@@ -67,33 +68,57 @@ def run(arguments: argparse.Namespace) -> Report:
     report = produce(recipe, arguments, {} if fit else {name: scanned.picture})
     if fit:
         write_file([scanned.picture(image_format(fit))], fit, force=bool(arguments.force))
-    lines = [*_report(scanned), f"the fit: {fit or f'{arguments.folder}/{name}'}"]
+    lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {fit or f'{arguments.folder}/{name}'}"]
     if not arguments.sheet:
         lines.append(f"no build sheet: it would have a page for each of {pallets} chunks; --sheet writes it")
     return replace(report, notes=lines)
 
 
-def _report(scanned: ScannedMap) -> Iterator[str]:
+def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iterator[str]:
     import numpy as np
 
     from rsegen.scanning import SURE
 
     scan = scanned.scan
     n_x, n_y = scan.blocks.shape
-    frames = "no frames" if scan.boundary == "none" else f"{scan.boundary} frames {scan.frame_height * 100:.3g} cm high"
+    high, unit, width = (written.said(metres, 3) for metres in (scan.frame_height, scan.unit, scan.block_width))
+    frames = "no frames" if scan.boundary == "none" else f"{scan.boundary} frames {high} high"
     yield (
-        f"{len(scanned.points):,} points: {n_x} x {n_y} blocks {scan.block_width * 100:g} cm wide "
-        f"({scan.measured_width * 100:.2f} measured), unit {scan.unit * 100:g} cm "
-        f"({scan.measured_unit * 100:.2f} measured), {frames}"
+        f"{len(scanned.points):,} points: {n_x} x {n_y} blocks {width} wide "
+        f"({written.measured(scan.measured_width)} measured), unit {unit} "
+        f"({written.measured(scan.measured_unit)} measured), {frames}"
     )
-    errors = np.abs(scan.errors[scan.seen]) * 100
-    yield f"tops are {errors.mean():.2f} cm from their levels in the mean, {errors.max():.2f} cm at most"
+    if options.block_width_cm is None:
+        yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
+    if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
+        yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
+    errors = np.abs(scan.errors[scan.seen])
+    mean, most = (written.said(float(error)) for error in (errors.mean(), errors.max()))
+    yield f"tops are {mean} from their levels in the mean, {most} at most"
     if not scan.seen.all():
         level = "are filled from their neighbours" if scanned.recipe.obstacles[1:] else "get level 0"
         yield f"warning: not seen: {_cells(scanned, ~scan.seen)}; blocks among them {level}"
     unsure = scan.seen & (scan.confidence < SURE)
     if unsure.any():
         yield f"warning: less than {SURE:.0%} sure: {_cells(scanned, unsure)}"
+
+
+def _assumed(what: str, taken: float, measured: float, flag: str) -> Iterator[str]:
+    """Yield a line if a length was taken for that of lumber in inches, or could be."""
+    from rsegen.params.lumber import alternatives, dressed_inches
+
+    def named(metres: float) -> str:
+        name = f"{decimal(metres * 100)} cm"
+        inches = lengths_in("in").tape(round(metres * 1e9))
+        return f"{name} ({inches} in of lumber)" if dressed_inches(metres) else name
+
+    others = list(alternatives(measured, taken))
+    if dressed_inches(taken) or others:
+        instead = "".join(
+            f"; {named(other)} is {abs(other / measured - 1):.1%} off ({flag} {decimal(other * 100)})"
+            for other in others
+        )
+        yield f"assumed: {what} of {named(taken)}, {abs(taken / measured - 1):.1%} off the measured length{instead}"
 
 
 def _cells(scanned: ScannedMap, chosen: Mask) -> str:

@@ -37,7 +37,12 @@ class CutSettings:
     play_mm: Annotated[float, Float(0, 1000, unit="mm", help="clearance of a row of blocks in its frame")] = 0.0
     density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="density of the timber; pine: about 500")] = 500.0
     price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for blocks; default: no cost")] = None
-    frame_price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for frames")] = None
+    frame_price: Annotated[
+        float | None,
+        Float(
+            0, 1e9, help="price of a piece of stock for frames; default: as for blocks, if they are cut from the same"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         validate(self)

@@ -433,7 +433,9 @@ NANOMETRES: int = 10**NANOMETRE_DIGITS
 CENTIMETRES = {"cm": 1.0, "mm": 0.1, "m": 100.0, "in": 2.54, "ft": 30.48}
 """Centimetres of each unit of length."""
 
-_LENGTH = re.compile(rf"\s*([0-9]*\.?[0-9]+)\s*({'|'.join(sorted(CENTIMETRES, key=len, reverse=True))})\s*")
+_UNITS = "|".join(sorted(CENTIMETRES, key=len, reverse=True))
+_LENGTH = re.compile(rf"\s*([0-9]*\.?[0-9]+)\s*({_UNITS})\s*")
+_FRACTION = re.compile(r"\s*(?:([0-9]+)\s+)?([0-9]+)/([1-9][0-9]*)\s*(in|ft)\s*")
 _NUMBER = re.compile(r"\s*[-+]?[0-9.]+(e[-+]?[0-9]+)?\s*")
 
 
@@ -450,6 +452,10 @@ def with_lengths(text: str, parameter: Parameter, where: str, *, units: str | No
 
 
 def _number(text: str, unit: str, where: str, units: str | None) -> str:
+    fraction = _FRACTION.fullmatch(text)
+    if fraction:
+        whole, parts, of, own = fraction.groups()
+        return repr(round((int(whole or 0) + int(parts) / int(of)) * CENTIMETRES[own] / CENTIMETRES[unit], 7))
     length = _LENGTH.fullmatch(text)
     if length:
         return repr(round(float(length[1]) * CENTIMETRES[length[2]] / CENTIMETRES[unit], 7))

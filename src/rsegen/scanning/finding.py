@@ -8,9 +8,9 @@ field. The searches take at most 200,000 points; the levels are read from all of
 200,000 points, most of it for the ground plane and the refinement of the grid. It fails if few tops are seen, if
 the cloud is mostly something else, or if edges of other things lie on a finer grid; docs/scan.md has the figures.
 
-The numbers of these modules were halved, and raised by 60 %, on nine clouds of benchmarks/scan (three kinds of fields;
-one camera above with 10 mm of noise, two with 15 mm, one aside with 5 mm; 7 fields are found). Where nothing else is
-said, the result stays the same.
+When widths were still found from edges, the numbers of these modules were halved, and raised by 60 %, on nine clouds
+of benchmarks/scan (three kinds of fields; one camera above with 10 mm of noise, two with 15 mm, one aside with 5 mm; 7
+fields were found). Where nothing else is said, the result stayed the same.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ import numpy as np
 
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, StepField
+from rsegen.params.lumber import rounded
 from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
-from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, pixel_size, rasterized, refined
+from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
 from rsegen.scanning.levels import Reading, find_unit, levelled, read_cells
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
@@ -48,10 +49,6 @@ _MOST_OUTSIDE = 0.1
 
 _NEARLY_A_UNIT = 0.06
 """Units by which a frame's height may differ from a whole number of units to be one: 6 mm of a block of 10 cm."""
-
-_NEARLY = 0.015
-"""Share by which a length may differ from a multiple of half a centimetre to be taken for it (docs/scan.md). With more,
-other widths are rounded away; already with this one blocks of 8.89 cm (3.5 in) come out as 9 cm unless it is given."""
 
 
 def find_field(points: Array, settings: ScanSettings | None = None, known: StepField | None = None) -> Scan:
@@ -112,7 +109,7 @@ class _Gridded:
         """Return the height of the frames in the map's lengths [m]; a whole number of units if it is nearly one."""
         units = frames.height / self.unit
         near = abs(units - round(units)) < _NEARLY_A_UNIT
-        return round(units) * self.nominal_unit if near else _rounded(frames.height)
+        return round(units) * self.nominal_unit if near else rounded(frames.height)
 
 
 def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepField | None) -> _Gridded:
@@ -124,16 +121,19 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
         upright[:, 2] = np.where(upright[:, 2] > settings.base / 2, upright[:, 2] - settings.base, 0)
     width = known.block_width if known else settings.block_width
     nominal_unit = known.unit if known else settings.unit
-    unit, grid = _unit_and_grid(upright, ground, nominal_unit, width)
-    reading, unit = levelled(read_cells(upright, grid, unit, ground.noise), unit)
+    unit, grid, pixel = _unit_and_grid(upright, ground, nominal_unit, width)
+    tops = on_tops(upright, unit, ground.noise, pixel)
+    reading, unit = levelled(read_cells(upright, tops, grid, unit, ground.noise), unit)
+    nominal_width = width or rounded(grid.width)
     return _Gridded(
         reading=reading,
         transform=Transform.of(ground, grid, reading, settings.base).after(middle),
         noise=ground.noise,
         unit=unit,
         width=grid.width,
-        nominal_unit=nominal_unit or _rounded(unit),
-        nominal_width=width or _rounded(grid.width),
+        # NIST's unit is the width of a post, or half of it.
+        nominal_unit=nominal_unit or rounded(unit, (nominal_width, nominal_width / 2)),
+        nominal_width=nominal_width,
     )
 
 
@@ -159,8 +159,8 @@ def _usable(points: Array) -> tuple[Array, Array]:
 
 def _unit_and_grid(
     upright: Array, ground: GroundFrame, unit: float | None, width: float | None
-) -> tuple[float, CloudGrid]:
-    """Find the height of a unit from flat pixels, then the grid from the steps between them."""
+) -> tuple[float, CloudGrid, float]:
+    """Find the height of a unit from flat pixels, then the grid; return both, and the side of the pixels [m]."""
     few = sample(upright)
     extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
     # A pixel is at most a fifth of a block, so that a top has flat pixels; of an unknown block 1/60 of the cloud.
@@ -170,7 +170,8 @@ def _unit_and_grid(
     if len(tops) < _FEWEST_TOPS:  # of a sparse cloud
         tops = raster.heights[np.isfinite(raster.heights)]
     unit = find_unit(tops, ground.noise, unit)
-    return unit, refined(find_grid(upright, unit, ground.noise, pixel, width), upright, unit)
+    grid = find_grid(upright, unit, ground.noise, pixel, width)
+    return unit, refined(grid, few[on_tops(few, unit, ground.noise, pixel)], unit), pixel
 
 
 def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
@@ -236,9 +237,3 @@ def _known_field(grid: _Gridded, known: StepField) -> Scan:
         boundary="known", side=None, blocks=known.shape, height=known.frame_height * stretch, field=known
     )
     return grid.scan(part, frames, transform)
-
-
-def _rounded(metres: float) -> float:
-    """Round a length to half a centimetre if that is nearly the length, else to a millimetre."""
-    halves = round(metres * 200) / 200
-    return round(halves if abs(metres - halves) < _NEARLY * metres else metres, 3)

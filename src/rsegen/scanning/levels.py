@@ -30,6 +30,12 @@ _CORE = 0.3
 grid that is off, and for blocks that stand crooked. With 0.48 some levels of nine fields are wrong, with less there are
 fewer points."""
 
+_WIDE_CORE = 0.42
+"""The same for clouds of fewer than ten points in a typical core: twice as many points, nearer to the sides."""
+
+_NOISE = 1.3
+"""Deviations of the noise that points of a level top may have: of 25 points, one in a hundred cells has more."""
+
 _FEWEST_POINTS = 5
 """Points of a height, at the least: the median of five stands two outliers."""
 
@@ -49,11 +55,13 @@ class Reading:
     """Heights that a cloud has in the cells of a rectangle of its grid; all arrays (n_x, n_y).
 
     heights: of the tops above the ground [m], nan where too few points are; counts: points that agree on it;
-    spread: standard deviation of one point [m]; first: the grid's indices of cell (0, 0).
+    slopes: standard deviation of these points beyond that of noise [m], 0 for a level top; spread: standard deviation
+    of one point [m]; first: the grid's indices of cell (0, 0).
     """
 
     heights: Array
     counts: Ints
+    slopes: Array
     spread: float
     first: Cell
 
@@ -69,12 +77,13 @@ class Reading:
     def confidence(self, unit: float) -> Array:
         """Return the probability that each level is right, 0 where a cell was not seen.
 
-        The error of a height is normal; its variance is that of the mean of its points, plus the mean square by which
-        all heights are off their levels.
+        The error of a height is normal. Its variance is that of the mean of its points, of independent noise; plus
+        the mean square by which all heights are off their levels; plus the square of the slope, as points that a camera
+        has smoothed are wrong together, however many there are.
         """
         off = (self.heights - self.levels(unit) * unit)[self.seen]
         shared = float(np.sqrt(np.mean(np.minimum(np.abs(off), unit / 2) ** 2))) if off.size else unit
-        error = np.sqrt(self.spread**2 / np.maximum(self.counts, 1) + shared**2)[self.seen]
+        error = np.sqrt(self.spread**2 / np.maximum(self.counts, 1) + shared**2 + self.slopes**2)[self.seen]
         error = np.maximum(error, 1e-6 * unit)  # of a cloud without errors
         below = np.array([erf(x) for x in (unit / 2 - off) / error / sqrt(2)])
         above = np.array([erf(x) for x in (unit / 2 + off) / error / sqrt(2)])
@@ -85,24 +94,27 @@ class Reading:
     def part(self, corner: Cell, shape: Cell) -> Reading:
         """Return a rectangle of its cells; cells outside were not seen."""
         heights = np.full(shape, np.nan)
-        counts = np.zeros(shape, dtype=np.int64)
+        counts, slopes = np.zeros(shape, dtype=np.int64), np.zeros(shape)
         own = tuple(
             slice(max(at, 0), max(min(at + cells, most), 0))
             for at, cells, most in zip(corner, shape, self.heights.shape, strict=True)
         )
         there = tuple(slice(cells.start - at, cells.stop - at) for cells, at in zip(own, corner, strict=True))
-        heights[there], counts[there] = self.heights[own], self.counts[own]
-        return replace(
-            self, heights=heights, counts=counts, first=(self.first[0] + corner[0], self.first[1] + corner[1])
-        )
+        heights[there], counts[there], slopes[there] = self.heights[own], self.counts[own], self.slopes[own]
+        first = self.first[0] + corner[0], self.first[1] + corner[1]
+        return replace(self, heights=heights, counts=counts, slopes=slopes, first=first)
 
     def quarter_turned(self, turns: int) -> Reading:
         """Return the reading turned counterclockwise by quarter turns about its middle; `first` is kept."""
-        return replace(self, heights=np.rot90(self.heights, turns), counts=np.rot90(self.counts, turns))
+        heights, slopes = np.rot90(self.heights, turns), np.rot90(self.slopes, turns)
+        return replace(self, heights=heights, counts=np.rot90(self.counts, turns), slopes=slopes)
 
 
-def read_cells(points: Array, grid: CloudGrid, unit: float, noise: float) -> Reading:
-    """Return the heights of all cells of a grid that the points (n, 3) are in; unit and noise in metres."""
+def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: float) -> Reading:
+    """Return the heights of all cells of a grid that the points (n, 3) are in; unit and noise in metres.
+
+    tops: which points are on flat tops; the others are no evidence for a height, but against one.
+    """
     # The grid ends where 99.6 % of the points do, as a few outliers may be far away.
     across = (points[:, :2] @ grid.rotation.T - grid.origin) / grid.width
     cells = np.floor(across).astype(np.int64)
@@ -110,20 +122,31 @@ def read_cells(points: Array, grid: CloudGrid, unit: float, noise: float) -> Rea
     shape = int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
     if shape[0] * shape[1] > _MOST_CELLS:
         raise ScanError(f"{shape[0]:,} x {shape[1]:,} cells in the cloud; cut everything else out of it")
-    core = (np.abs(across - cells - 0.5) < _CORE).all(axis=1) & (cells >= low).all(axis=1) & (cells <= high).all(axis=1)
+    inside = (cells >= low).all(axis=1) & (cells <= high).all(axis=1)
+    middle = np.abs(across - cells - 0.5).max(axis=1)
+    core = inside & (middle < _CORE)
+    if core.sum() < 2 * _FEWEST_POINTS * len(np.unique(cells[inside], axis=0)):
+        core = inside & (middle < _WIDE_CORE)
     keys = (cells[core, 0] - low[0]) * shape[1] + cells[core, 1] - low[1]
     # Points of a top are within 0.4 units of its median, or, if the noise is large, 2.5 standard deviations (99 %).
-    heights, counts, spread = _agreed(keys, points[core, 2], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise))
+    heights, counts, slopes, spread = _agreed(
+        keys, points[core, 2], tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise)
+    )
     return Reading(
         heights=heights.reshape(shape),
         counts=counts.reshape(shape),
+        slopes=slopes.reshape(shape),
         spread=spread,
         first=(int(low[0]), int(low[1])),
     )
 
 
-def _agreed(keys: Ints, heights: Array, cells: int, within: float) -> tuple[Array, Ints, float]:
-    """Return per cell the mean of the heights near their median and their number; and one height's deviation."""
+def _agreed(keys: Ints, heights: Array, tops: Mask, cells: int, within: float) -> tuple[Array, Ints, Array, float]:
+    """Return per cell the mean of the heights near their median, their number and their deviation beyond the noise; and
+    the deviation of one height by noise.
+    """
+    everything = np.bincount(keys, minlength=cells)
+    keys, heights = keys[tops], heights[tops]
     order = np.lexsort((heights, keys))
     keys, heights = keys[order], heights[order]
     totals = np.bincount(keys, minlength=cells)
@@ -136,11 +159,16 @@ def _agreed(keys: Ints, heights: Array, cells: int, within: float) -> tuple[Arra
     sums = np.bincount(keys[near], weights=heights[near], minlength=cells)
     typical = counts[totals > _FEWEST_POINTS]
     fewest = max(_FEWEST_POINTS, _FEWEST_SHARE * float(np.median(typical))) if len(typical) else _FEWEST_POINTS
-    seen = (counts >= fewest) & (counts >= totals / 2)  # if fewer than half agree, the cell has two heights
+    # If fewer than half of all points agree, the cell has two heights, or slopes: its top may be on none of them.
+    seen = (counts >= fewest) & (counts >= everything / 2)
     means = np.where(seen, sums / np.maximum(counts, 1), np.nan)
     off = (heights - means[keys])[near & seen[keys]]
     spread = 1.4826 * float(np.median(np.abs(off))) if off.size else 0.0  # robust standard deviation, as in ground.py
-    return means, counts, spread
+    variance = np.bincount(keys[near], weights=(heights - means[keys])[near] ** 2, minlength=cells) / np.maximum(
+        counts, 1
+    )
+    slopes = np.sqrt(np.maximum(np.nan_to_num(variance) - _NOISE**2 * spread**2, 0))
+    return means, counts, slopes, spread
 
 
 def levelled(reading: Reading, unit: float) -> tuple[Reading, float]:

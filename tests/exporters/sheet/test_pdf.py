@@ -170,7 +170,12 @@ def test_a_page_has_the_frame_cuts_the_weight_and_the_costs() -> None:
         assert said in page
     assert "together, without base boards 46.50" in page
     assert "no price given" in words(read(RECIPES["real"]).pages[-2])
-    assert "together, without base boards Frames" not in words(read(RECIPES["real"], CutSettings(price=4.5)).pages[-2])
+    equal_sections = words(read(RECIPES["real"], CutSettings(price=4.5)).pages[-2])
+    assert "frames: 2 x 4.50 9.00 together, without base boards 49.50" in equal_sections
+    lower = replace(RECIPES["real"], frame_height_cm=5)
+    other_sections = words(read(lower, CutSettings(price=4.5)).pages[-2])
+    assert "frames: no price given (--frame-price)" in other_sections
+    assert "together" not in other_sections
     assert "Frames none Base boards 6 of" in words(read(replace(RECIPES["outer"], boundary="none")).pages[-2])
     assert "they are longer than 100 cm of stock" in words(read(RECIPES["real"], CutSettings(stock_cm=100)).pages[-2])
 

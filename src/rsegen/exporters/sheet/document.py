@@ -63,17 +63,17 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
     from rsegen.exporters.sheet.pallet_page import draw_form, draw_pallet
 
     pallets = building_order(scene)
-    page = Page()
+    page = Page(scene.recipe.units)
     draw_overview(page, scene, pallets, saw)
     yield page.figure
     for numbered in pallets:
-        page = Page()
+        page = Page(scene.recipe.units)
         draw_pallet(page, scene, numbered, len(pallets))
         yield page.figure
-    page = Page()
+    page = Page(scene.recipe.units)
     draw_materials(page, scene, saw)
     yield page.figure
-    page = Page()
+    page = Page(scene.recipe.units)
     draw_form(page, scene)
     yield page.figure
 

@@ -54,13 +54,13 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
 def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[str]:
     needed = materials(scene.field, scene.recipe, settings)
     for block, count in length_counts(scene.field).items():
-        yield f"# cut: {count} blocks of {written.short(block)} {written.unit}\n"
+        yield f"# cut: {count} blocks of {written.tape(block)} {written.unit}\n"
     yield from _plan("blocks", "saw", needed.blocks, written)
     for board, count in needed.frames.all_boards.items() if needed.frames else ():
-        yield f"# frames: {count} boards of {written.short(board)} {written.unit}\n"
+        yield f"# frames: {count} boards of {written.tape(board)} {written.unit}\n"
     if needed.boards:
         yield from _plan("frames", "saw for frames", needed.boards, written)
-    yield f"# base boards: {needed.bases} of {' x '.join(map(written.short, needed.base))} {written.unit}\n"
+    yield f"# base boards: {needed.bases} of {' x '.join(map(written.tape, needed.base))} {written.unit}\n"
     weights = f"{written.weight(needed.block_weight)} blocks + {written.weight(needed.frame_weight)} frames"
     yield f"# weight: {weights}\n".replace(",", "")
     if needed.price is not None:
@@ -68,11 +68,11 @@ def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[s
 
 
 def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[str]:
-    stock = f"{plan.pieces} pieces of {written.short(plan.settings.stock)} {written.unit}"
-    losses = f"{written.cut(plan.settings.kerf)} per cut and {written.short(plan.settings.trim)} {written.unit} of ends"
+    stock = f"{plan.pieces} pieces of {written.stock(plan.settings.stock)}"
+    losses = f"{written.cut(plan.settings.kerf)} per cut and {written.tape(plan.settings.trim)} {written.unit} of ends"
     yield f"# stock for the {what}: {stock} less {losses}\n"
     for pattern in plan.patterns:
-        parts = " + ".join(f"{count} x {written.short(part)} {written.unit}" for part, count in pattern.parts)
+        parts = " + ".join(f"{count} x {written.tape(part)} {written.unit}" for part, count in pattern.parts)
         yield f"# {saw}: {pattern.pieces} pieces into {parts}\n"
 
 

@@ -14,13 +14,14 @@ from rsegen import __version__
 from rsegen.exporters.cut_settings import CutSettings, nanometres
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene, fingerprint
-from rsegen.exporters.sheet.page import EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
+from rsegen.exporters.sheet.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
 from rsegen.exporters.sheet.timber import (
     CuttingPlan,
     FrameBoards,
     Materials,
     NumberedPallet,
     Pattern,
+    frame_price,
     frames,
     length,
     length_counts,
@@ -28,9 +29,6 @@ from rsegen.exporters.sheet.timber import (
     plan_cuts,
 )
 from rsegen.field.stepfield import StepField
-
-COLUMN = 82.0
-"""Width of a list in millimetres: two of them fit between the margins."""
 
 _ABREAST = 3
 """Narrow columns of lists that are too long for one column."""
@@ -66,7 +64,7 @@ def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tupl
     for level, count in counts.items():
         page.swatch(x, y, scene.colour(level))
         block = length(level, scene.field)
-        y = page.table(y, _columns(x), [(str(level), written.short(block), f"{count:,}", written.long(block * count))])
+        y = page.table(y, _columns(x), [(str(level), written.tape(block), f"{count:,}", written.long(block * count))])
     return y
 
 
@@ -79,7 +77,7 @@ def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tup
         here = x + at // rows * width, y + (at % rows + 1) * ROW
         page.swatch(*here, scene.colour(level))
         page.text(
-            here[0] + 8, here[1], f"{count:,} x {lengths_in(scene.recipe.units).short(length(level, scene.field))}", 8
+            here[0] + 8, here[1], f"{count:,} x {lengths_in(scene.recipe.units).tape(length(level, scene.field))}", 8
         )
     y += (rows + 1) * ROW
     if len(counts) > rows * _ABREAST:
@@ -89,8 +87,8 @@ def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tup
     return y
 
 
-_PLAN_HEIGHT = 112.0
-"""Height of the plan in millimetres, at the most: the lists below it need the rest of the page."""
+_LISTS = 127.0
+"""Height of the lists below the plan in millimetres, at the least."""
 
 SMALLEST = 4.0
 """Smallest legible font size of names and heights, in points."""
@@ -100,9 +98,6 @@ _LONGEST = 160
 
 _BROAD = 30
 """Characters in a line of a cutting pattern, at the most, so that the offcut fits next to it."""
-
-RIGHT = 113.0
-"""x of the right column in millimetres."""
 
 
 def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], settings: CutSettings) -> None:
@@ -132,8 +127,9 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
 def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> float:
     """Draw the map from above with the name and number of each pallet; return the y of its lower end."""
     n_x, n_y = scene.field.shape
-    cell = min(page.across / n_x, _PLAN_HEIGHT / n_y)
-    left, bottom = page.left + (page.across - n_x * cell) / 2, 43 + n_y * cell
+    top = 43.0
+    cell = min(page.across / n_x, (page.bottom - _LISTS - top) / n_y)
+    left, bottom = page.left + (page.across - n_x * cell) / 2, top + n_y * cell
     side = scene.field.block_width
     # A plan per pallet, placed by its centre: the drawing of the whole map is made of those that the pallets have.
     for pallet in pallets:
@@ -180,12 +176,12 @@ def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float
     """Draw what to buy and how every piece is cut; return the y of the next line."""
     counts = length_counts(scene.field)
     plan = plan_cuts(counts, settings)
-    y = page.heading(RIGHT, y, "Timber to buy", COLUMN)
+    y = page.heading(page.second, y, "Timber to buy", COLUMN)
     for text, amount in _timber(scene, plan):
-        page.text(RIGHT, y, text)
-        page.text(RIGHT + COLUMN, y, amount, ha="right")
+        page.text(page.second, y, text)
+        page.text(page.second + COLUMN, y, amount, ha="right")
         y += ROW
-    y = page.heading(RIGHT, y + 4, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
+    y = page.heading(page.second, y + 4, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
     return draw_patterns(page, plan, y, lengths_in(scene.recipe.units))
 
 
@@ -194,12 +190,12 @@ def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> 
     rows = [_pattern_row(pattern, plan.settings, written) for pattern in plan.patterns]
     for drawn, (pieces, parts, offcut) in enumerate(rows):
         if y + len(parts) * ROW > page.bottom:
-            page.text(RIGHT, y, f"and {len(rows) - drawn} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(page.second, y, f"and {len(rows) - drawn} more ways, which the sheet as CSV has", 8, color=GREY)
             return y + ROW
-        page.text(RIGHT + 10, y, pieces, ha="right")
+        page.text(page.second + 10, y, pieces, ha="right")
         for at, line in enumerate(parts):
-            page.text(RIGHT + 13, y + at * ROW, line)
-        page.text(RIGHT + COLUMN, y, offcut, 8, ha="right", color=GREY)
+            page.text(page.second + 13, y + at * ROW, line)
+        page.text(page.second + COLUMN, y, offcut, 8, ha="right", color=GREY)
         y += len(parts) * ROW
     return y
 
@@ -207,27 +203,34 @@ def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> 
 def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
     """Yield the lines about timber, each a text and an amount."""
     written, settings = lengths_in(scene.recipe.units), plan.settings
-    side = written.short(nanometres(scene.recipe.block_width_cm))
-    yield f"blocks: {stock_length(scene, settings)} of {side} x {side} {written.unit}", _pieces(plan.pieces)
+    width, high = (nanometres(side_cm) for side_cm in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
+    section = _by((width, width), written)
+    yield f"blocks: {stock_length(scene, settings)} of {section}", _pieces(plan.pieces)
+    yield from _sold_as((width, width), written)
     yield "  blocks together", written.long(plan.timber)
     yield f"  lost to the saw, {written.cut(settings.kerf)} per cut", written.long(plan.kerf_loss)
     if plan.trimmed:
-        yield f"  ends, {written.short(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
+        yield f"  ends, {written.tape(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
     yield "  left over", written.long(plan.offcuts)
     known = frames(scene.recipe, settings.play)
     if known:
-        high = written.short(nanometres(scene.recipe.frame_height_cm))
-        yield (
-            f"frames: {stock_length(scene, settings)} of {side} x {high} {written.unit}",
-            _stock(scene, known, settings),
-        )
+        section = _by((width, high), written)
+        yield f"frames: {stock_length(scene, settings)} of {section}", _stock(scene, known, settings)
+        yield from _sold_as((width, high), written)
         for board, count in known.all_boards.items():
-            yield f"  {count:,} boards of {written.short(board)} {written.unit}", written.long(board * count)
+            yield f"  {count:,} boards of {written.tape(board)} {written.unit}", written.long(board * count)
+
+
+def _sold_as(section: tuple[int, int], written: Lengths) -> Iterator[tuple[str, str]]:
+    """Yield a line with the name by which lumber of a section is sold, if it has one."""
+    name = written.section(section)
+    if name:
+        yield f"  sold as {name}, dry and planed", ""
 
 
 def stock_length(scene: Scene, settings: CutSettings) -> str:
     """Return the length of a piece of stock with its unit."""
-    return f"{lengths_in(scene.recipe.units).short(settings.stock)} {lengths_in(scene.recipe.units).unit}"
+    return lengths_in(scene.recipe.units).stock(settings.stock)
 
 
 def _stock(scene: Scene, known: FrameBoards, settings: CutSettings) -> str:
@@ -242,8 +245,8 @@ def _pieces(count: int) -> str:
 
 def _pattern_row(pattern: Pattern, settings: CutSettings, written: Lengths) -> tuple[str, list[str], str]:
     """Return a cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
-    parts = " + ".join(f"{count}\xa0x\xa0{written.short(part)}" for part, count in pattern.parts)
-    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.short(pattern.offcut(settings))} left"
+    parts = " + ".join(f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
+    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.tape(pattern.offcut(settings))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
@@ -254,7 +257,7 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
     y = page.heading(page.left, y, "Blocks for each pallet", page.across)
     columns = [page.left + 8, page.left + 24, *(page.left + 44 + 17 * at for at in range(len(levels)))]
     heads = [
-        f"{lengths_in(scene.recipe.units).short(length(level, scene.field))} {lengths_in(scene.recipe.units).unit}"
+        f"{lengths_in(scene.recipe.units).tape(length(level, scene.field))} {lengths_in(scene.recipe.units).unit}"
         for level in levels
     ]
     y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
@@ -266,8 +269,14 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
 
 _STEPS = (
     "Cut the frame boards first: two as long as the frame",
-    "is outside, and two between them. Screw the corners,",
-    "and the frame to its base board.",
+    "is outside, in the north and the south, and two between",
+    "them. Screw the corners, and the frame to its base",
+    "board, from which all heights count; its thickness is",
+    "free, if it carries the weight.",
+    "",
+    "A block stands upright on a cut end: its length is its",
+    "height. Measure the timber first: for another section",
+    "make a new sheet (--block-width-cm).",
     "",
     "Try a row of blocks in the frame before all are cut.",
     "Place them in the order of the pallet's page. They",
@@ -276,7 +285,8 @@ _STEPS = (
     "from below through the base board.",
     "",
     "Lengths are those of finished parts. Wood swells: give",
-    "blocks some play in the frame (--play-mm).",
+    "blocks some play in the frame (--play-mm), which makes",
+    "its boards and base longer.",
 )
 
 
@@ -291,7 +301,7 @@ def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
         ("Frames", list(_frames(needed, scene, settings, written))),
         ("Base boards", [(f"{needed.bases:,} of {_by(needed.base, written)}", "")]),
         ("Weight", list(_weight(needed, settings, written))),
-        ("Cost", list(_cost(needed, settings))),
+        ("Cost", list(_cost(needed, scene, settings))),
     ):
         y = page.heading(page.left, y, heading, COLUMN)
         for text, amount in rows:
@@ -301,11 +311,11 @@ def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
         y += 4
     y = 40.0
     if needed.boards:
-        y = page.heading(RIGHT, y, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
+        y = page.heading(page.second, y, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
         y = draw_patterns(page, needed.boards, y, written) + 4
-    y = page.heading(RIGHT, y, "How to build it", COLUMN)
+    y = page.heading(page.second, y, "How to build it", COLUMN)
     for text in _STEPS:
-        page.text(RIGHT, y, text, 8.2)
+        page.text(page.second, y, text, 8.2)
         y += 4.4 if text else 2
 
 
@@ -316,7 +326,7 @@ def _frames(needed: Materials, scene: Scene, settings: CutSettings, written: Len
     section = tuple(nanometres(side_cm) for side_cm in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
     yield f"boards, {_by(section, written)} high", written.long(needed.frames.timber)
     for board, count in needed.frames.all_boards.items():
-        yield f"  {count:,} of {written.short(board)} {written.unit}", written.long(board * count)
+        yield f"  {count:,} of {written.tape(board)} {written.unit}", written.long(board * count)
     if needed.boards:
         yield (
             f"stock of {stock_length(scene, settings)}",
@@ -327,23 +337,24 @@ def _frames(needed: Materials, scene: Scene, settings: CutSettings, written: Len
 
 
 def _by(sides: tuple[int, ...], written: Lengths) -> str:
-    return f"{' x '.join(map(written.short, sides))} {written.unit}"
+    return f"{' x '.join(map(written.tape, sides))} {written.unit}"
 
 
 def _weight(needed: Materials, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
-    yield f"blocks, of {settings.density:g} kg/m3", written.weight(needed.block_weight)
+    yield f"blocks, of {written.density(settings.density)}", written.weight(needed.block_weight)
     if needed.frames:
         yield "frames", written.weight(needed.frame_weight)
 
 
-def _cost(needed: Materials, settings: CutSettings) -> Iterator[tuple[str, str]]:
+def _cost(needed: Materials, scene: Scene, settings: CutSettings) -> Iterator[tuple[str, str]]:
     if settings.price is None:
         yield "no price given (--price, --frame-price)", ""
         return
     yield f"blocks: {needed.blocks.pieces:,} x {settings.price:,.2f}", f"{needed.blocks.pieces * settings.price:,.2f}"
-    if needed.boards and settings.frame_price is not None:
-        yield (
-            f"frames: {needed.boards.pieces:,} x {settings.frame_price:,.2f}",
-            f"{needed.boards.pieces * settings.frame_price:,.2f}",
-        )
-    yield "together, without base boards", "" if needed.price is None else f"{needed.price:,.2f}"
+    price = frame_price(scene.recipe, settings)
+    if needed.boards and price is not None:
+        yield f"frames: {needed.boards.pieces:,} x {price:,.2f}", f"{needed.boards.pieces * price:,.2f}"
+    if needed.price is not None:
+        yield "together, without base boards", f"{needed.price:,.2f}"
+    else:
+        yield f"frames: {'no price given (--frame-price)' if needed.boards else 'longer than the stock'}", ""

@@ -1,4 +1,4 @@
-"""An A4 page with positions in millimetres from the upper left corner, and plans on it, north up.
+"""A page with positions in millimetres from the upper left corner, and plans on it, north up.
 
 A plan has cells in the colours of their levels, frames hatched, and marked corners if a cell has no block.
 """
@@ -18,8 +18,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 15.0
-"""A4 (ISO 216) in millimetres, with a margin that every printer leaves."""
+A4, LETTER = (210.0, 297.0), (215.9, 279.4)
+"""Papers in millimetres, of ISO 216 and, for sheets in inches, of ANSI: what is printed must not be scaled to fit."""
+
+MARGIN = 15.0
+"""Margin in millimetres, which every printer leaves."""
+
+COLUMN = 82.0
+"""Width of a list in millimetres: two of them fit between the margins."""
 
 INCH = 25.4
 POINT = INCH / 72
@@ -31,17 +37,21 @@ ROW = 5.2
 
 
 class Page:
-    """An A4 page of vector graphics; `across` is the width between its margins."""
+    """A page of vector graphics: A4, or Letter if a recipe is in inches; `across` is the width between its margins.
 
-    left, right, bottom = MARGIN, WIDTH - MARGIN, HEIGHT - MARGIN
-    across = WIDTH - 2 * MARGIN
+    second: x of the right one of two columns
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, units: str) -> None:
         from matplotlib.figure import Figure
 
-        self.figure: Figure = Figure(figsize=(WIDTH / INCH, HEIGHT / INCH), dpi=100)
+        width, height = LETTER if units == "in" else A4
+        self.left, self.right, self.bottom = MARGIN, width - MARGIN, height - MARGIN
+        self.across = width - 2 * MARGIN
+        self.second = self.right - COLUMN
+        self.figure: Figure = Figure(figsize=(width / INCH, height / INCH), dpi=100)
         self.paper = self.figure.add_axes((0, 0, 1, 1))
-        self.paper.set(xlim=(0, WIDTH), ylim=(HEIGHT, 0))
+        self.paper.set(xlim=(0, width), ylim=(height, 0))
         self.paper.set_axis_off()
 
     def text(self, x: float, y: float, text: str, size: float = 9, **style: Any) -> None:

@@ -12,8 +12,8 @@ import numpy as np
 
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene, fingerprint
-from rsegen.exporters.sheet.overview import COLUMN, RIGHT, SMALLEST, draw_cut_list
-from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
+from rsegen.exporters.sheet.overview import SMALLEST, draw_cut_list
+from rsegen.exporters.sheet.page import COLUMN, GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
@@ -21,8 +21,8 @@ ORDERED = 12
 numbers.
 """
 
-_TOP, _SIDE = 40.0, 172.0
-"""Upper end and longer side of the plan in millimetres; the cut list needs the rest of the page."""
+_TOP, _LISTS = 40.0, 70.0
+"""Upper end of the plan, and height of the lists below it, in millimetres; the plan has the rest of the page."""
 
 _LINED = 1.5
 """Smallest cell size in millimetres at which the map of pallets has grid lines."""
@@ -43,7 +43,7 @@ def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int
     """Draw the whole page."""
     _draw_head(page, scene, numbered, pallets)
     field = numbered.chunk.field
-    cell = _SIDE / max(field.shape)
+    cell = (page.bottom - _LISTS - _TOP) / max(field.shape)
     left = page.left + (page.across - field.shape[0] * cell) / 2
     plan = PrintedPlan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
     plan.draw(0.5)
@@ -99,6 +99,10 @@ def _draw_rulers(plan: PrintedPlan, numbered: NumberedPallet) -> None:
     plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
 
 
+_SMALL = 5.5
+"""Font size of the placing order in points, at the least: cells of ORDERED blocks per side have room for it."""
+
+
 def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]:
     """Draw the height of every block, and its placing order if there is room; return notes that explain them."""
     levels, order = numbered.levels, placing_order(numbered.levels)
@@ -111,7 +115,7 @@ def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]
         plan.page.text(x, y, texts[level], size, ha="center", va="center", **style)
         if ordered and level:
             corner = 0.44 * plan.cell
-            plan.page.text(x - corner, y - corner, str(order[at]), min(7.0, size / 2), va="top", **style)
+            plan.page.text(x - corner, y - corner, str(order[at]), min(7.0, max(size / 2, _SMALL)), va="top", **style)
     last = "Small numbers are the order of placing." if ordered else "The sheet as CSV has the order of placing."
     return (*notes, last)
 
@@ -119,7 +123,7 @@ def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]
 def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
     """Return the text of each level in the cells, and the notes that explain it."""
     field, written = plan.field, lengths_in(plan.scene.recipe.units)
-    heights = {level: written.short(length(level, field)) for level in field.level_counts()}
+    heights = {level: written.tape(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= SMALLEST:
         return heights, (f"Large numbers are heights in {written.name}.",)
     unit = written.short(length(1, field))
@@ -128,16 +132,19 @@ def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
 
 
 def _size(cell: float, texts: dict[int, str]) -> float:
-    """Return the font size with which the longest of the texts fits into a cell; a digit is 0.64 of it wide."""
-    widest = max(map(len, texts.values()))
+    """Return the font size with which the longest of the texts fits into a cell; a digit is 0.64 of it wide.
+
+    Blanks and strokes of fractions are half as wide.
+    """
+    widest = max(len(text) - (text.count(" ") + text.count("/")) / 2 for text in texts.values())
     return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
 
 
 def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
     """Draw the notes on how to read the plan and how to place the blocks."""
-    y = page.heading(RIGHT, y, "How to build it", COLUMN)
+    y = page.heading(page.second, y, "How to build it", COLUMN)
     for text in (*_PLACING, "", *notes, "", *_RULE):
-        page.text(RIGHT, y, text, 8.2)
+        page.text(page.second, y, text, 8.2)
         y += 4.4 if text else 2
 
 

@@ -238,7 +238,7 @@ def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materi
         base=base,
         block_weight=blocks.timber / _METRE * side**2 * settings.density,
         frame_weight=(known.timber if known else 0) / _METRE * side * high * settings.density,
-        price=_price(blocks, boards, known, settings),
+        price=_price(blocks, boards, known, recipe, settings),
     )
 
 
@@ -251,10 +251,17 @@ def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]
     return 1 if recipe.boundary == "outer" else m_x * m_y, (n_x * width + rim, n_y * width + rim)
 
 
+def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
+    """Return the price of a piece of stock for frames: as for blocks if none is given and the sections are equal."""
+    same = recipe.frame_height_cm == recipe.block_width_cm
+    return settings.price if settings.frame_price is None and same else settings.frame_price
+
+
 def _price(
-    blocks: CuttingPlan, boards: CuttingPlan | None, known: FrameBoards | None, settings: CutSettings
+    blocks: CuttingPlan, boards: CuttingPlan | None, known: FrameBoards | None, recipe: Recipe, settings: CutSettings
 ) -> float | None:
     """Return the price of all timber; None if the price of some of it is not given."""
-    if settings.price is None or (known and (boards is None or settings.frame_price is None)):
+    price = frame_price(recipe, settings)
+    if settings.price is None or (known and (boards is None or price is None)):
         return None
-    return blocks.pieces * settings.price + (boards.pieces * (settings.frame_price or 0) if boards else 0)
+    return blocks.pieces * settings.price + (boards.pieces * (price or 0) if boards else 0)

@@ -116,7 +116,8 @@ class Obstacle(ABC):
             0,
             100,
             unit="%",
-            help="width of the slopes, 0: vertical walls; for random kinds: how much every height is reduced",
+            help="width of the slopes, 0: vertical walls; for random kinds: how much every height is "
+            "reduced, so that five levels are flat from 80 % on",
         ),
     ] = 0.0
     first: Annotated[Place | None, CellRef(help="one end or corner, x and y in block cells of the map")] = None

@@ -22,7 +22,10 @@ from rsegen.params.sorts import Cell, Place
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Peak(Shaped):
-    """A round hill inside the rectangle first..last: with softness 0 a table with vertical sides, with 100 a cone."""
+    """A round hill inside the rectangle first..last: with softness 0 a table with vertical sides, with 100 a cone.
+
+    On steep slopes, as of few blocks or a small softness, some levels have no block.
+    """
 
     kind: ClassVar[str] = "peak"
 
