@@ -27,7 +27,7 @@ def _drive(row: int, number: int, action: tuple[float, ...] = (1, 0, 0, 0)) -> A
 
 
 def test_the_robot_sees_the_heights_around_it() -> None:
-    robot = course(RUBBLE, 10)
+    robot: Any = course(RUBBLE, 10)
     observation, info = robot.reset(seed=1, options={"map": 21})
     assert info["map"] == 21
     state = robot.unwrapped.data
@@ -43,7 +43,8 @@ def test_full_speed_ahead_crosses_flat_ground_and_no_rubble() -> None:
     assert walked > LENGTH
     far = [_drive(10, number).episodes[0][1] for number in range(8)]
     assert np.mean(far) < LENGTH / 2
-    assert (course(RUBBLE).unwrapped.init_qpos[0], training.COURSE) == (START, LENGTH)
+    robot: Any = course(RUBBLE)
+    assert (robot.unwrapped.init_qpos[0], training.COURSE) == (START, LENGTH)
 
 
 @pytest.mark.slow
