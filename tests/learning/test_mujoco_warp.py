@@ -18,9 +18,7 @@ mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: i
 from rsegen.learning.mujoco import BlockGrid  # noqa: E402  # they need both
 from rsegen.learning.mujoco_warp import BlocksOfWorlds  # noqa: E402
 
-pytestmark = pytest.mark.long(reason="Warp, 0.4 GB, which compiles its kernels")
-
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.long(reason="Warp, 0.4 GB, which compiles its kernels"), pytest.mark.slow]
 
 RECIPE = Recipe(
     seed=7,
