@@ -40,9 +40,9 @@ _SMALLEST = 0.05
 _LARGEST = 200.0
 """Widths of a cloud in metres: others are in another unit, as centimetres taken for metres are 100 times as wide."""
 
-_LEAST_AGREEING = 0.5
-"""Share of the cells of a known field that must agree: two fields of five levels agree in a third of their cells by
-chance, at the best place."""
+_LEAST_AGREEING = 0.6
+"""Share of the cells of a known field that must agree: two fields of five levels agree in a third of their blocks by
+chance, at the best place, and in all cells of equal frames: together in half of 12 x 12 cells."""
 
 _MOST_OUTSIDE = 0.1
 """Share of the raised cells that may be outside a field of a given size: things that stand next to it."""

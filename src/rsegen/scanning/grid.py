@@ -156,6 +156,9 @@ _STEP = 0.25
 """Blocks by which a grid of one width differs from that of the next over the whole field; it is stretched about the
 middle, so that the ends of a true grid are off by a sixteenth of a block at most."""
 
+_WORSE = 1.4
+"""Times the share of the best width that a given one may have; its place and heading are not refined yet."""
+
 _FLATTEST = 4.0
 """Units per width of a block, at the most; NIST's posts are one or two units wide."""
 
@@ -235,11 +238,8 @@ def _gridded(points: Array, heading: float, unit: float, pixel: float, given: fl
         raise ScanError("hardly a point is on top of a block; give a scan from above, or another unit_cm")
     low, high = np.quantile(raised, 0.02, axis=0), np.quantile(raised, 0.98, axis=0)
     middle, extent = (low + high) / 2, float((high - low).max())
-    if given is None:  # evenly spaced in 1 / width, in which equal steps move the ends of the field equally
-        least = max(pixel, unit / _FLATTEST)
-        widths = 1 / np.arange(2 / extent, 1 / least, _STEP / extent)
-    else:
-        widths = given * np.linspace(1 - _OFF, 1 + _OFF, 13)
+    # Evenly spaced in 1 / width, in which equal steps move the ends of the field equally.
+    widths = 1 / np.arange(2 / extent, 1 / max(pixel, unit / _FLATTEST), _STEP / extent)
     if not len(widths):
         raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
     about = middle @ start.rotation
@@ -251,8 +251,19 @@ def _gridded(points: Array, heading: float, unit: float, pixel: float, given: fl
         placed = [replace(grid, origin=grid.rotation @ about + width * shift) for shift in shifts]
         return np.array([len(levels) - _one_level(places, levels, grid) for grid in placed]), placed
 
-    counts = np.array([tried(heading, float(width))[0] for width in widths])
-    width = float(widths[int(np.argmin(counts.min(axis=1) / np.maximum(counts.max(axis=1), 1)))])
+    def share(width: float) -> float:
+        counts, _ = tried(heading, width)
+        return float(counts.min() / max(counts.max(), 1))
+
+    width = min(map(float, widths), key=share)
+    if given is not None:
+        own = min((given * near for near in np.linspace(1 - _OFF, 1 + _OFF, 13).tolist()), key=share)
+        if share(own) > _WORSE * share(width):
+            raise ScanError(
+                f"no grid of blocks {given * 100:g} cm wide in the cloud, but of about {width * 100:.3g} cm; "
+                "give another block_width_cm"
+            )
+        width = own
     # Between the widths that were tried, and within the error of the heading, the ends of a long field are half a block
     # off, from where the refinement would find a grid of half the field only.
     nearby = [
