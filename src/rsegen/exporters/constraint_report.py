@@ -62,7 +62,33 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         yield f"{what.format(**report['crossable_by'])} across from {' and from '.join(paths)}"
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
-        yield f"uses {used:,} of the {owned:,} blocks of the inventory"
+        nearness = _nearness(scene, scene.recipe.inventory or ())
+        yield f"uses {used:,} of the {owned:,} blocks of the inventory; {nearness}"
+
+
+def _nearness(scene: Scene, inventory: tuple[int, ...]) -> str:
+    """Return how far a map is from the design, and from the nearest to it that these blocks allow, wherever they are.
+
+    The bound is that of the blocks in the order of their levels, without any other constraint; it is exact then.
+    """
+    from rsegen.recipe.constraints.inventory import blocks, nearest_blocks
+
+    field, design = scene.field, build(replace(scene.recipe, inventory=None), scene.index)
+    cells = ~field.frame
+    highest = max(len(inventory), int(design.levels.max(initial=0)), int(field.levels.max(initial=0)))
+    wished = np.bincount(design.levels[cells], minlength=highest + 1)
+    stock, wished[0] = blocks(inventory, highest + 1), 0
+    stock[0] = max(int(wished.sum() - stock[1:].sum()), 0)
+    most, used = int(min(wished.sum(), stock[1:].sum())), np.count_nonzero(field.levels[cells])
+    if used < most:
+        return f"{most:,} without the other constraints"
+    levels = np.arange(highest + 1)
+    taken, asked = (np.repeat(levels, counts) for counts in (nearest_blocks(wished, stock), wished))
+    least = int(np.abs(taken - asked).sum())
+    differs = int(np.abs(field.levels[cells].astype(np.int64) - design.levels[cells]).sum())
+    if differs <= least:
+        return f"levels differ from the design by {differs:,} units in all, the least that these blocks allow"
+    return f"levels differ from the design by {differs:,} units in all; these blocks would allow {least:,}"
 
 
 def block_warnings(scene: Scene) -> Iterator[str]:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import rsegen
 from rsegen.cli import main
-from rsegen.exporters.constraint_report import block_warnings
+from rsegen.exporters.constraint_report import block_warnings, describe_constraints
 from rsegen.field.metrics.roughness import differences
 from tests.support.complaints import the_line
 
@@ -117,6 +117,25 @@ def test_the_remaining_blocks_are_reported(tmp_path: Path, capsys: pytest.Captur
     lengths = ", ".join(f"{count} of {int(level) * 10} cm" for level, count in found["left"].items())
     assert f"warning: left in the box: {lengths}\n" in said
     assert f"uses {sum(found['used'].values())} of the 74 blocks of the inventory" in said
+
+
+@given(seed=st.integers(0, 1000), stock=st.lists(st.integers(0, 40), min_size=1, max_size=5))
+@settings(max_examples=15)
+def test_the_distance_from_the_design_is_never_below_that_of_an_independent_solver(seed: int, stock: list[int]) -> None:
+    """Every cell is matched with a block by scipy's assignment, at the cost of the difference of their levels."""
+    assume(sum(stock))
+    optimize = pytest.importorskip("scipy.optimize", reason="SciPy is not installed")
+    design = rsegen.Recipe(seed=seed, boundary="none", obstacles=(rsegen.Random(levels=5),))
+    levels = rsegen.build(design).blocks.ravel()
+    wished = levels[levels > 0]
+    blocks = np.repeat(np.arange(len(stock) + 1), [max(len(wished) - sum(stock), 0), *stock])
+    costs = np.abs(wished[:, None] - blocks)
+    least = costs[optimize.linear_sum_assignment(costs + 1000 * (blocks == 0))].sum()
+    made = replace(design, inventory=tuple(stock))
+    differs = np.abs(rsegen.build(made).blocks.ravel().astype(int) - levels).sum()
+    (said,) = describe_constraints(rsegen.compose(made))
+    assert differs == least
+    assert said.endswith(f"levels differ from the design by {least} units in all, the least that these blocks allow")
 
 
 def test_an_inventory_without_a_block_is_refused() -> None:
