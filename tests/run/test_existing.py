@@ -73,7 +73,9 @@ def test_a_run_that_was_stopped_goes_on(
     after = stamps(tmp_path / "out")
     kept = {name for name in before if not name.startswith(".")}
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
-    assert f"{len(kept)} maps there already, seed 7\n{150 - len(kept)} maps of 60 x 60" in capsys.readouterr().out
+    assert (
+        f"{len(kept)} maps there already, seed 7\n{150 - len(kept)} maps of 40 x 40 blocks" in capsys.readouterr().out
+    )
     assert hidden(tmp_path / "out") == []
     assert contents(tmp_path / "out") == whole
 

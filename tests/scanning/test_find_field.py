@@ -183,36 +183,57 @@ def test_a_field_of_three_metres_is_found_from_six_views() -> None:
     assert scan.seen.mean() > 0.95
 
 
+SIZES = ScanSettings(block_width=0.1, unit=0.1)
+"""Lengths of the blocks, which a coarse cloud does not tell."""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 1, range(1, 4), reason="a cloud more"))
-def test_a_single_coarse_image_is_enough(seed: int) -> None:
+def test_a_single_coarse_image_is_enough_if_sizes_are_given(seed: int) -> None:
     """160 x 120 pixels, one per 14 mm: six points in a pixel of 47 mm, half of a block."""
     field = field_of(seed, boundary="outer")
     camera = DepthCamera(place=(0.5, 0.45, 2.2), columns=160, rows=120, focal=132)
     rng = np.random.default_rng(seed)
-    cloud = scanned(field, [camera], Flaws(noise=0.005, missing=0.2, outliers=0.02), rng)
-    scan = find_field(turned(cloud, rng, 0.5))
+    cloud = turned(scanned(field, [camera], Flaws(noise=0.005, missing=0.2, outliers=0.02), rng), rng, 0.5)
+    with pytest.raises(ScanError, match="give block_width_cm and unit_cm"):
+        find_field(cloud)
+    scan = find_field(cloud, SIZES)
     right_turn(scan, field)
     assert scan.seen.mean() > 0.7
 
 
 @pytest.mark.slow
-def test_six_thousand_points_are_enough() -> None:
+def test_six_thousand_points_are_enough_if_sizes_are_given() -> None:
     field = field_of(1, boundary="outer")
     rng = np.random.default_rng(1)
     cloud = turned(cloud_of(field), rng, 0.5)
-    scan = find_field(cloud[rng.permutation(len(cloud))[:6000]])
+    scan = find_field(cloud[rng.permutation(len(cloud))[:6000]], SIZES)
     right_turn(scan, field)
     assert scan.seen.mean() > 0.5
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 1, range(1, 4), reason="a cloud more"))
-def test_no_level_of_a_smoothed_cloud_is_wrong_and_sure(seed: int) -> None:
-    """Depth images after a Gauss filter of two pixels, as of a phone: slopes in place of edges."""
-    field = field_of(seed, boundary="outer")
-    views = [replace(camera, columns=400, rows=300, focal=330.0) for camera in TWO_VIEWS]
+@pytest.mark.parametrize(("blocks", "points"), [(4, 3000), (4, 9000)])
+@pytest.mark.parametrize("seed", [3, 5, 7])
+def test_a_small_field_without_noise_has_its_own_blocks(blocks: int, points: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
+    side = blocks + 8
+    heights = np.pad(rng.integers(0, 4, (blocks, blocks)), 4) / 10
+    heights[4, 4] = heights[-5, -5] = 0.3  # so that its extent is seen
+    cloud = rng.random((points, 3)) * (side / 10, side / 10, 0)
+    i, j = (cloud[:, :2].T * 10).astype(int)
+    cloud[:, 2] = heights[i, j]
+    scan = find_field(cloud)
+    assert scan.block_width == 0.1
+    assert scan.levels.shape == (blocks, blocks)
+
+
+@pytest.mark.slow
+def test_no_level_of_a_smoothed_cloud_is_wrong_and_sure() -> None:
+    """Depth images after a Gauss filter of two pixels, as of a phone: slopes in place of edges."""
+    field = field_of(3, boundary="outer")
+    views = [replace(camera, columns=400, rows=300, focal=330.0) for camera in TWO_VIEWS]
+    rng = np.random.default_rng(3)
     cloud = scanned(field, views, Flaws(blur=2, noise=0.003, missing=0.2, outliers=0.02), rng)
     scan = find_field(turned(cloud, rng, 0.5))
     assert scan.levels.shape == field.levels.shape

@@ -8,9 +8,9 @@ field. The searches take at most 200,000 points; the levels are read from all of
 200,000 points, most of it for the ground plane and the refinement of the grid. It fails if few tops are seen, if
 the cloud is mostly something else, or if edges of other things lie on a finer grid; docs/scan.md has the figures.
 
-When widths were still found from edges, the numbers of these modules were halved, and raised by 60 %, on nine clouds
-of benchmarks/scan (three kinds of fields; one camera above with 10 mm of noise, two with 15 mm, one aside with 5 mm; 7
-fields were found). Where nothing else is said, the result stayed the same.
+The numbers of these modules were halved, and raised by 60 %, on nine clouds of benchmarks/scan (three kinds of fields;
+one camera above with 10 mm of noise, two with 15 mm, one aside with 5 mm; 7 fields are found). Where nothing else is
+said, the result stays the same.
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ def _unit_and_grid(
         tops = raster.heights[np.isfinite(raster.heights)]
     unit = find_unit(tops, ground.noise, unit)
     grid = find_grid(upright, unit, ground.noise, pixel, width)
-    return unit, refined(grid, few[on_tops(few, unit, ground.noise, pixel)], unit), pixel
+    return unit, refined(grid, upright, unit), pixel
 
 
 def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:

@@ -1,30 +1,24 @@
-"""The grid of blocks in an upright cloud: its heading, from edges; the width of a block and its origin, from tops.
+"""The grid of blocks in an upright cloud: its heading, the width of a block and its origin, from the edges of blocks.
 
-1. Raster: the cloud from above as pixels of some six points each. Pixels with points half a unit apart in height are
-   edges; flat pixels are tops.
+1. Raster: the cloud from above as pixels of some six points each, with the median of their heights. Neighbouring pixels
+   whose heights differ by half a unit are edges; flat pixels are tops.
 2. Heading: edges of blocks lie on few lines, so the histogram of edges across the right heading has few, high bins:
    the sum of their squares is largest.
-3. Width: on the true grid all points of a cell are at one level, and half a block away most cells have several. So for
-   every width the points that are off the most frequent level of their cell are counted at 16 places of the grid; the
-   width at which the best place has the smallest share of those of the worst is that of the blocks:
+3. Width: edges at s across the lines have the power |mean exp(2 pi i s / w)|^2, which is 1 for a width w of which all
+   distances are whole multiples. Halves and thirds of the true width have as much, so the widest counts.
+4. Least squares: every edge belongs to the nearest line; both origins, the width and the heading follow together.
+5. Refinement: edges of noisy clouds are off by a pixel or more, tops are not. Hill climbing moves the grid until
+   as many points as possible are at the most frequent level of their cell.
 
-       blocks  | 2 | 0 | 1 | 2 |       half the width is as pure at its best place, but at its worst one only every
-       best    |---|---|---|---|       second cell has two levels; twice the width is never pure. Edges need not be
-       worst     |---|---|---|         sharp for this, nor pixels finer than a block: a few points per block do.
-
-4. Refinement: hill climbing in heading, width and place moves the grid until as many points as possible are at the most
-   frequent level of their cell.
-
-Cost: linear in the points, of which at most 200,000 are used; the width counts 20,000 points some 16 times for each of
-100 to 300 widths, the refinement 60,000 points some 170 times. It fails without steps in both directions, and if most
-edges are those of something else.
+Cost: linear in the points, of which at most 200,000 are used; the refinement counts 60,000 points some 170 times.
+It fails without steps in both directions, and if most edges are those of something else.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import cos, pi, radians, sin
+from math import cos, pi, sin
 
 import numpy as np
 
@@ -108,59 +102,28 @@ def flat_heights(raster: Raster, most: float) -> Array:
     return np.asarray(inner[flat & np.isfinite(inner)])
 
 
-_RASTERS = (0, 23, 54)
-"""Headings of the rasters in which edges are looked for [degrees], by no common angle apart.
-
-Pixels lie on lines themselves. Along any heading only a third of the edges is of pixels in its lines, but all are of
-blocks."""
-
-
-def _edges_along(points: Array, pixel: float, least: float, heading: float) -> Array:
-    """Return places (n, 2) of edges: of each pixel whose points differ in height by more than `least` [m], the middle
-    between its high and its low points; pixels lie along a heading [radians].
-    """
-    c, s = cos(heading), sin(heading)
-    turn = np.array([[c, s], [-s, c]])
-    points = np.column_stack([points[:, :2] @ turn.T, points[:, 2]])
-    keys, _, _ = _keys(points, pixel)
-    order = np.lexsort((points[:, 2], keys))
-    keys, sorted_ = keys[order], points[order]
-    starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    counts = np.diff(np.append(starts, len(keys)))
-    # Two points on either side: single ones are outliers.
-    low, high = sorted_[starts + np.minimum(1, counts - 1), 2], sorted_[starts + np.maximum(counts - 2, 0), 2]
-    edge = (counts >= 4) & (high - low > least)
-    pixels = np.repeat(np.arange(len(starts)), counts)
-    is_high = sorted_[:, 2] > ((low + high) / 2)[pixels]
-    middles = np.zeros((len(starts), 2))
-    for side in (is_high, ~is_high):
-        number = np.maximum(np.bincount(pixels[side], minlength=len(starts)), 1)
-        for axis in (0, 1):
-            middles[:, axis] += np.bincount(pixels[side], sorted_[side, axis], len(starts)) / number / 2
-    return np.asarray(middles[edge] @ turn)
+def edge_pixels(raster: Raster, least: float, axis: int) -> Array:
+    """Return the centres (n, 2) of pixels whose neighbours along an axis differ in height by more than `least` [m]."""
+    heights = raster.heights if axis == 0 else raster.heights.T
+    with np.errstate(invalid="ignore"):
+        edges = np.argwhere(np.abs(heights[2:] - heights[:-2]) > least)
+    edges[:, 0] += 1  # the pixel between the two
+    return raster.centres(edges if axis == 0 else edges[:, ::-1])
 
 
 _FEWEST_EDGES = 40
-"""Edges of all rasters, at the least: a single block of 10 pixels per side has 40 in each."""
+"""Edge pixels, at the least, and a quarter of them in each direction: a single block of 10 pixels per side has 40."""
 
 _OFF = 0.06
 """Share by which blocks of a given width may be wider or narrower in the cloud, by gaps between them and by scale."""
 
-_COUNTED = 20_000
-"""Points from which the width is found: 20 per cell of 30 x 30."""
+_SPLIT = 0.75
+"""Share of the power of the best width that makes a wider grid preferable.
 
-_PLACES = 4
-"""Places of a grid along x and along y at which it is tried; the best is then an eighth of a block off at most."""
-
-_STEP = 0.25
-"""Blocks by which a grid of one width differs from that of the next over the whole field; it is stretched about the
-middle, so that the ends of a true grid are off by a sixteenth of a block at most."""
-
-_WORSE = 1.4
-"""Times the share of the best width that a given one may have; its place and heading are not refined yet."""
-
-_FLATTEST = 4.0
-"""Units per width of a block, at the most; NIST's posts are one or two units wide."""
+Half the true width explains every edge as well as the true one, and noise may make it the better of the two: with a
+share near 1 it is taken. Edges on every line cancel out at twice the width, but not quite, as some lines have more of
+them than others: with half the share 3 of nine fields are found, instead of 7.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -191,26 +154,30 @@ def find_grid(points: Array, unit: float, noise: float, pixel: float, width: flo
     few = sample(points)
     # An edge is a step of nearly half a unit, or more than the noise makes, but never as much as a whole unit.
     least = max(0.4 * unit, min(2.5 * noise, 0.8 * unit))
-    edges = np.concatenate([_edges_along(few, pixel, least, radians(degrees)) for degrees in _RASTERS])
+    raster = rasterized(few, pixel)
+    edges = np.concatenate([edge_pixels(raster, least, axis) for axis in (0, 1)])
     if len(edges) < _FEWEST_EDGES:
         raise ScanError("no grid of blocks: there are hardly any steps in the cloud")
-    return _gridded(few[on_tops(few, unit, noise, pixel)], _heading(edges, pixel), unit, pixel, width)
+    heading = _heading(edges, pixel)
+    raster = _turned_raster(few, heading, pixel)
+    lines = [edge_pixels(raster, least, axis)[:, [axis, 1 - axis]] for axis in (0, 1)]
+    if min(len(line) for line in lines) < _FEWEST_EDGES / 4:
+        raise ScanError("no grid of blocks: the steps in the cloud all run in one direction")
+    return _fitted(lines, heading, _width([line[:, 0] for line in lines], pixel, width))
 
 
 def _heading(edges: Array, pixel: float) -> float:
     """Return the direction, within a quarter turn, along which edges lie on the fewest lines [radians].
 
-    Edges are known to about half a pixel, and a slice is as wide as that; but not narrower than a step of the search
-    moves the ends of the field, so that it cannot step over the peak. The refinement finds the rest.
+    Half a degree over 2 m is 17 mm, about two pixels, so the first search cannot step over the peak; a tenth of a
+    degree is 3 mm, less than a pixel, and the least squares fit finds the rest.
     """
     few = sample(edges, 8_000)
     few = few - np.median(few, axis=0)
-    extent = float(np.ptp(np.quantile(few, [0.02, 0.98], axis=0), axis=0).max())
-    best, angles = 0.0, np.radians(np.arange(0, 90, 0.25))
-    for step in (0.25, 0.05):
-        slice_ = max(pixel / 2, extent * np.radians(step))
-        best = float(angles[int(np.argmax([_concentration(few, angle, slice_) for angle in angles]))])
-        angles = best + np.radians(np.arange(-0.3, 0.31, 0.05))
+    coarse = np.radians(np.arange(0, 90, 0.5))
+    best = float(coarse[int(np.argmax([_concentration(few, angle, 2 * pixel) for angle in coarse]))])
+    fine = best + np.radians(np.arange(-0.6, 0.61, 0.1))
+    best = float(fine[int(np.argmax([_concentration(few, angle, pixel) for angle in fine]))])
     return (best + pi / 4) % (pi / 2) - pi / 4
 
 
@@ -224,55 +191,77 @@ def _concentration(edges: Array, angle: float, slice_: float) -> float:
     return total
 
 
-def _gridded(points: Array, heading: float, unit: float, pixel: float, given: float | None) -> CloudGrid:
-    """Return the grid of a heading at whose best place the fewest points are off their cell's level, compared with its
-    worst place.
-    """
-    levels, places = _tops(points, unit)
-    few = sample(np.column_stack([places, levels]), _COUNTED)
-    levels, places = few[:, 2].astype(np.int64), few[:, :2]
-    start = CloudGrid(heading=heading, width=1.0, origin=np.zeros(2))
-    # Grids are stretched about the middle of what is raised, so that a width that is a little off is off by little.
-    raised = (places @ start.rotation.T)[levels > 0]
-    if not len(raised):
-        raise ScanError("hardly a point is on top of a block; give a scan from above, or another unit_cm")
-    low, high = np.quantile(raised, 0.02, axis=0), np.quantile(raised, 0.98, axis=0)
-    middle, extent = (low + high) / 2, float((high - low).max())
-    # Evenly spaced in 1 / width, in which equal steps move the ends of the field equally.
-    widths = 1 / np.arange(2 / extent, 1 / max(pixel, unit / _FLATTEST), _STEP / extent)
-    if not len(widths):
-        raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
-    about = middle @ start.rotation
+def _turned_raster(points: Array, heading: float, pixel: float) -> Raster:
+    """Return the raster of a cloud that is turned by a heading, in which edges run along the axes."""
+    c, s = cos(heading), sin(heading)
+    turned = points.copy()
+    turned[:, :2] = points[:, :2] @ np.array([[c, -s], [s, c]])
+    return rasterized(turned, pixel)
 
-    def tried(heading: float, width: float) -> tuple[Array, list[CloudGrid]]:
-        """Return the number of points off their cell's level at 16 places of a grid, and these grids."""
-        grid = replace(start, heading=heading, width=width)
-        shifts = np.stack(np.divmod(np.arange(_PLACES**2), _PLACES), axis=1) / _PLACES
-        placed = [replace(grid, origin=grid.rotation @ about + width * shift) for shift in shifts]
-        return np.array([len(levels) - _one_level(places, levels, grid) for grid in placed]), placed
 
-    def share(width: float) -> float:
-        counts, _ = tried(heading, width)
-        return float(counts.min() / max(counts.max(), 1))
-
-    width = min(map(float, widths), key=share)
+def _width(lines: list[Array], pixel: float, given: float | None) -> float:
+    """Return the distance of neighbouring lines [m], from the places of edges across them."""
+    widest = max(float(np.ptp(np.quantile(line, [0.02, 0.98]))) for line in lines if len(line))
     if given is not None:
-        own = min((given * near for near in np.linspace(1 - _OFF, 1 + _OFF, 13).tolist()), key=share)
-        if share(own) > _WORSE * share(width):
-            raise ScanError(
-                f"no grid of blocks {given * 100:g} cm wide in the cloud, but of about {width * 100:.3g} cm; "
-                "give another block_width_cm"
-            )
-        width = own
-    # Between the widths that were tried, and within the error of the heading, the ends of a long field are half a block
-    # off, from where the refinement would find a grid of half the field only.
-    nearby = [
-        tried(heading + radians(turn), 1 / (1 / width + share * _STEP / extent))
-        for turn in (-0.4, -0.2, 0, 0.2, 0.4)
-        for share in (-0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6)
-    ]
-    others, grids = min(nearby, key=lambda of: int(of[0].min()))
-    return grids[int(others.argmin())]
+        own = given * np.linspace(1 - _OFF, 1 + _OFF, 241)  # in steps of half a thousandth
+        return float(own[int(_power(lines, own).argmax())])
+    # Evenly spaced in 1 / width, in which peaks are equally broad: six samples per peak, from the whole extent down to
+    # blocks of four pixels, below which tops have no flat pixel.
+    widths = 1 / np.linspace(1 / widest, 1 / (4 * pixel), max(64, min(6000, int(6 * widest / pixel))))
+    power = _power(lines, widths)
+    first = int(np.argmax(power >= _SPLIT * power.max()))  # the widest
+    end = first + int(np.argmax(np.append(power[first:] < _SPLIT * power.max(), True)))
+    return float(widths[first + int(power[first:end].argmax())])
+
+
+def _power(lines: list[Array], widths: Array) -> Array:
+    """Return how well edges lie a whole number of widths apart, from 0 to 1, for each width."""
+    total = np.zeros(len(widths))
+    for line in lines:
+        if len(line):
+            few = sample(line[:, None], 3_000)[:, 0]
+            turns = np.exp(2j * np.pi * (few - few.mean())[None] / widths[:, None])
+            total += len(line) * np.abs(turns.mean(axis=1)) ** 2
+    return total / sum(len(line) for line in lines)
+
+
+def _fitted(lines: list[Array], heading: float, width: float) -> CloudGrid:
+    """Return the grid through the edges by least squares: both origins, the width and the heading together.
+
+    An edge at s across and t along its line is on line i: s = origin + i width + slope t; slope is the heading's rest.
+    """
+    origin = np.array([_phase(line[:, 0], width) for line in lines])
+    slope = 0.0
+    # Edges farther from their line than a share of the width belong to other things; the share shrinks as the fit
+    # becomes better, and the last one is repeated until the choice of edges settles.
+    for within in (0.3, 0.25, 0.2, 0.2):
+        rows, values = [], []
+        for axis, line in enumerate(lines):
+            turn = slope if axis == 0 else -slope
+            across = line[:, 0] - origin[axis] - turn * line[:, 1]
+            index = np.rint(across / width)
+            near = np.abs(across - index * width) < within * width
+            columns = np.zeros((int(near.sum()), 4))
+            columns[:, axis] = 1
+            columns[:, 2] = index[near]
+            columns[:, 3] = line[near, 1] * (1 if axis == 0 else -1)
+            rows.append(columns)
+            values.append(line[near, 0])
+        solved = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=None)[0]
+        if not 0.7 * width < solved[2] < 1.4 * width:  # it ran away to another multiple of the width
+            raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
+        origin, width, slope = solved[:2], float(solved[2]), float(solved[3])
+    turn = -float(np.arctan(slope))
+    return CloudGrid(heading=heading + turn, width=width * cos(turn), origin=origin * cos(turn))
+
+
+def _phase(across: Array, width: float) -> float:
+    """Return the place of a line near the middle of some edges: the mean phase of the edges, as a length."""
+    if not len(across):
+        return 0.0
+    middle = float(across.mean())
+    turn = np.exp(2j * np.pi * (across - middle) / width).mean()
+    return middle + float(np.angle(turn)) / (2 * pi) * width
 
 
 _MOST_POINTS = 60_000
@@ -302,11 +291,6 @@ the edges are not those of blocks. With half the share 4 of 7 true grids are ref
 """
 
 
-_MOST_LEFT_ALONG = 0.9
-"""The same for a grid half a block away along one axis: of ridges, nothing changes along
-them, and it would be 1."""
-
-
 def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
     """Return the grid near a given one whose cells have as few different levels as possible.
 
@@ -325,12 +309,8 @@ def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
         return _one_level(places, levels, _moved(grid, pivot, change))
 
     best = _climbed(alike)
-    left, aside, beyond, away = (
-        len(levels) - alike(best + np.array([0, 0, *moved])) for moved in ((0, 0), (0.5, 0), (0, 0.5), (0.5, 0.5))
-    )
-    if left > _MOST_LEFT_ALONG * min(aside, beyond):
-        raise ScanError("no grid of blocks: the steps in the cloud all run in one direction, or are not of blocks")
-    if left > _MOST_LEFT * away:
+    away = np.array([*best[:2], *(best[2:] + 0.5)])
+    if len(levels) - alike(best) > _MOST_LEFT * (len(levels) - alike(away)):
         raise ScanError(
             "no grid of blocks fits the cloud; give block_width_cm and unit_cm, a closer scan, "
             "or cut everything but the field and some floor out of it"
@@ -363,6 +343,8 @@ def on_tops(points: Array, unit: float, noise: float, pixel: float) -> Mask:
     keys, heights = keys[order], points[order, 2]
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
     counts = np.diff(np.append(starts, len(keys)))
+    if np.median(np.repeat(counts, counts)) < _POINTS_PER_PIXEL:  # too few points in a pixel to tell
+        return np.ones(len(points), dtype=bool)
     low, high = heights[starts + counts // 5], heights[starts + counts - 1 - counts // 5]
     flat = (counts >= _FEWEST_POINTS) & (high - low < max(_FLAT * noise, 0.08 * unit))
     flat_point = np.zeros(len(points), dtype=bool)
