@@ -16,7 +16,7 @@ def test_heights_become_a_world_with_the_flags_of_a_recipe(tmp_path: Path, capsy
     (tmp_path / "my pallet.csv").write_text("0,10\n20,30\n", "utf-8")
     words = ["import", str(tmp_path / "my pallet.csv"), "-o", str(tmp_path / "worlds"), "--boundary", "outer"]
     assert main(words) == 0
-    assert "1 map of 4 x 4 cells" in capsys.readouterr().out
+    assert "1 map of 2 x 2 blocks (4 x 4 cells with frames)" in capsys.readouterr().out
     folder = tmp_path / "worlds" / "my_pallet_0000"
     assert (folder / "my_pallet_0000.world").is_file()
     assert build(load(folder / "recipe.json")).blocks.tolist() == [[2, 0], [3, 1]]
