@@ -22,7 +22,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.obstacles import Grid, Obstacle, Patch
-from rsegen.field.obstacles.base import Region, is_elementwise
+from rsegen.field.obstacles.base import EVERYWHERE, Region, is_elementwise
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.params.arrays import along, asarray
 from rsegen.params.sorts import Cell
@@ -35,8 +35,6 @@ _CELLS_AT_ONCE = 2**17
 
 _CELLS_SCALED_AT_ONCE = 2**15
 """Cells that are scaled to their difficulty together, in several arrays of numbers at a time."""
-
-_EVERYWHERE = slice(None), slice(None)
 
 _FEW_CELLS = 2**12
 """Cells of a map above which patches are made one by one, each in its window: numpy's cost per call is less by then."""
@@ -152,22 +150,20 @@ class _InManyMaps:
 
     def _drawn_anywhere(self, obstacle: Region, streams: Streams, like: Any) -> Patch:
         """Return the patch of every map of an obstacle that draws a number for each cell between drawn ends."""
-        grid, rest = self._grid, streams.copy()
         # The numbers of the cells are those that follow the ends.
-        obstacle.ends(grid, *obstacle.wanted_ends(grid), rest)  # type: ignore[arg-type]  # elementwise
-        ends = zip(*self._ends_of(streams), grid.shape, strict=True)
+        ends = zip(*self._ends_of(streams), self._grid.shape, strict=True)
         (x, in_x, _), (y, in_y, n_y) = (_between(*pair) for pair in ends)
         number = np.where(in_x[:, :, None] & in_y[:, None], x[:, :, None] * n_y[:, None] + y[:, None], 0)
-        uniform = rest.beside(like).arrays((int(number.max()) + 1,))
+        uniform = streams.beside(like).arrays((int(number.max()) + 1,))
         drawn = along(uniform, asarray(number.reshape(len(number), -1), like)).reshape(number.shape)
-        return Patch(_EVERYWHERE, obstacle.drawn(drawn), in_x[:, :, None] & in_y[:, None])
+        return Patch(EVERYWHERE, obstacle.drawn(drawn), in_x[:, :, None] & in_y[:, None])
 
     def _ends_of(self, streams: Streams) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
-        """Return both coordinates of both ends, each (maps,)."""
+        """Return both coordinates of both ends, each (maps,); elementwise ones are drawn from the streams in place."""
         obstacle, grid = self._obstacle, self._grid
         first, last = obstacle.wanted_ends(grid)
         if is_elementwise(obstacle.ends):
-            drawn: Any = obstacle.ends(grid, first, last, streams.copy())  # type: ignore[arg-type]  # elementwise
+            drawn: Any = obstacle.ends(grid, first, last, streams)  # type: ignore[arg-type]  # elementwise
             (x1, y1), (x2, y2) = (tuple(np.broadcast_to(at, len(streams)) for at in end) for end in drawn)
         else:
             drawn = np.array([obstacle.ends(grid, first, last, rng) for rng in streams.generators()])

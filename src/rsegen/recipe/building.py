@@ -66,9 +66,9 @@ def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
 
 def _imposed(recipe: MapDesign, index: int) -> Levels:
     """Return the levels of all obstacles, each imposed on those before it, counted from the ground."""
-    levels = flat_ground(recipe.grid)
+    levels, level_range = flat_ground(recipe.grid), recipe.level_range
     for _, obstacle, patch in _patches(recipe, index):
-        impose(levels, patch, obstacle.blend, recipe.level_range)
+        impose(levels, patch, obstacle.blend, level_range)
     return levels
 
 
@@ -78,11 +78,11 @@ def owners(recipe: MapDesign, index: int) -> NDArray[np.int32]:
     That is the last one that replaced the level there, by an equal one perhaps, or changed it by another blend. A
     difficulty or constraint may change the level afterwards: the block stays with its obstacle.
     """
-    levels = flat_ground(recipe.grid)
+    levels, level_range = flat_ground(recipe.grid), recipe.level_range
     rows = np.full(levels.shape, -1, dtype=np.int32)
     for row, obstacle, patch in _patches(recipe, INDEX.check("index", index)):
         before = levels[patch.window].copy()
-        impose(levels, patch, obstacle.blend, recipe.level_range)
+        impose(levels, patch, obstacle.blend, level_range)
         made = patch.footprint if obstacle.blend == "replace" else levels[patch.window] != before
         rows[patch.window][made] = row
     return rows

@@ -78,6 +78,10 @@ class Grid:
         return self.n_x, self.n_y
 
 
+EVERYWHERE = slice(None), slice(None)
+"""The window of a patch on the whole map."""
+
+
 class Patch(NamedTuple):
     """The levels of an obstacle in a window of the map, and the mask of the cells that it covers."""
 
@@ -191,7 +195,7 @@ class Obstacle(ABC):
         for number, (first, last) in enumerate(ends.tolist()):
             patch = self.patch(grid, tuple(first), tuple(last), _NO_DRAW)
             levels[(number, *patch.window)], footprint[(number, *patch.window)] = patch.levels, patch.footprint
-        return Patch((slice(None), slice(None)), levels, footprint)
+        return Patch(EVERYWHERE, levels, footprint)
 
 
 _NO_DRAW = np.random.Generator(np.random.PCG64(0))
@@ -270,11 +274,11 @@ class Shaped(Obstacle):
         margin = np.ceil(self.reach(grid))
         for at, a, b in zip((x, y), first, last, strict=True):
             footprint = footprint & (at >= np.minimum(a, b) - margin) & (at <= np.maximum(a, b) + margin)
-        return Patch((slice(None), slice(None)), levels, footprint)
+        return Patch(EVERYWHERE, levels, footprint)
 
 
-class Region(Obstacle):
-    """A random kind: it samples every cell of the rectangle first..last, by default of the whole map."""
+class Filling(Obstacle):
+    """A kind that fills the rectangle first..last, by default the whole map."""
 
     __slots__ = ()
     default_place: ClassVar[str] = "on the whole map"
@@ -282,6 +286,17 @@ class Region(Obstacle):
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:
         """Return two opposite corners of the map."""
         return (0, 0), (grid.n_x - 1, grid.n_y - 1)
+
+    @staticmethod
+    def window(grid: Grid, first: Cell, last: Cell) -> tuple[slice, slice]:
+        """Return the rectangle between two cells."""
+        return _window(grid, first, last, 0)
+
+
+class Region(Filling):
+    """A random kind: it samples every cell of its rectangle."""
+
+    __slots__ = ()
 
     @property
     def draws_by_cell(self) -> bool:
@@ -298,10 +313,6 @@ class Region(Obstacle):
         width = window[1].stop - window[1].start
         levels = _by_rows(window, lambda rows: self.levels_of(rng.random((rows.stop - rows.start, width))))
         return Patch(window, levels, np.ones(levels.shape, dtype=bool))
-
-    def window(self, grid: Grid, first: Cell, last: Cell) -> tuple[slice, slice]:
-        """Return the rectangle between two cells."""
-        return _window(grid, first, last, 0)
 
     @property
     def draws_per_cell(self) -> int:
@@ -320,18 +331,13 @@ class Region(Obstacle):
         return levels
 
 
-class Layout(Obstacle):
-    """A kind that is laid out block by block in the rectangle first..last, by default the whole map, from `first` on.
+class Layout(Filling):
+    """A kind that is laid out block by block in its rectangle, from `first` on.
 
     Its number of levels is its whole height or depth: 5 levels are up to 4 units above the ground, or below it.
     """
 
     __slots__ = ()
-    default_place: ClassVar[str] = "on the whole map"
-
-    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """Return two opposite corners of the map."""
-        return (0, 0), (grid.n_x - 1, grid.n_y - 1)
 
     @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
@@ -352,9 +358,9 @@ class Layout(Obstacle):
         levels, covered = self.laid_out((abs(last[0] - first[0]) + 1, abs(last[1] - first[1]) + 1), rng)
         lower = np.floor(np.abs(levels) * (1 - self.softness / 100) + SLACK)
         mirrored = tuple(slice(None, None, 1 if a <= b else -1) for a, b in zip(first, last, strict=True))
-        low, high = (tuple(map(best, zip(first, last, strict=True))) for best in (min, max))
-        window = slice(low[0], high[0] + 1), slice(low[1], high[1] + 1)
-        return Patch(window, (np.sign(levels) * lower).astype(np.int16)[mirrored], covered[mirrored])
+        return Patch(
+            self.window(grid, first, last), (np.sign(levels) * lower).astype(np.int16)[mirrored], covered[mirrored]
+        )
 
 
 def to_rim(shape: Cell) -> Ints:
