@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from rsegen.exporters.scene import Scene
 from rsegen.recipe.building import build
 
 if TYPE_CHECKING:
+    from rsegen.field.stepfield import StepField
     from rsegen.recipe.recipe import Recipe
 
 
@@ -71,19 +73,14 @@ def _nearness(scene: Scene, inventory: tuple[int, ...]) -> str:
 
     The bound is that of the blocks in the order of their levels, without any other constraint; it is exact then.
     """
-    from rsegen.recipe.constraints.inventory import blocks, nearest_blocks
+    from rsegen.recipe.constraints.inventory import nearest_counts
 
-    field, design = scene.field, build(replace(scene.recipe, inventory=None), scene.index)
-    cells = ~field.frame
-    highest = max(len(inventory), int(design.levels.max(initial=0)), int(field.levels.max(initial=0)))
-    wished = np.bincount(design.levels[cells], minlength=highest + 1)
-    stock, wished[0] = blocks(inventory, highest + 1), 0
-    stock[0] = max(int(wished.sum() - stock[1:].sum()), 0)
-    most, used = int(min(wished.sum(), stock[1:].sum())), np.count_nonzero(field.levels[cells])
+    field, design = scene.field, _design(scene.recipe, scene.index)
+    cells, counts = ~field.frame, nearest_counts(design, inventory)
+    asked, taken = (np.repeat(np.arange(len(each)), each) for each in counts)
+    most, used = np.count_nonzero(taken), np.count_nonzero(field.levels[cells])
     if used < most:
         return f"{most:,} without the other constraints"
-    levels = np.arange(highest + 1)
-    taken, asked = (np.repeat(levels, counts) for counts in (nearest_blocks(wished, stock), wished))
     least = int(np.abs(taken - asked).sum())
     differs = int(np.abs(field.levels[cells].astype(np.int64) - design.levels[cells]).sum())
     if differs <= least:
@@ -128,7 +125,7 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     """
     from rsegen.recipe.constraints.inventory import blocks
 
-    design = _above_0(build(replace(scene.recipe, inventory=None), scene.index).level_counts())
+    design = _above_0(_design(scene.recipe, scene.index).level_counts())
     used = _above_0(scene.field.level_counts())
     there = blocks(owned, max(len(owned), *design, *used, 0) + 1)
     report = {
@@ -138,6 +135,12 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     }
     left = {level: count - used.get(level, 0) for level, count in enumerate(owned, 1) if count > used.get(level, 0)}
     return report | ({"left": left} if left and sum(used.values()) < sum(design.values()) else {})
+
+
+@lru_cache(maxsize=1)
+def _design(recipe: Recipe, index: int) -> StepField:
+    """Return a map as it would be without an inventory; the lines and warnings of one map ask for it in turn."""
+    return build(replace(recipe, inventory=None), index)
 
 
 def _above_0(counts: dict[int, int]) -> dict[int, int]:

@@ -47,11 +47,8 @@ def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.G
     one; their levels are as near as possible to the design.
     """
     levels = field.levels.astype(np.int64)
-    wished = np.bincount(levels[~field.frame], minlength=len(owned) + 1)
-    stock, wished[0] = blocks(owned, len(wished)), 0
-    given = stock.copy()
-    given[0] = max(int(wished.sum() - stock[1:].sum()), 0)  # cells for which there is no block
-    taken, ends = nearest_blocks(wished, given), np.cumsum(wished)
+    wished, taken = nearest_counts(field, owned)
+    stock, ends = blocks(owned, len(wished)), np.cumsum(wished)
     blocks_in_order = np.repeat(np.arange(len(taken)), taken)  # the lowest cells get the lowest of the blocks
     for level in np.flatnonzero(wished):
         cells = np.flatnonzero((field.levels == level) & ~field.frame)
@@ -59,6 +56,17 @@ def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.G
         levels.flat[cells] = blocks_in_order[ends[level] - wished[level] : ends[level]]
     taken[0] = 0
     return levels, stock - taken
+
+
+def nearest_counts(design: StepField, owned: Sequence[int]) -> tuple[Ints, Ints]:
+    """Return how many blocks of each level a design has, and how many of the blocks in stock to use in their place.
+
+    Of level 0 the first has none, and the second as many as there are cells without a block.
+    """
+    wished = np.bincount(design.levels[~design.frame].astype(np.int64), minlength=len(owned) + 1)
+    given, wished[0] = blocks(owned, len(wished)), 0
+    given[0] = max(int(wished.sum() - given[1:].sum()), 0)  # cells for which there is no block
+    return wished, nearest_blocks(wished, given)
 
 
 def nearest_blocks(wished: Ints, given: Ints) -> Ints:
