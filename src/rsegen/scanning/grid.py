@@ -71,17 +71,28 @@ def pixel_size(points: Array, coarsest: float) -> float:
 
 def rasterized(points: Array, pixel: float) -> Raster:
     """Return the raster of points (n, 3): x, y and height [m]."""
-    # Sorted by pixel and then by height, the points of a pixel follow one another, and their median is in the middle.
     keys, corner, shape = _keys(points, pixel)
-    order = np.lexsort((points[:, 2], keys))
+    order, starts, counts = _by_pixel(points, keys)
     keys, heights = keys[order], points[order, 2]
-    starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    counts = np.diff(np.append(starts, len(keys)))
     raster = np.full(shape[0] * shape[1], np.nan)
     median = (heights[starts + (counts - 1) // 2] + heights[starts + counts // 2]) / 2
-    dense = np.median(np.repeat(counts, counts)) >= _POINTS_PER_PIXEL
-    raster[keys[starts]] = np.where(counts >= (_FEWEST_POINTS if dense else 1), median, np.nan)
+    raster[keys[starts]] = np.where(counts >= (_FEWEST_POINTS if _is_dense(counts) else 1), median, np.nan)
     return Raster(heights=raster.reshape(shape), corner=corner, pixel=pixel)
+
+
+def _by_pixel(points: Array, keys: Ints) -> tuple[Ints, Ints, Ints]:
+    """Return the order of points by the keys of their pixels and then by height, and where each pixel begins in it.
+
+    So the points of a pixel follow one another, and their median is in the middle; last, how many each has.
+    """
+    order = np.lexsort((points[:, 2], keys))
+    starts = np.flatnonzero(np.diff(keys[order], prepend=-1))
+    return order, starts, np.diff(np.append(starts, len(keys)))
+
+
+def _is_dense(counts: Ints) -> bool:
+    """Return whether the pixel of a typical point has enough points."""
+    return bool(np.median(np.repeat(counts, counts)) >= _POINTS_PER_PIXEL)
 
 
 def _keys(points: Array, pixel: float) -> tuple[Ints, Array, tuple[int, int]]:
@@ -338,13 +349,10 @@ def on_tops(points: Array, unit: float, noise: float, pixel: float) -> Mask:
     """
     if pixel > _SHARP * unit:
         return np.ones(len(points), dtype=bool)
-    keys, _, _ = _keys(points, pixel)
-    order = np.lexsort((points[:, 2], keys))
-    keys, heights = keys[order], points[order, 2]
-    starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    counts = np.diff(np.append(starts, len(keys)))
-    if np.median(np.repeat(counts, counts)) < _POINTS_PER_PIXEL:  # too few points in a pixel to tell
+    order, starts, counts = _by_pixel(points, _keys(points, pixel)[0])
+    if not _is_dense(counts):  # too few points in a pixel to tell
         return np.ones(len(points), dtype=bool)
+    heights = points[order, 2]
     low, high = heights[starts + counts // 5], heights[starts + counts - 1 - counts // 5]
     flat = (counts >= _FEWEST_POINTS) & (high - low < max(_FLAT * noise, 0.08 * unit))
     flat_point = np.zeros(len(points), dtype=bool)
