@@ -121,6 +121,20 @@ def test_other_shapes_are_refused() -> None:
         GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[0] + 1000)
 
 
+def _a_second_later(model: Any, stepper: Any, now: Any) -> Any:
+    """The state after 500 steps of 2 ms; XPBD is given its contacts, MuJoCo finds them itself."""
+    control, following = model.control(), model.state()
+    pipeline = newton.CollisionPipeline(model) if isinstance(stepper, newton.solvers.SolverXPBD) else None
+    contacts = pipeline.contacts() if pipeline else None
+    for _ in range(500):
+        now.clear_forces()
+        if pipeline:
+            pipeline.collide(now, contacts)
+        stepper.step(now, following, control, contacts, 0.002)
+        now, following = following, now
+    return now
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:set_const_:DeprecationWarning")  # Newton calls it
 @pytest.mark.parametrize("solver", ["SolverXPBD", "SolverMuJoCo"])
@@ -128,21 +142,14 @@ def test_balls_rest_on_the_blocks_written_last(solver: str) -> None:
     if solver == "SolverMuJoCo":
         pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
     model, shapes = _worlds()
-    stepper, control = getattr(newton.solvers, solver)(model), model.control()
-    pipeline = newton.CollisionPipeline(model) if solver == "SolverXPBD" else None
-    contacts = pipeline.contacts() if pipeline else None
+    stepper = getattr(newton.solvers, solver)(model)
     for first in (0, 10):
         levels = build_many(GRID.recipe, range(first, first + WORLDS))
         GRID.write(model, levels, shapes)
         stepper.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)
-        now, following = model.state(), model.state()
+        now = model.state()
         newton.eval_fk(model, model.joint_q, model.joint_qd, now)
-        for _ in range(500):
-            now.clear_forces()
-            if pipeline:
-                pipeline.collide(now, contacts)
-            stepper.step(now, following, control, contacts, 0.002)
-            now, following = following, now
+        now = _a_second_later(model, stepper, now)
         assert now.body_q.numpy()[:, 2] == pytest.approx(0.53 + levels[:, 2, 1] * 0.05, abs=0.002)
 
 
@@ -182,20 +189,12 @@ def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them(
     if ground == "blocks":
         grid.write(model, levels, np.array(shapes))
     own = {"njmax": 512, "nconmax": 256} if solver == "SolverMuJoCo" else {}
-    stepper, control = getattr(newton.solvers, solver)(model, **own), model.control()
-    pipeline = newton.CollisionPipeline(model) if solver == "SolverXPBD" else None
-    contacts = pipeline.contacts() if pipeline else None
-    now, following = model.state(), model.state()
+    stepper, now = getattr(newton.solvers, solver)(model, **own), model.state()
     speeds = np.zeros((3, 6), dtype=np.float32)
     speeds[:, 0] = 1.5
     now.joint_qd.assign(speeds.ravel())
     newton.eval_fk(model, now.joint_q, now.joint_qd, now)
-    for _ in range(500):
-        now.clear_forces()
-        if pipeline:
-            pipeline.collide(now, contacts)
-        stepper.step(now, following, control, contacts, 0.002)
-        now, following = following, now
+    now = _a_second_later(model, stepper, now)
     share = (now.body_q.numpy()[:, 0] + 0.5) / (1.5**2 / (2 * friction * 9.81))
     assert least < share.min() <= share.max() < most
     assert np.abs(now.body_qd.numpy()).max() < 0.01

@@ -11,7 +11,7 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.ground import Ground, friction_by_level
+from rsegen.learning.ground import Ground, check_levels, friction_by_level
 from rsegen.recipe.recipe import Recipe
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
@@ -82,10 +82,9 @@ class BlockArrays:
     def _heights(self, levels: Ints) -> Array:
         if np.shape(levels)[-2:] != self.shape:
             raise ParameterError("levels", f"of shape {np.shape(levels)} for a grid of {self.shape}")
-        own, highest = np.asarray(levels), self.recipe.highest_level
-        if own.size and not 0 <= own.min() <= own.max() <= highest:
-            given = f"{own.min()}..{own.max()}"
-            raise ParameterError("levels", f"{given} are not all in 0..{highest}, the levels of the recipe")
+        own = np.asarray(levels)
+        if own.size:
+            check_levels(own, self.recipe.highest_level)
         return np.asarray(own * self._unit, dtype=float)
 
 

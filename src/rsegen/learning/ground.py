@@ -46,6 +46,13 @@ def friction_by_level(recipe: Recipe) -> Array:
     return np.array([recipe.friction, *map(scene.friction_of, range(1, recipe.highest_level + 1))])
 
 
+def check_levels(levels: Any, highest: int) -> None:
+    """Raise a ParameterError if any of the levels, of which there is one at least, is not one of a recipe's."""
+    low, high = int(levels.min()), int(levels.max())
+    if not 0 <= low <= high <= highest:
+        raise ParameterError("levels", f"{low}..{high} are not all in 0..{highest}, the levels of the recipe")
+
+
 def scan_points(size: Sequence[float] = (1.6, 1.0), distance: float = 0.1) -> Array:
     """Return a grid of points around a robot, (points, 2), x first: its length and width, and their distance, metres.
 
@@ -295,9 +302,7 @@ class Ground:
             raise ParameterError("levels", f"of {levels.dtype}; give integers, in units")
         if is_traced(levels) or not min(levels.shape):
             return levels
-        low, high = int(levels.min()), int(levels.max())
-        if low < 0 or high > highest:
-            raise ParameterError("levels", f"{low}..{high} are not all in 0..{highest}, the levels of the recipe")
+        check_levels(levels, highest)
         return levels
 
     def _index(self, values: Any) -> Any:
