@@ -123,7 +123,7 @@ def _numbers(comparison: Comparison, x: int, y: int) -> tuple[int, int] | tuple[
 
 
 def _content(comparison: Comparison) -> dict[str, object]:
-    """For programs; lengths in metres.
+    """Return the comparison for programs; lengths in metres.
 
     x, y: as the text has them, of blocks in MAP, none for a frame; cell: of all cells of MAP, frames counted; turns:
     quarter turns counterclockwise that lay what stands on MAP.

@@ -42,7 +42,7 @@ def title(program: str, about: str) -> str:
 
 
 class _Roff(argparse.HelpFormatter):
-    """What a parser says in its help, in the language of man: the walk over it is the parser's own."""
+    """The help of a parser in the language of man; the walk over it is the parser's own."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog)
