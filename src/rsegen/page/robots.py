@@ -98,7 +98,6 @@ def robot(host: Host, *, robot: str) -> dict[str, Any]:
     if isinstance(known, SdfRobot):
         title, lift, parts = known.kind, known.lift, iter(_parts_of_file(known))
     else:
-        assert isinstance(known, Robot)  # noqa: S101  # there is no third sort
         driven = {part.name.partition("::")[0] for part in known.body_or_box.parts if part.drives}
         title, lift, parts = known.title, known.lift, _parts_of_links(known, driven)
     return {"name": robot, "title": title, "size": list(known.size), "lift": lift, "parts": list(parts)}
