@@ -277,7 +277,7 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
 def _is_stable(ground: PaddedGround, body: Body, at: At) -> bool:
     """Return whether a robot that rests like this would not be turned: three contacts are around its centre of mass."""
     relative, place = (body.points - body.centre).T.astype(SINGLE), (at.centre[:1], at.centre[1:2])
-    u, v, g = _demands(ground, relative, None, *place, at.axes[None])
+    u, v, g = _demands(ground, relative, *place, at.axes[None])
     afar = np.arange(len(body.points), len(body.points) + 3)[None]
     _, along, across, _ = _plane(u, v, g, afar)
     return bool(degrees(float(np.hypot(along[0], across[0]))) < CLOSE[1])
