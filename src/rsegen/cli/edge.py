@@ -164,6 +164,7 @@ class Signals:
         try:
             yield
         finally:
+            stop.STATE.asked = False  # a later call of this process is not to stop
             sys.unraisablehook = unraisable
             for each, handler in before.items():
                 signal.signal(each, handler)

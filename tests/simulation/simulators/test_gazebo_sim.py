@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from dataclasses import replace
@@ -12,6 +13,7 @@ import pytest
 import rsegen
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import SIMULATORS, OpenRequest
+from rsegen.simulation.simulators.base import commands_of
 from rsegen.simulation.simulators.server import running_server
 from tests.simulation.simulators.standins import PROGRAMS, put, start
 from tests.support.patience import until
@@ -43,6 +45,32 @@ def test_the_newest_of_all_its_versions_is_found(gz: str, ign: str, newest: str,
     here = SIM.installation()
     assert here
     assert (here.version, dict(here.commands)) == (newest, {words: programs / words.split(maxsplit=1)[0]})
+
+
+@pytest.mark.parametrize("first", ["classic", "sim"])
+def test_both_gazebos_are_found_in_whatever_order_their_folders_are_on_path(
+    first: str, programs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each has a program `gz`; that of Gazebo Classic prints its help for `gz sim --versions`."""
+    folders = {name: programs.parent / name for name in PROGRAMS}
+    for name, folder in folders.items():
+        put(folder, PROGRAMS[name])
+    in_order = sorted(folders, key=lambda name: name != first)
+    monkeypatch.setenv("PATH", os.pathsep.join([*(str(folders[name]) for name in in_order), os.environ["PATH"]]))
+    sim, classic = (SIMULATORS[name].installation() for name in ("sim", "classic"))
+    assert sim
+    assert classic
+    assert (sim.version, dict(sim.commands)) == ("8.9.0", {"gz sim": folders["sim"] / "gz"})
+    assert (classic.version, classic.commands["gz"]) == ("11.14.0", folders["classic"] / "gz")
+
+
+def test_a_command_that_is_on_path_by_two_names_of_its_folder_is_asked_once(
+    programs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(programs, PROGRAMS["sim"])
+    (programs.parent / "bin").symlink_to(programs)
+    monkeypatch.setenv("PATH", f"{programs.parent / 'bin'}:{os.environ['PATH']}")
+    assert commands_of("gz") == [programs.parent / "bin" / "gz"]
 
 
 @pytest.mark.parametrize("where", ["NOTES", "SAYS"])

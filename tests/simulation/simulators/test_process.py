@@ -6,15 +6,19 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from itertools import product
 from pathlib import Path
+from typing import Any
 
+import psutil
 import pytest
 
+from rsegen.cli.edge import Signals
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import LaunchCommand, process
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.process import command_output, running
+from rsegen.simulation.simulators.process import OutputFiles, Work, command_output, running
 from tests.support.leftovers import MARK, left, left_in_the_end
 from tests.support.long import long_unless
 
@@ -124,6 +128,56 @@ def test_a_command_that_does_not_answer_in_time_is_gone_and_an_error_if_it_print
         command_output(["/bin/sh", "-c", "sleep 60"])
     assert command_output(["/bin/sh", "-c", "echo something; sleep 60"]) == "something\n"
     assert left(mark) == []
+
+
+def test_an_interrupt_waits_until_a_program_is_started(
+    tmp_path: Path, mark: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a process could be left of which nobody knows."""
+    start, started = process._started, []
+
+    def interrupted(*what: Any) -> subprocess.Popen[str]:
+        program = start(*what)
+        signal.raise_signal(signal.SIGINT)
+        started.append(program)
+        return program
+
+    monkeypatch.setattr(process, "_started", interrupted)
+    with (
+        Signals().stop_it(),
+        pytest.raises(KeyboardInterrupt),
+        running(shell("sleep 60", tmp_path), subprocess.DEVNULL),
+    ):
+        pytest.fail("the interrupt was lost")
+    assert started[0].poll() is not None
+    assert left(mark) == []
+
+
+def test_an_interrupt_waits_until_the_work_of_a_program_is_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else psutil leaves open what it reads."""
+    children, complete = psutil.Process.children, []
+
+    def interrupted(of: psutil.Process, *, recursive: bool) -> list[psutil.Process]:
+        signal.raise_signal(signal.SIGINT)
+        complete.append(True)
+        return children(of, recursive=recursive)
+
+    monkeypatch.setattr(psutil.Process, "children", interrupted)
+    with running(shell("sleep 60", tmp_path), subprocess.DEVNULL) as program, Signals().stop_it():
+        with pytest.raises(KeyboardInterrupt):
+            Work(program)()
+        assert complete
+
+
+def test_an_interrupt_that_python_drops_ends_the_reading_of_lines_too(tmp_path: Path) -> None:
+    output = OutputFiles(folder=tmp_path)
+    with output.running(shell("sleep 60", tmp_path)), Signals().stop_it():
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)  # as in a destructor
+        with pytest.raises(KeyboardInterrupt):
+            next(output.lines(lambda: True))
 
 
 def test_the_output_of_a_command_is_both_outputs() -> None:

@@ -187,10 +187,13 @@ def plain_text(log: str) -> str:
     return _COLOUR_CODE.sub("", log)
 
 
-def on_path(name: str, *elsewhere: Path) -> Path | None:
-    """Return the path of a command: on PATH, else in one of the given folders."""
-    places = (shutil.which(name), *(shutil.which(name, path=str(folder)) for folder in elsewhere))
-    return next((Path(place) for place in places if place), None)
+def commands_of(name: str, *elsewhere: Path) -> list[Path]:
+    """Return the paths of all commands of a name: in the folders of PATH in order, then in the given ones."""
+    paths: dict[Path, Path] = {}  # by the file itself, as /bin is often a link to /usr/bin
+    for folder in (*os.environ.get("PATH", os.defpath).split(os.pathsep), *elsewhere):
+        if place := shutil.which(name, path=str(folder)):
+            paths.setdefault(Path(place).resolve(), Path(place))
+    return list(paths.values())
 
 
 SIMULATORS: Registry[Simulator] = Registry(

@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from rsegen.errors import ParameterError, shown
-from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
+from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, commands_of, register
 from rsegen.simulation.simulators.classic_world import classic_world
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.patience import Patience
@@ -66,7 +66,7 @@ class GazeboClassic(Simulator):
         """Return the installation on PATH, else the one that scripts/gazebo-classic has set up."""
         home = Path.home() / SET_UP
         elsewhere = [home / "bin"] if (home / "complete").exists() else []
-        server = on_path("gzserver", *elsewhere)
+        server = next(iter(commands_of("gzserver", *elsewhere)), None)
         version = re.search(r"version (11\.\S+)", command_output([server, "--version"])) if server else None
         if not server or not version:
             return None

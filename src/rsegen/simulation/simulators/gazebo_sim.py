@@ -10,14 +10,14 @@ from __future__ import annotations
 import os
 import re
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar
 
-from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, on_path, register
+from rsegen.simulation.simulators.base import Installation, LaunchCommand, OpenRequest, Simulator, commands_of, register
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.process import command_output
@@ -75,13 +75,17 @@ class GazeboSim(Simulator):
 
     def installation(self) -> Installation | None:
         """Return the newest of all that are on PATH; each prints its versions, one per line."""
-        told = ((version, words) for words in COMMANDS for version in _versions(words))
+        told = (
+            (version, f"{program} {verb}", path)
+            for program, verb in COMMANDS
+            for path in commands_of(program)  # Gazebo Classic's `gz` may come first
+            for version in _versions(path, verb)
+        )
         newest = max(told, key=lambda each: _order(each[0]), default=None)
         if not newest:
             return None
-        version, (program, verb) = newest
-        where = on_path(program) or Path(program)
-        return Installation(simulator=self, version=version, commands=MappingProxyType({f"{program} {verb}": where}))
+        version, words, path = newest
+        return Installation(simulator=self, version=version, commands=MappingProxyType({words: path}))
 
     def with_gui(self, here: Installation, opening: OpenRequest) -> LaunchCommand | None:
         """Return the command of server and window, which start to simulate at once."""
@@ -160,10 +164,8 @@ def _console_logs(home: Path) -> Iterator[str]:
             yield file.read_text(errors="replace")
 
 
-def _versions(words: Sequence[str]) -> Iterator[str]:
-    program, verb = words
-    where = on_path(program)
-    told = command_output([where, verb, "--versions"]) if where else ""
+def _versions(program: Path, verb: str) -> Iterator[str]:
+    told = command_output([program, verb, "--versions"])
     return (line.strip() for line in told.splitlines() if re.fullmatch(r"\s*\d+\.\d+\.\d+\S*\s*", line))
 
 

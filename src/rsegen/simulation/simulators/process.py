@@ -30,6 +30,7 @@ from tempfile import TemporaryFile
 from typing import IO
 
 from rsegen.errors import SimulatorFailed
+from rsegen.run import stop
 from rsegen.simulation.simulators.base import LaunchCommand
 from rsegen.simulation.simulators.patience import Patience, share
 
@@ -71,19 +72,20 @@ def running(
     launch: LaunchCommand, output: IO[str] | int, errors: IO[str] | int = subprocess.STDOUT
 ) -> Iterator[RunningProgram]:
     """A program that is ended when this ends; stdout goes to `output`, stderr to `errors`, by default there too."""
-    watch = subprocess.Popen(
-        [sys.executable, str(_WATCH)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        start_new_session=True,
-    )
     with ExitStack() as stack:
-        stack.callback(watch.wait)
-        stack.callback(watch.stdin.close if watch.stdin else watch.kill)  # also if the program cannot be started
-        started = RunningProgram(process=_started(launch, output, errors, watch), watch=watch)
-        stack.callback(started.end)
+        with stop.held():  # a Ctrl-C between the two would leave a process that nobody waits for
+            watch = subprocess.Popen(
+                [sys.executable, str(_WATCH)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                text=True,
+                start_new_session=True,
+            )
+            stack.callback(watch.wait)
+            stack.callback(watch.stdin.close if watch.stdin else watch.kill)  # also if the program cannot be started
+            started = RunningProgram(process=_started(launch, output, errors, watch), watch=watch)
+            stack.callback(started.end)
         yield started
 
 
@@ -111,7 +113,8 @@ def command_output(command: Sequence[str | Path]) -> str:
 
 
 class Work:
-    """Progress of a program and its children: they use a processor, or write into the files of a folder.
+    """Progress of a program that has just been started, and its children: they use a processor, or write into the files
+    of a folder.
 
     A paused server of Gazebo that waits for nothing uses 5 to 15 % of a processor, one that loads a world all of one.
     """
@@ -119,7 +122,7 @@ class Work:
     def __init__(self, program: RunningProgram, folder: Path | None = None) -> None:
         self._program = program
         self._output = OutputFiles(folder=folder).paths if folder else ()
-        self._seen = self._look()
+        self._seen = time.monotonic(), 0.0, 0  # the program has just been started
 
     def __call__(self) -> bool:
         """Return whether they have worked since the last call."""
@@ -127,6 +130,7 @@ class Work:
         (began, cpu, size), (now, cpu_now, size_now) = before, self._seen
         return size_now > size or cpu_now - cpu > _WORKS * (now - began) * share()
 
+    @stop.held()  # a Ctrl-C inside psutil would leave the file open that it reads
     def _look(self) -> tuple[float, float, int]:
         """Return the time, the seconds of CPU of all processes, and the bytes of the files."""
         import psutil
@@ -190,6 +194,7 @@ class OutputFiles:
             readers = [_Reader(stack.enter_context(path.open(errors="replace"))) for path in self.paths]
             more = True
             while more:
+                stop.check()  # Python drops a Ctrl-C that comes in a destructor or a callback
                 more = goes_on()
                 for reader in readers:
                     yield from reader.whole_lines()
