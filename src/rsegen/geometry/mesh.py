@@ -79,7 +79,7 @@ class Faces(NamedTuple):
 
     def rows(self, which: Ints) -> Faces:
         """Return the faces of these indices."""
-        return Faces(self.corners[which], self.normals[which], self.materials[which])
+        return Faces(self.corners.take(which, axis=0), self.normals.take(which), self.materials.take(which))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -152,7 +152,7 @@ def welded(corners: Ints, possible: int) -> tuple[Ints, NDArray[np.int32]]:
     points = np.flatnonzero(used)
     index_of = np.empty(possible, dtype=np.int32)
     index_of[points] = np.arange(len(points), dtype=np.int32)
-    return points, index_of[corners]
+    return points, index_of.take(corners)
 
 
 class LabelGrid(NamedTuple):

@@ -126,11 +126,12 @@ def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
     kept = np.ones(len(lengths), dtype=bool)
     rank = np.empty(len(lengths), dtype=np.int64)
     rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
+    shorter_a = rank[a] < rank[b]
+    a, b = np.where(shorter_a, a, b), np.where(shorter_a, b, a)
     while len(a):
         met = np.bincount(a, minlength=len(lengths)) + np.bincount(b, minlength=len(lengths))
-        alone_a, alone_b = met[a] == 1, met[b] == 1
-        shorter_a = rank[a] < rank[b]
-        take_a, take_b = alone_a & (shorter_a | ~alone_b), alone_b & ~(alone_a & shorter_a)
+        take_a, take_b = met[a] == 1, met[b] == 1
+        take_b &= ~take_a  # of two that meet each other alone, the shorter is kept
         if not (take_a.any() or take_b.any()):
             # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
             worth = met * len(lengths) + rank

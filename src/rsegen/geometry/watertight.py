@@ -70,35 +70,72 @@ class _Collapses(NamedTuple):
         return _Collapses(self.vertex[which], self.target[which])
 
 
-def decimated(faces: Faces, vertices: Array, ways: Ints, least: float) -> tuple[Faces, Ints]:
-    """Return the triangles without removable vertices, and the indices of the vertices that are left, in order.
+def decimated(pieces: Sequence[Faces], points: _Points, lattice: Lattice) -> tuple[Faces, Ints]:
+    """Return the triangles of all pieces without removable vertices, and the points of the vertices that are left.
 
-    faces.corners: (m, 3), indices of vertices (n, 3), all of which are used; in the result, indices of those left.
-    ways: (n,), the axis along which each vertex may move, or _ANYWHERE in its plane, or _NOWHERE; least: twice the area
-    below which a triangle counts as degenerate.
+    pieces: corners (m, 3), indices of the points' vertices, all of which are used; in the result, indices of those
+    left, which are in order.
     """
-    # A triangle without a removable corner never gets one, so it is left out of all rounds.
+    owner = np.repeat(np.arange(len(points.places), dtype=np.int32), 1 + points.pinched)  # the point of each vertex
+    ways = _ways(points, owner)
+    removable = ways != _NOWHERE
+    # A triangle without a removable corner never gets one, so it is left out of all rounds, and so are its vertices.
+    takes_part = [_any(removable, piece.corners) for piece in pieces]
+    parts = [piece.rows(np.flatnonzero(part)) for piece, part in zip(pieces, takes_part, strict=True)]
+    corners, normals = (np.concatenate(column) for column in list(zip(*parts, strict=True))[:2])
+    used, corners = welded(corners, len(owner))
+    vertices = np.empty((len(used), 3))
+    for axis, (line, at) in enumerate(zip(lattice.lines, points[1:4], strict=True)):
+        vertices[:, axis] = line.take(at.take(owner.take(used)))
+    place, kept = _collapsed(_Live(corners, normals, used, vertices, ways[used]), _FLAT * _least_area(lattice))
+    left = np.ones(len(owner), dtype=bool)
+    left[used] = place == np.arange(len(used))
+    number = np.cumsum(left, dtype=np.int32) - 1
+    number[used] = number[used[place]]
+    gone = np.concatenate(takes_part)
+    gone[gone] = ~kept
+    pieces = [piece.rows(np.flatnonzero(~part)) for piece, part in zip(pieces, _split(gone, takes_part), strict=True)]
+    triangles = (piece._replace(corners=number.take(piece.corners)) for piece in pieces)
+    return Faces(*(np.concatenate(columns) for columns in zip(*triangles, strict=True))), owner[left]
+
+
+class _Live(NamedTuple):
+    """The triangles that have a removable vertex: corners (m, 3), normals (m,); and their vertices (n,).
+
+    numbers, vertices, ways: the number of each vertex in the mesh; where it is, (n, 3), metres; and the axis along
+    which it may move, or _ANYWHERE in its plane, or _NOWHERE.
+    """
+
+    corners: Ints
+    normals: Ints
+    numbers: Ints
+    vertices: Array
+    ways: Ints
+
+
+def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
+    """Return the vertex onto which each is moved in the end, itself if it stays, and which triangles are kept.
+
+    least: twice the area below which a triangle counts as degenerate.
+    """
+    corners, normals, numbers, vertices, ways = live
     removable, place = ways != _NOWHERE, np.arange(len(vertices), dtype=np.int32)
-    live, kept = np.flatnonzero(_any(removable, faces.corners)), np.ones(len(faces.corners), dtype=bool)
-    corners, normals = faces.corners[live], faces.normals[live]
+    rows, kept = np.arange(len(corners)), np.ones(len(corners), dtype=bool)
     while True:
         fan = _fan(corners, normals, removable)
         collapses = _without_flips(_collapses(fan, vertices, ways), fan, vertices, least)
-        collapses = _independent_collapses(collapses, corners, len(vertices))
+        collapses = _independent_collapses(collapses, corners, numbers)
         if not len(collapses.vertex):
             break
         place[collapses.vertex] = collapses.target
-        corners = place[corners]
+        corners = place.take(corners)
         distinct = _are_distinct(*corners.T)
-        kept[live[~distinct]] = False
-        stays = distinct & _any(removable, corners)
-        live, corners, normals = live[stays], corners[stays], normals[stays]
-    left = place == np.arange(len(place))
-    while not left[place].all():
-        place = place[place]  # a target may have been removed later
-    number = (np.cumsum(left, dtype=np.int32) - 1)[place]
-    pieces = [number[piece[keep]] for piece, keep in zip(_pieces(faces.corners), _pieces(kept), strict=True)]
-    return Faces(np.concatenate(pieces), faces.normals[kept], faces.materials[kept]), np.flatnonzero(left)
+        kept[rows[~distinct]] = False
+        stays = np.flatnonzero(distinct & _any(removable, corners))
+        rows, corners, normals = rows.take(stays), corners.take(stays, axis=0), normals.take(stays)
+    while (place != (further := place.take(place))).any():
+        place = further  # a target may have been removed later
+    return place, kept
 
 
 def _pieces(array: NDArray[Any]) -> Sequence[NDArray[Any]]:
@@ -106,10 +143,15 @@ def _pieces(array: NDArray[Any]) -> Sequence[NDArray[Any]]:
     return np.array_split(array, 1 + len(array) // _PIECE)
 
 
+def _split(mask: Mask, parts: Sequence[Mask]) -> list[Mask]:
+    """Return a mask in pieces of the lengths of others."""
+    return np.split(mask, np.cumsum([len(part) for part in parts])[:-1])
+
+
 def _any(mask: Mask, corners: Ints) -> Mask:
     """Return which triangles (m, 3) have a corner in a mask of vertices."""
     a, b, c = corners.T
-    return np.asarray(mask[a] | mask[b] | mask[c])
+    return np.asarray(mask.take(a) | mask.take(b) | mask.take(c))
 
 
 def _are_distinct(a: Ints, b: Ints, c: Ints) -> Mask:
@@ -119,19 +161,19 @@ def _are_distinct(a: Ints, b: Ints, c: Ints) -> Mask:
 
 def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
     """Return the fans of triangles around removable vertices."""
-    corner = np.flatnonzero(removable[corners])
+    corner = np.flatnonzero(removable.take(corners))
     triangle, turn = np.divmod(corner.astype(np.int32), 3)
     flat = corners.ravel()
-    vertex, second = flat[corner], flat[corner + 1 - 3 * (turn == 2)]
+    vertex, second = flat.take(corner), flat.take(corner + 1 - 3 * (turn == 2))
     order = np.argsort(vertex.astype(np.int64) * len(removable) + second)
-    corner, turn = corner[order], turn[order]
-    return _Fan(vertex[order], second[order], flat[corner + 2 - 3 * (turn > 0)], normals[triangle[order]])
+    third = flat.take(corner + 2 - 3 * (turn > 0))
+    return _Fan(*(column.take(order) for column in (vertex, second, third, normals.take(triangle))))
 
 
 def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> _Collapses:
     """Return all collapses of vertices onto neighbours to which they may move."""
     # A triangle has one axis as its normal and may have the way as one side; the third then has to agree.
-    way = ways[fan.vertex]
+    way = ways.take(fan.vertex)
     third = (3 - way - fan.normal // 2) % 3
     along = vertices.take(3 * fan.third + third) == vertices.take(3 * fan.vertex + third)
     may = along | (way == _ANYWHERE)
@@ -148,10 +190,10 @@ def _without_flips(collapses: _Collapses, fan: _Fan, vertices: Array, least: flo
     while len(waiting):
         trial, waiting = np.split(waiting, [_PIECE])
         # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
-        move, place = ragged(counts[own[trial]])
-        corner = begins[own[trial]][move] + place
-        moved = collapses.target[trial][move], fan.second[corner], fan.third[corner]
-        over = (_twice_areas(*moved, fan.normal[corner], vertices) < least) & _are_distinct(*moved)
+        move, place = ragged(counts.take(own.take(trial)))
+        corner = begins.take(own.take(trial)).take(move) + place
+        moved = collapses.target.take(trial).take(move), fan.second.take(corner), fan.third.take(corner)
+        over = (_twice_areas(*moved, fan.normal.take(corner), vertices) < least) & _are_distinct(*moved)
         good = np.bincount(move[over], minlength=len(trial)) == 0
         found.append(trial[good])
         following = trial[~good] + 1
@@ -160,19 +202,19 @@ def _without_flips(collapses: _Collapses, fan: _Fan, vertices: Array, least: flo
     return collapses.rows(np.sort(np.concatenate(found))) if found else collapses
 
 
-def _independent_collapses(collapses: _Collapses, corners: Ints, vertices: int) -> _Collapses:
+def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) -> _Collapses:
     """Return collapses of which no two change the same triangle: of those that do, the one with the smallest hash.
 
-    The hash (Knuth's multiplicative one, 2^32 / golden ratio) mixes neighbouring vertices; with the vertex index itself
-    whole rows would wait for their first vertex, and there would be as many rounds as a row has vertices.
+    The hash of a vertex's number in the mesh (Knuth's multiplicative one, 2^32 / golden ratio) mixes neighbouring
+    vertices; with the number itself whole rows would wait for their first vertex, and there would be as many rounds as a row has vertices.
     """
-    lot = np.full(vertices, 2**32 - 1, dtype=np.uint32)  # of a vertex that stays; no index below 4050964655 has it
-    lot[collapses.vertex] = collapses.vertex.astype(np.uint32) * np.uint32(2654435761)
-    a, b, c = (lot[corner] for corner in corners.T)
+    lot = np.full(len(numbers), 2**32 - 1, dtype=np.uint32)  # of a vertex that stays; no number below 4050964655 has it
+    lot[collapses.vertex] = numbers[collapses.vertex].astype(np.uint32) * np.uint32(2654435761)
+    a, b, c = (lot.take(corner) for corner in corners.T)
     first = np.minimum(np.minimum(a, b), c)
-    loses = np.zeros(vertices, dtype=bool)
+    loses = np.zeros(len(numbers), dtype=bool)
     for corner, own in zip(corners.T, (a, b, c), strict=True):
-        loses[corner[own > first]] = True
+        loses[corner.compress(own > first)] = True
     return collapses.rows(~loses[collapses.vertex])
 
 
@@ -208,10 +250,10 @@ class _Points(NamedTuple):
         """Return the points of these numbers; arrays have the smallest type, a quarter of the memory and the time."""
         x, y, z = grid.lattice.unravelled(places)
         small = np.min_scalar_type(int(grid.labels.max()))
-        labels, ranks = (
-            np.stack([[cells[x + i, y + j] for j in (0, 1)] for i in (0, 1)])
-            for cells in (grid.labels.astype(small), (grid.labels // grid.materials).astype(small))
-        )
+        cells, columns = grid.labels.astype(small).ravel(), grid.labels.shape[1]
+        before = x * np.int32(columns) + y  # the cell before a point, along x and y
+        labels = np.stack([[cells[i * columns + j :].take(before) for j in (0, 1)] for i in (0, 1)])
+        ranks = labels // small.type(grid.materials)
         z = z.astype(small)
         (a, b), (c, d) = ranks >= np.maximum(z, 1)
         pinched = (a == d) & (b == c) & (a != b)
@@ -226,13 +268,8 @@ def watertight(field: StepField) -> Mesh:
     places, corners = welded(rings.corners, prod(grid.lattice.shape))
     rings = Faces(corners, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
     points = _Points.of(places.astype(np.int32 if prod(grid.lattice.shape) < 2**31 else np.int64), grid)
-    owner = np.repeat(np.arange(len(places), dtype=np.int32), 1 + points.pinched)  # the point of each vertex
-    vertices = np.empty((len(owner), 3))
-    for axis, (line, at) in enumerate(zip(grid.lattice.lines, points[1:4], strict=True)):
-        vertices[:, axis] = line[at[owner]]
-    faces = _triangulated(rings, points, grid.lattice)
-    faces, left = decimated(faces, vertices, _ways(points, owner), _FLAT * _least_area(grid.lattice))
-    return grid.lattice.mesh(faces, places[owner[left]])
+    faces, left = decimated(_triangulated(rings, points, grid.lattice), points, grid.lattice)
+    return grid.lattice.mesh(faces, places[left])
 
 
 def bottoms(grid: LabelGrid) -> Faces:
@@ -298,29 +335,28 @@ _OPENING = np.array([1, 0, 1, 0])
 """How many edges of each side have no triangle of their own."""
 
 
-def _triangulated(rings: Faces, points: _Points, lattice: Lattice) -> Faces:
-    """Return triangles of vertices for rectangles whose corners are points."""
+def _triangulated(rings: Faces, points: _Points, lattice: Lattice) -> list[Faces]:
+    """Return triangles of vertices for rectangles whose corners are points, in pieces."""
     # Points in three orders. By number, those on one line along z are consecutive: (x, y, z). Sorted by z again, those
     # on a line along y are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order
     # of equals; of 16 bits they are radix sorts, which are linear.
     small = np.uint16 if max(lattice.shape) <= 2**16 else np.int64
     count = len(points.places)
     along_y = np.argsort(points.z.astype(small), kind="stable")
-    along_x = along_y[np.argsort(points.y[along_y].astype(small), kind="stable")]
+    along_x = along_y.take(np.argsort(points.y.astype(small).take(along_y), kind="stable"))
     own = points.first * 2 + points.pinched
-    rank = np.arange(3 * count, dtype=np.int32)
-    for axis, order in enumerate((along_x, along_y)):
-        rank[axis * count + order] = np.arange(axis * count, (axis + 1) * count, dtype=np.int32)
+    rank = np.empty((count, 3), dtype=np.int32)
+    for axis, order in enumerate((along_x, along_y, slice(None))):
+        rank[order, axis] = np.arange(axis * count, (axis + 1) * count, dtype=np.int32)
     vertex = np.concatenate([own[along_x], own[along_y], own])
-    fans = [_fans(Faces(*piece), rank, vertex) for piece in zip(*map(_pieces, rings), strict=True)]
-    return Faces(*(np.concatenate(columns) for columns in zip(*fans, strict=True)))
+    return [_fans(Faces(*piece), rank.ravel(), vertex) for piece in zip(*map(_pieces, rings), strict=True)]
 
 
 def _fans(rings: Faces, rank: Ints, vertex: Ints) -> Faces:
     """Return the triangles of rectangles, with all vertices on their sides.
 
-    rank: (3 n,), where each point is in the orders of points along x, y and z; vertex: (3 n,), 2 * the first vertex of
-    the point in each place of these orders, plus 1 if it has two.
+    rank: (3 n,), where each point is in turn in the orders of points along x, y and z, which follow one another;
+    vertex: (3 n,), 2 * the first vertex of the point in each place of these orders, plus 1 if it has two.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.
@@ -328,21 +364,21 @@ def _fans(rings: Faces, rank: Ints, vertex: Ints) -> Faces:
     c0     .    c1
     """
     # A side is a slice, forward or backward, of the order along its axis. The sides of all rectangles are one list.
-    axis = _AXES[rings.normals // 2] * np.int32(len(rank) // 3)
-    start, end = (rank[axis + corners].ravel() for corners in (rings.corners, np.roll(rings.corners, -1, axis=1)))
+    axis, corners = _AXES[rings.normals // 2], 3 * rings.corners
+    start, end = (rank.take(axis + ends).ravel() for ends in (corners, corners[:, [1, 2, 3, 0]]))
     count, sign = np.abs(end - start), np.sign(end - start)
     first = np.cumsum(count, dtype=np.int32) - count
     at = np.repeat(sign, count)
     at[first] = start - np.roll(end - sign, 1) * (first > 0)
-    point = vertex[np.cumsum(at, dtype=np.int32)]
+    point = vertex.take(np.cumsum(at, dtype=np.int32))
     point = (point >> 1) + (point & np.repeat(_FAR[rings.normals], count))
     first = first.reshape(-1, 4)
     after = np.roll(point, -1)
     after[np.roll(first[:, 0], -1) - 1] = point[first[:, 0]]
     edge = np.ones(len(point), dtype=bool)
     edge[first[:, ::2]] = False
-    apexes = point[np.stack([first[:, 3], first[:, 2] + 1, first[:, 1], first[:, 0] + 1], axis=1)]
+    apexes = point.take(np.stack([first[:, 3], first[:, 2] + 1, first[:, 1], first[:, 0] + 1], axis=1))
     edges = count.reshape(-1, 4) - _OPENING
-    rectangle = np.repeat(np.arange(len(first), dtype=np.int32), edges.sum(axis=1))
-    corners = np.stack([point[edge], after[edge], np.repeat(apexes, edges.ravel())], axis=1)
-    return Faces(corners, rings.normals[rectangle], rings.materials[rectangle])
+    triangles = edges.sum(axis=1)
+    corners = np.stack([point.compress(edge), after.compress(edge), np.repeat(apexes, edges.ravel())], axis=1)
+    return Faces(corners, np.repeat(rings.normals, triangles), np.repeat(rings.materials, triangles))
