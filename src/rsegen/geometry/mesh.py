@@ -100,14 +100,18 @@ class Lattice:
         _, n_y, n_z = self.shape
         return n_y * n_z, n_z, 1
 
+    @property
+    def number(self) -> type[np.int32 | np.int64]:
+        """Type of a point's number: half the memory, on all but the largest maps."""
+        return np.int32 if prod(self.shape) < 2**31 else np.int64
+
     def corners_of(self, rectangles: Rectangles, axes: tuple[int, int], at: Ints) -> Ints:
         """Return the corners (m, 4) of rectangles along the axes u and v, each at an index of the third axis.
 
         The corners turn from u to v.
         """
         step_u, step_v, step_at = (self.steps[axis] for axis in (*axes, 3 - sum(axes)))
-        small = prod(self.shape) < 2**31  # half the memory, on all but the largest maps
-        corners = np.empty((len(rectangles.label), 4), dtype=np.int32 if small else np.int64)
+        corners = np.empty((len(rectangles.label), 4), dtype=self.number)
         low, high = rectangles.u0 * step_u + at * step_at, rectangles.u1 * step_u + at * step_at
         near, far = rectangles.v0 * step_v, rectangles.v1 * step_v
         for corner, (u, v) in enumerate(((low, near), (high, near), (high, far), (low, far))):
@@ -131,7 +135,7 @@ class Lattice:
 
     def unravelled(self, places: Ints) -> tuple[Ints, Ints, Ints]:
         """Return the indices along x, y and z of lattice points."""
-        across, z = np.divmod(places, self.shape[2])
+        across, z = np.divmod(places.astype(self.number, copy=False), self.shape[2])
         x, y = np.divmod(across, self.shape[1])
         return x, y, z
 

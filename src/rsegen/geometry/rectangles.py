@@ -130,7 +130,7 @@ def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
     a, b = np.where(shorter_a, a, b), np.where(shorter_a, b, a)
     while len(a):
         met = np.bincount(a, minlength=len(lengths)) + np.bincount(b, minlength=len(lengths))
-        take_a, take_b = met[a] == 1, met[b] == 1
+        take_a, take_b = met.take(a) == 1, met.take(b) == 1
         take_b &= ~take_a  # of two that meet each other alone, the shorter is kept
         if not (take_a.any() or take_b.any()):
             # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
@@ -139,9 +139,9 @@ def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
             np.minimum.at(least, a, worth[b])
             np.minimum.at(least, b, worth[a])
             take_a, take_b = least[a] == worth[a], least[b] == worth[b]
-        kept[b[take_a]] = kept[a[take_b]] = False
-        both = kept[a] & kept[b]
-        a, b = a[both], b[both]
+        kept[b.compress(take_a)] = kept[a.compress(take_b)] = False
+        both = kept.take(a) & kept.take(b)
+        a, b = a.compress(both), b.compress(both)
     return kept
 
 

@@ -9,7 +9,8 @@ that do not change the surface:
      o-------o          o-------o       two triangles between them disappear
 
 Which vertices those are is known before there is a triangle, from the labels of the four cells around each (`_ways`):
-on random maps one in ten, so only one triangle in five takes part in the rounds of collapses.
+on random maps one in ten, so only one triangle in five takes part in the rounds of collapses. A vertex that could not
+move is tried again when one of its triangles has changed.
 
 If two blocks touch only along a vertical edge, each has vertices of its own there, as an edge with four faces would not
 be manifold:
@@ -18,7 +19,7 @@ be manifold:
      |_a_|___        the block on the side of larger y takes the second
          |_b_|
 
-Cost: linear in the corners, and the sorting of fans; five to ten times the merged surface, of which triangulation and
+Cost: linear in the corners, and the sorting of fans; about six times the merged surface, of which triangulation and
 decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map (decision 7).
 """
 
@@ -93,7 +94,7 @@ def decimated(pieces: Sequence[Faces], points: _Points, lattice: Lattice) -> tup
     number = np.cumsum(left, dtype=np.int32) - 1
     number[used] = number[used[place]]
     gone = np.concatenate(takes_part)
-    gone[gone] = ~kept
+    gone[gone] = ~kept  # all others stay
     pieces = [piece.rows(np.flatnonzero(~part)) for piece, part in zip(pieces, _split(gone, takes_part), strict=True)]
     triangles = (piece._replace(corners=number.take(piece.corners)) for piece in pieces)
     return Faces(*(np.concatenate(columns) for columns in zip(*triangles, strict=True))), owner[left]
@@ -121,14 +122,20 @@ def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
     corners, normals, numbers, vertices, ways = live
     removable, place = ways != _NOWHERE, np.arange(len(vertices), dtype=np.int32)
     rows, kept = np.arange(len(corners)), np.ones(len(corners), dtype=bool)
+    tried = removable
     while True:
-        fan = _fan(corners, normals, removable)
-        collapses = _without_flips(_collapses(fan, vertices, ways), fan, vertices, least)
-        collapses = _independent_collapses(collapses, corners, numbers)
+        fan = _fan(corners, normals, tried)
+        possible = _without_flips(_collapses(fan, vertices, ways), fan, vertices, least)
+        collapses = _independent_collapses(possible, corners, numbers)
         if not len(collapses.vertex):
             break
         place[collapses.vertex] = collapses.target
-        corners = place.take(corners)
+        # A vertex that could not move can only do so once one of its triangles has changed.
+        before, corners = corners, place.take(corners)
+        tried = np.zeros(len(vertices), dtype=bool)
+        tried[possible.vertex] = True
+        tried[corners[np.not_equal(before, corners).any(axis=1)]] = True
+        tried &= removable
         distinct = _are_distinct(*corners.T)
         kept[rows[~distinct]] = False
         stays = np.flatnonzero(distinct & _any(removable, corners))
@@ -206,7 +213,8 @@ def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) 
     """Return collapses of which no two change the same triangle: of those that do, the one with the smallest hash.
 
     The hash of a vertex's number in the mesh (Knuth's multiplicative one, 2^32 / golden ratio) mixes neighbouring
-    vertices; with the number itself whole rows would wait for their first vertex, and there would be as many rounds as a row has vertices.
+    vertices; with the number itself whole rows would wait for their first vertex, and there would be as many rounds as
+    a row has vertices.
     """
     lot = np.full(len(numbers), 2**32 - 1, dtype=np.uint32)  # of a vertex that stays; no number below 4050964655 has it
     lot[collapses.vertex] = numbers[collapses.vertex].astype(np.uint32) * np.uint32(2654435761)
@@ -267,7 +275,7 @@ def watertight(field: StepField) -> Mesh:
     rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
     places, corners = welded(rings.corners, prod(grid.lattice.shape))
     rings = Faces(corners, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
-    points = _Points.of(places.astype(np.int32 if prod(grid.lattice.shape) < 2**31 else np.int64), grid)
+    points = _Points.of(places, grid)
     faces, left = decimated(_triangulated(rings, points, grid.lattice), points, grid.lattice)
     return grid.lattice.mesh(faces, places[left])
 
@@ -346,7 +354,7 @@ def _triangulated(rings: Faces, points: _Points, lattice: Lattice) -> list[Faces
     along_x = along_y.take(np.argsort(points.y.astype(small).take(along_y), kind="stable"))
     own = points.first * 2 + points.pinched
     rank = np.empty((count, 3), dtype=np.int32)
-    for axis, order in enumerate((along_x, along_y, slice(None))):
+    for axis, order in enumerate((along_x, along_y, np.arange(count))):
         rank[order, axis] = np.arange(axis * count, (axis + 1) * count, dtype=np.int32)
     vertex = np.concatenate([own[along_x], own[along_y], own])
     return [_fans(Faces(*piece), rank.ravel(), vertex) for piece in zip(*map(_pieces, rings), strict=True)]
