@@ -104,8 +104,8 @@ class _Classic:
     def start(self, run: Callable[..., None], *arguments: object) -> None:
         def quietly() -> None:
             with suppress(
-                OSError, ValueError, KeyError, TypeError, AttributeError, struct.error
-            ):  # as its peer is gone
+                OSError, ValueError, KeyError, TypeError, AttributeError, struct.error, StopIteration
+            ):  # as its peer is gone, perhaps before it has said anything
                 run(*arguments)
 
         threading.Thread(target=quietly, daemon=True).start()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import select
 import socket
 import sys
@@ -12,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
+from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed, shown
 from rsegen.robots import robot
 from rsegen.simulation.simulators.classic_transport import transport_client
 from rsegen.simulation.simulators.patience import Patience
@@ -99,6 +100,14 @@ def test_no_length_and_no_number_hangs_the_decoder(types: MessageTypes, type_nam
             content = (bytes([key]) if key < 128 else bytes([key & 127 | 128, key >> 7])) + value
             with suppress(NoMessage):
                 assert isinstance(types.decode(type_name, content), dict)
+
+
+@pytest.mark.parametrize("types", [CLASSIC, SIM])
+def test_a_type_that_is_not_known_is_no_message(types: MessageTypes) -> None:
+    """A server of Gazebo Sim names the type of its response itself."""
+    for name in ("B}olean", "", "a\x1b"):
+        with pytest.raises(NoMessage, match=f"^a simulator sent a message of the type {re.escape(shown(name))}, which"):
+            types.decode(name, b"")
 
 
 def test_a_field_that_is_longer_than_its_message_is_refused() -> None:

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from rsegen.errors import NoMessage
+from rsegen.errors import NoMessage, shown
 from rsegen.simulation.simulators.live_world import Pose
 
 Message: TypeAlias = Mapping[str, Any]
@@ -50,8 +50,10 @@ class MessageTypes:
     def decode(self, type_name: str, content: bytes) -> dict[str, Any]:
         """Return the message of a type from bytes, or raise NoMessage; fields that are not in it are left out.
 
-        Such a field reads as a zero or as nothing, as in protobuf.
+        Such a field reads as a zero or as nothing, as in protobuf. The type may be one that a server has named.
         """
+        if type_name not in self.types:
+            raise NoMessage(f"a simulator sent a message of the type {shown(type_name)}, which is not known")
         try:
             return self._decoded(type_name, content)
         except _NONSENSE as error:
