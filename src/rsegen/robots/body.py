@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
-from rsegen.io.input_files import open_regular, read_by_library
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, SdfPose, rotation, turn_about
+from rsegen.robots.meshes import read_mesh
 from rsegen.robots.sdf_shapes import ModelFrames, floats, inertials
 from rsegen.standing.body import (
     Body,
@@ -162,19 +162,11 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
 
 
 def _mesh(element: Element, distance: float, where: str) -> Solid:
-    """Return the samples of a mesh in a file that trimesh reads."""
+    """Return the samples of a mesh in a file."""
     path = Path((element.findtext("uri") or "").strip().removeprefix("file://"))
     scale = np.array(floats(element.findtext("scale") or "1 1 1", 3, where))
-
-    def triangles() -> Solid:
-        import trimesh
-
-        with open_regular(path) as file:
-            form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-            loaded: Any = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
-        return mesh(np.asarray(loaded.vertices) * scale, np.asarray(loaded.faces), distance)
-
     try:
-        return read_by_library(path, triangles)
+        points, corners = read_mesh(path)
     except ImportError:
         raise FileError(f"{path}: the mesh of a collision shape is read by trimesh, which is not installed") from None
+    return mesh(points * scale, corners, distance)

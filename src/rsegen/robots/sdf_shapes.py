@@ -21,8 +21,8 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.io.input_files import open_regular, read_by_library
 from rsegen.robots.links import rotation
+from rsegen.robots.meshes import SUFFIXES, read_mesh
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -313,27 +313,15 @@ def swept_box(geometry: Element, where: str) -> SweptBox | None:
 
 
 def _mesh(mesh: Element, where: str) -> SweptBox | None:
-    """Return the box of a mesh in a file that trimesh reads (STL, OBJ, PLY, glTF); None for any other."""
+    """Return the box of a mesh in a file; None for one that cannot be read here."""
     uri = (mesh.findtext("uri") or "").strip()
     scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
-    if not uri.lower().endswith((".stl", ".obj", ".ply", ".glb", ".gltf")):
+    if not uri.lower().endswith(SUFFIXES):
         return None
-    path = Path(uri.removeprefix("file://"))
-
-    # trimesh measures the file, which may come from anybody, so its errors become FileErrors.
-    def bounds() -> Array:
-        import trimesh
-
-        with open_regular(path) as file:
-            form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
-            mesh_bounds = trimesh.load(file, file_type=form, resolver=resolver, force="mesh").bounds
-        if mesh_bounds is None:
-            raise FileError(f"{path}: has no points")
-        return np.asarray(mesh_bounds)
-
     try:
-        low, high = read_by_library(path, bounds) * scale
+        points, corners = read_mesh(Path(uri.removeprefix("file://")))
     except ImportError:
         return None
+    low, high = (side * scale for side in (points[corners].min(axis=(0, 1)), points[corners].max(axis=(0, 1))))
     half, centre = np.abs(high - low) / 2, (low + high) / 2
     return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
