@@ -296,3 +296,18 @@ def written(folder: Path, name: str, text: str) -> Path:
 
 def read(folder: Path, text: str) -> SdfRobot:
     return from_file(written(folder, "mine.urdf", text))
+
+
+def test_joints_that_should_follow_another_are_named_in_a_note(tmp_path: Path) -> None:
+    links = "".join(HEAVY.format(name) for name in ("base", "a", "b", "c"))
+    limit, follows = '<limit lower="0" upper="1"/>', '<mimic joint="left" multiplier="-1"/>'
+    joints = (
+        JOINT.format("left", "revolute", "base", "a", limit)
+        + JOINT.format("right", "revolute", "base", "b", limit + follows)
+        + JOINT.format("stuck", "fixed", "base", "c", follows)
+    )
+    (tmp_path / "hand.urdf").write_text(f'<robot name="hand">{links}{joints}</robot>')
+    robot = from_file(tmp_path / "hand.urdf")
+    note = "<mimic> has no effect, so these joints move on their own, unless they are held: right"
+    assert robot.remarks == (note,)
+    assert f"hand: {note}" in list(robot.spawn_notes("classic"))

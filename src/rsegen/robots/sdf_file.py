@@ -39,7 +39,7 @@ from rsegen.robots.sdf_drives import (
     plugin_key,
 )
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_inertias, inertials
-from rsegen.robots.urdf import converted
+from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
 from rsegen.standing.body import Body
@@ -70,7 +70,8 @@ class SdfRobot(Standing):
     if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
     be wheels; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above the
     lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from nowhere;
-    remarks: sentences about links that were left out, or whose inertia no body has, and packages that are not found.
+    remarks: sentences about links that were left out, or whose inertia no body has, joints that do not follow others as
+    they should, and packages that are not found.
     """
 
     kind: str
@@ -219,8 +220,8 @@ def parsed(
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
-    root, left_out = converted(root, where, _names(tracks)) if root.tag == "robot" else (root, ())
-    model = _model(root, where)
+    source = converted(root, where, _names(tracks)) if root.tag == "robot" else Converted(root)
+    root, model = source.sdf, _model(source.sdf, where)
     resolve_uris(model, Path(where))
     version = _version(root)
     _modernize(model, version)
@@ -250,7 +251,7 @@ def parsed(
         lift=-float(shapes.low[2]) if shapes.known else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
-        remarks=(*remarks, *_remarks(left_out, impossible_inertias(frames))),
+        remarks=(*remarks, *_remarks(source, impossible_inertias(frames))),
     )
 
 
@@ -259,10 +260,12 @@ def _names(tracks: str | None) -> set[str]:
     return set(re.split(r"[,+]", tracks)) if tracks else set()
 
 
-def _remarks(left_out: Sequence[str], impossible: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence about links that have no mass, and about those whose moments of inertia no body has."""
-    if left_out:
-        yield f"left out, as they have no mass, or hang on such a link: {_some(left_out)}"
+def _remarks(source: Converted, impossible: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence about links without a mass, joints that should follow others, and impossible inertias."""
+    if source.left_out:
+        yield f"left out, as they have no mass, or hang on such a link: {_some(source.left_out)}"
+    if source.mimics:
+        yield f"<mimic> has no effect, so these joints move on their own, unless they are held: {_some(source.mimics)}"
     if impossible:
         yield f"no body has the moments of inertia of {_some(impossible)}; Gazebo Sim may refuse them"
 

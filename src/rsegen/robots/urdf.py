@@ -5,8 +5,8 @@ first of them, which keeps its name, with their masses, shapes and sensors. So a
 physics engines make 1 kg, or an error, is one body with what hangs on it. preserveFixedJoint keeps a joint if both of
 its links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass,
 is left out, with all that hangs on it. Gazebo's elements go into their link, its shapes or their joint, or into the
-model. Cost: linear. What breaks it: mimic is not read, so such joints move freely; planar joints are refused; names of
-links that are no more stay in plug-ins.
+model. Cost: linear. What breaks it: SDF 1.7 has no mimic, so such joints move freely, which is said; planar joints are
+refused; names of links that are no more stay in plug-ins.
 """
 
 from __future__ import annotations
@@ -88,10 +88,15 @@ _SHORTEST = 1e-9
 
 
 class Converted(NamedTuple):
-    """The <sdf> element of a robot, and the names of its links that were left out, as they have no mass."""
+    """The <sdf> element of a robot, and what of it is not as in its file.
+
+    left_out: the names of its links that were left out, as they have no mass; mimics: those of its joints that should
+    follow another
+    """
 
     sdf: Element
-    left_out: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
+    mimics: tuple[str, ...] = ()
 
 
 class _Joint(NamedTuple):
@@ -161,6 +166,7 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
 
     sdf = Element("sdf", version=_VERSION)
     model = SubElement(sdf, "model", name=robot.get("name", ""))
+    mimics: list[str] = []
     for head, parts in merged.items():
         if head in left_out or (head == _WORLD and head not in above):
             continue
@@ -172,9 +178,11 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
             _append_parts(link, name, place, counts, source)
         if head in above and _JOINTS[above[head].kind]:
             _append_joint(model, above[head], source)
+            if above[head].kind != "fixed" and above[head].element.find("mimic") is not None:
+                mimics.append(above[head].name)
     for elements in extensions.get("", {}).values():
         model.extend(map(deepcopy, elements))
-    return Converted(sdf, tuple(left_out))
+    return Converted(sdf, tuple(left_out), tuple(mimics))
 
 
 def _named(elements: Iterable[Element], what: str, where: str) -> Iterator[tuple[str, Element]]:
