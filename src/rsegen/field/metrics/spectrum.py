@@ -3,7 +3,7 @@
 Idea: ground is rough at some lengths and smooth at others. Each profile, a row of blocks without a frame between them,
 loses its line of least squares and is tapered by a Hann window; the periodogram says how much of its variance is in
 each frequency f, and S ~ f^-b is fitted to the mean of all profiles: b is near 0 if blocks are independent, and larger
-if neighbours are alike. Vehicle dynamics describes roads so (Andren, International Journal of Vehicle Design 2006, is a
+if neighbours are alike. Vehicle dynamics describes roads so (Andrén, International Journal of Vehicle Design 2006, is a
 survey of the fits), and Hoffman and Krotkov (1989) ask for detrended and windowed heights of natural terrain.
 
 Cost: n log n of the cells. What breaks it: short profiles, as the line takes most of the lowest frequency, and 10
