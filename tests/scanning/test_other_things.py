@@ -11,7 +11,7 @@ import rsegen
 from benchmarks.depth_camera import Flaws, turned
 from rsegen import StepField
 from rsegen.errors import ScanError
-from rsegen.field.stepfield import Array
+from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import SURE, Scan, ScanSettings, find_field
 from rsegen.scanning.levels import board_below, units_per_level
 from tests.scanning.test_find_field import KINDS, cloud_of, field_of, right_turn
@@ -60,13 +60,16 @@ def test_a_field_on_the_floor_has_no_board(kind: str) -> None:
 
 
 def test_boards_and_units_follow_from_the_levels_of_tops() -> None:
+    def board(levels: Ints, unit: float, thickness: float = 0.0) -> float:
+        return board_below(np.asarray(levels * unit + thickness, dtype=np.float64), levels, unit)
+
     levels = np.repeat(np.arange(5), 10)
-    assert board_below(levels * 0.1, levels, 0.1) == 0
-    assert board_below(levels * 0.1 + 0.02, levels, 0.1) == pytest.approx(0.02)
+    assert board(levels, 0.1) == 0
+    assert board(levels, 0.1, 0.02) == pytest.approx(0.02)
     odd = 2 * levels + 1
-    assert board_below(odd * 0.05, odd, 0.05) == pytest.approx(0.05)
-    assert board_below(np.append(odd, 0) * 0.05, np.append(odd, 0), 0.05) == 0  # a top at the floor: on no board
-    assert board_below(np.full(20, 0.12), np.full(20, 1), 0.1) == 0  # one level says nothing
+    assert board(odd, 0.05) == pytest.approx(0.05)
+    assert board(np.append(odd, 0), 0.05) == 0  # a top at the floor: on no board
+    assert board(np.full(20, 1), 0.1, 0.02) == 0  # one level says nothing
     assert (units_per_level(levels), units_per_level(2 * levels), units_per_level(odd)) == (1, 2, 1)
     assert units_per_level(np.append(2 * levels, [1, 1])) == 2  # two cells were misread
     assert units_per_level(np.zeros(9, int)) == 1
