@@ -23,8 +23,9 @@ from rsegen.params.sorts import FilePath, Float, Reference
 
 if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
-    from rsegen.field.metrics import Crossing, Metrics, Scale, Spread, Steps, Traversability
+    from rsegen.field.metrics import Crossing, Metrics, Plane, Scale, Spectrum, Spread, Steps, Traversability
     from rsegen.field.metrics.catalogue import Crosser
+    from rsegen.standing.resting import PoseStatistics
     from rsegen.standing.ways import Reach, Way
 
     Measured = tuple[Scene, Metrics]
@@ -262,7 +263,9 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
     yield from _spread(found.spread, written)
     yield from _steps(found.steps, written)
+    yield _plane(found.plane, written)
     yield _scale(found.scale, written)
+    yield _spectrum(found.spectrum)
     rugged, opens = found.ruggedness, found.opening
     tri = f"{written.said(rugged.tri)} (root mean), {written.said(rugged.riley)} (Riley)"
     yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
@@ -272,7 +275,7 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     ways = f"{written.said(opens.west_east)} west to east, {written.said(opens.south_north)} south to north"
     yield f"climb    that is needed to cross{wide}: {ways}"
     if found.reach:
-        yield from _reach(found.reach, crosser)
+        yield from _reach(found.reach, crosser, written)
     from rsegen.field.metrics.catalogue import METRICS, custom
 
     for name, value in custom(scene.field).items():
@@ -296,6 +299,11 @@ def _steps(found: Steps, written: Lengths) -> Iterator[str]:
         yield f"         {written.measured(size * found.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
 
 
+def _plane(found: Plane, written: Lengths) -> str:
+    off = f"heights deviate by {written.said(found.residual)} (rms) from their plane of least squares"
+    return f"plane    {off}, which rises by {found.slope:.1%}"
+
+
 def _scale(found: Scale, written: Lengths) -> str:
     if found.hurst is None:
         return "scale    no exponent: the map is too small, or flat"
@@ -305,14 +313,36 @@ def _scale(found: Scale, written: Lengths) -> str:
     return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
 
 
-def _reach(found: Traversability | Reach, crosser: str) -> Iterator[str]:
+def _spectrum(found: Spectrum) -> str:
+    sides = {"west to east": found.west_east, "south to north": found.south_north}
+    falls = ", ".join(
+        f"{name} {'without exponent' if side.exponent is None else f'as f^{round(-side.exponent, 2) + 0:.2f}'}"
+        for name, side in sides.items()
+    )
+    weak = "; weak, of few frequencies f" if any(side.exponent_is_weak for side in sides.values()) else ""
+    return f"spectrum falls {falls}{weak}"
+
+
+def _reach(found: Traversability | Reach, crosser: str, written: Lengths) -> Iterator[str]:
     yield f"{crosser}:"
     climbable, droppable = getattr(found, "climbable", None), getattr(found, "droppable", None)
     if climbable is not None and droppable is not None:
         yield f"steps    {climbable:.1%} it goes up, {droppable:.1%} it goes down"
+    if poses := getattr(found, "poses", None):
+        yield from _poses(poses, written)
     yield f"region   {found.cover:.1%} of the blocks, from each to each (analogue of coverability)"
     yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
     yield f"         south to north: {_way(found.south_north)}"
+
+
+def _poses(found: PoseStatistics, written: Lengths) -> Iterator[str]:
+    yield f"poses    at all blocks, in eight headings: it stands in {found.stands:.1%} of them"
+    if found.tilt_median is not None and found.tilt_p90 is not None:
+        half, most = (f"{degrees(tilt):.0f} degrees" for tilt in (found.tilt_median, found.tilt_p90))
+        yield f"         tilt {half} or less in half of these, {most} or less in 90 %"
+    if found.clearance_median is not None and found.clearance_least is not None:
+        half, least = written.said(found.clearance_median), written.said(found.clearance_least)
+        yield f"         clearance {half} or more in half of these, {least} at the least"
 
 
 def _way(found: Crossing | Way) -> str:

@@ -20,6 +20,7 @@ from rsegen.recipe.recipe import Recipe
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Mask
     from rsegen.io.scans import ScannedMap
+    from rsegen.scanning import Scan
 
 _SHOWN = 8
 """Cells that a warning names."""
@@ -92,6 +93,13 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
     if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
         yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
+    yield from _board(scan, options, written)
+    if options.size is None:
+        for side, (raised, cells) in scan.sparse_edges.items():
+            yield (
+                f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
+                "give --size, or cut them out of the cloud"
+            )
     errors = np.abs(scan.errors[scan.seen])
     mean, most = (written.said(float(error)) for error in (errors.mean(), errors.max()))
     yield f"tops are {mean} from their levels in the mean, {most} at most"
@@ -101,6 +109,20 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     unsure = scan.seen & (scan.confidence < SURE)
     if unsure.any():
         yield f"warning: less than {SURE:.0%} sure: {_cells(scanned, unsure)}"
+
+
+def _board(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
+    """Yield a line if blocks stand on a board that was found, or may stand on one."""
+    if options.base_cm is not None:
+        return
+    if scan.base:
+        board = written.measured(scan.base)
+        yield (
+            f"assumed: a board of {board} {written.unit} below the blocks, as all tops are that much above whole units "
+            "(--base-cm 0 if there is none)"
+        )
+    elif not (scan.blocks == 0).any():
+        yield "assumed: no board below the blocks, though no block is at level 0 (--base-cm if there is one)"
 
 
 def _assumed(what: str, taken: float, measured: float, flag: str) -> Iterator[str]:

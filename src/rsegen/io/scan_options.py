@@ -49,7 +49,10 @@ class ScanOptions:
             help="blocks of the field along x and y, frames not counted; default: the rectangle of all that is raised"
         ),
     ] = None
-    base_cm: Annotated[float, Float(0, 1000, unit="cm", help="thickness of a board below the blocks")] = 0.0
+    base_cm: Annotated[
+        float | None,
+        Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: found"),
+    ] = None
     fill_holes: Annotated[
         bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")
     ] = False
@@ -74,5 +77,5 @@ class ScanOptions:
             chunk_size=self.chunk_size,
             up=_UPWARDS[self.up] if self.up else None,
             eye=(0, 0, 0) if self.intrinsics else None,
-            base=self.base_cm / 100,
+            base=None if self.base_cm is None else self.base_cm / 100,
         )

@@ -27,7 +27,7 @@ from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
-from rsegen.scanning.levels import Reading, find_unit, levelled, read_cells
+from rsegen.scanning.levels import Reading, board_below, find_unit, levelled, read_cells, units_per_level
 from rsegen.scanning.scan import Scan, ScanSettings, Transform
 
 _FEWEST_POINTS = 500
@@ -60,8 +60,44 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     """
     settings = settings or ScanSettings()
     near, middle = _usable(points)
-    grid = _gridded(near, middle, settings, known)
-    return _known_field(grid, known) if known else _found_field(grid, settings)
+    if known:
+        return _known(near, middle, settings, known)
+    scan = _found_field(_gridded(near, middle, settings, None), settings)
+    better = _corrected(settings, scan)
+    return scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
+
+
+def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
+    """Return the settings with a board below the blocks, or a larger unit, that only the levels of a scan show."""
+    blocks = scan.seen & ~scan.frame
+    levels = scan.levels[blocks]
+    if settings.base is None and (board := board_below(scan.heights[blocks], levels, scan.measured_unit)):
+        return replace(settings, base=board)
+    # Frames count too: 10 cm high around blocks of 20 and 40 cm, they are one unit of 10 cm.
+    frame = round(scan.frame_height / scan.unit)
+    if settings.unit is None and (times := int(np.gcd(units_per_level(levels), frame))) > 1:
+        return replace(settings, unit=rounded(times * scan.measured_unit, (scan.block_width, scan.block_width / 2)))
+    return settings
+
+
+def _known(near: Array, middle: Array, settings: ScanSettings, known: StepField) -> Scan:
+    """Return the known field in a cloud, on the floor, or else on a board that the cloud shows."""
+    try:
+        return _known_field(_gridded(near, middle, settings, known), known)
+    except ScanError:
+        if settings.base is not None:
+            raise
+        if not (board := _board(near, middle, replace(settings, block_width=known.block_width))):
+            raise
+        return _known_field(_gridded(near, middle, replace(settings, base=board), known), known)
+
+
+def _board(near: Array, middle: Array, settings: ScanSettings) -> float:
+    """Return the thickness of the board that a cloud shows [m], 0 if it shows none."""
+    try:
+        return _corrected(settings, _found_field(_gridded(near, middle, settings, None), settings)).base or 0.0
+    except ScanError:
+        return 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,13 +111,16 @@ class _Gridded:
     width: float
     nominal_unit: float
     nominal_width: float
+    base: float
 
     def scan(self, part: Reading, frames: FrameLayout, transform: Transform) -> Scan:
         """Return the result for a part of the cells."""
+        # The frames have a height of their own, and are as sure as they agree on it.
+        above = replace(part, heights=part.heights - np.where(frames.cells, frames.height, 0.0))
         return Scan(
             levels=np.where(frames.cells, 0, part.levels(self.unit)),
             heights=part.heights,
-            confidence=part.confidence(self.unit),
+            confidence=above.confidence(self.unit),
             counts=part.counts,
             frame=frames.cells,
             boundary=frames.boundary,
@@ -92,6 +131,7 @@ class _Gridded:
             measured_unit=self.unit,
             frame_height=self._frame_height(frames),
             noise=self.noise,
+            base=self.base,
             rotation=transform.rotation,
             translation=transform.translation,
         )
@@ -117,8 +157,9 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     eye = None if settings.eye is None else np.asarray(settings.eye) - middle
     ground = level_frame(points, settings.up, eye)
     upright = ground.apply(points)
-    if settings.base:  # the top of the board below the blocks becomes the ground
-        upright[:, 2] = np.where(upright[:, 2] > settings.base / 2, upright[:, 2] - settings.base, 0)
+    base = settings.base or 0.0
+    if base:  # the top of the board below the blocks becomes the ground
+        upright[:, 2] = np.where(upright[:, 2] > base / 2, upright[:, 2] - base, 0)
     width = known.block_width if known else settings.block_width
     nominal_unit = known.unit if known else settings.unit
     unit, grid, pixel = _unit_and_grid(upright, ground, nominal_unit, width)
@@ -127,13 +168,14 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     nominal_width = width or rounded(grid.width)
     return _Gridded(
         reading=reading,
-        transform=Transform.of(ground, grid, reading, settings.base).after(middle),
+        transform=Transform.of(ground, grid, reading, base).after(middle),
         noise=ground.noise,
         unit=unit,
         width=grid.width,
         # NIST's unit is the width of a post, or half of it.
         nominal_unit=nominal_unit or rounded(unit, (nominal_width, nominal_width / 2)),
         nominal_width=nominal_width,
+        base=base,
     )
 
 

@@ -16,7 +16,7 @@ height is a unit, and if fewer than half of a cell's points are of its top.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import erf, sqrt
+from math import erf, pi, sqrt
 
 import numpy as np
 
@@ -44,6 +44,13 @@ _FEWEST_SHARE = 0.04
 
 _MOST_CELLS = 4_000_000
 """Cells of a reading, at the most: 64 MB; a larger grid has been found in something else than blocks."""
+
+_OTHER = 0.01
+"""Share of the cells that have something else on top than their block, before they are seen: one of 100. A tenth of
+it, or ten times as much, moves the height from which such a cell is not sure by a sixth."""
+
+_SAWN = 0.02
+"""Share of a unit by which posts differ at the least: 2 mm of 10 cm, as saws cut."""
 
 _MOST_SHIFT = 0.35
 """Share of a unit: a cell whose height is farther from a level does not decide how the plane lies. At half a unit it
@@ -79,16 +86,22 @@ class Reading:
 
         The error of a height is normal. Its variance is that of the mean of its points, of independent noise; plus
         the mean square by which all heights are off their levels; plus the square of the slope, as points that a camera
-        has smoothed are wrong together, however many there are.
+        has smoothed are wrong together, however many there are. Few cells have something else on top, at any height: a
+        height that is unusual for a block, as far as the others are off, is more likely one of these (Bayes).
         """
         off = (self.heights - self.levels(unit) * unit)[self.seen]
-        shared = float(np.sqrt(np.mean(np.minimum(np.abs(off), unit / 2) ** 2))) if off.size else unit
+        if not off.size:
+            return np.zeros(self.heights.shape)
+        shared = float(np.sqrt(np.mean(np.minimum(np.abs(off), unit / 2) ** 2)))
         error = np.sqrt(self.spread**2 / np.maximum(self.counts, 1) + shared**2 + self.slopes**2)[self.seen]
         error = np.maximum(error, 1e-6 * unit)  # of a cloud without errors
         below = np.array([erf(x) for x in (unit / 2 - off) / error / sqrt(2)])
         above = np.array([erf(x) for x in (unit / 2 + off) / error / sqrt(2)])
+        typical = max(1.4826 * float(np.median(np.abs(off))), _SAWN * unit)  # a few other things do not change it
+        expected = np.sqrt(self.spread**2 / np.maximum(self.counts, 1) + typical**2 + self.slopes**2)[self.seen]
+        of_block = (1 - _OTHER) * np.exp(-((off / expected) ** 2) / 2) / (expected * sqrt(2 * pi))
         confidence = np.zeros(self.heights.shape)
-        confidence[self.seen] = np.clip((below + above) / 2, 0, 1)
+        confidence[self.seen] = np.clip((below + above) / 2, 0, 1) * of_block / (of_block + _OTHER / unit)
         return confidence
 
     def part(self, corner: Cell, shape: Cell) -> Reading:
@@ -194,6 +207,48 @@ def levelled(reading: Reading, unit: float) -> tuple[Reading, float]:
         unit += float(solved[3]) if len(solved) > 3 else 0.0
         reading = replace(reading, heights=reading.heights - plane)
     return reading, unit
+
+
+_BOARD = 0.08
+"""Share of a unit above the floor from which blocks stand on a board: 8 mm under blocks of 10 cm. Uneven floor of a
+centimetre lifts them by up to 5 mm on average."""
+
+_FEWEST_OF_LEVEL = 3
+"""Tops of a level whose median counts: of three, one may be something else."""
+
+
+def board_below(heights: Array, levels: Ints, unit: float) -> float:
+    """Return the thickness of the board that blocks stand on [m], 0 if they stand on the floor.
+
+    heights, levels: (n,), of the tops that were seen, frames and floor left out. Tops at `board + level unit` have an
+    intercept that floor does not have. A board of half a unit makes all levels odd numbers of halves. What breaks it: a
+    board as thick as a whole number of units, which is a level more; or fewer than three levels.
+    """
+    known, counts = _frequent(levels)
+    if len(known) < 3:
+        return 0.0
+    apart = int(np.gcd.reduce(np.diff(known)))
+    if known[0] % apart and not (levels == 0).any():
+        return float(known[0] % apart) * unit
+    tops = [float(np.median(heights[levels == level])) for level in known]
+    # Beyond ten tops what all of a level have in common is the larger part.
+    rise, board = np.polyfit(known, tops, 1, w=np.sqrt(np.minimum(counts, 10)))
+    return float(board) if board > _BOARD * rise else 0.0
+
+
+def units_per_level(levels: Ints) -> int:
+    """Return how many of the units that were found make one: 2 if all levels (n,) are even, as tops of few other things
+    lie between those of blocks.
+    """
+    known, _ = _frequent(levels)
+    return int(np.gcd.reduce(known)) if len(known) else 1
+
+
+def _frequent(levels: Ints) -> tuple[Ints, Ints]:
+    """Return the levels above 0 that enough of some tops have, and how many."""
+    counts = np.bincount(levels[levels > 0])
+    known = np.flatnonzero(counts >= max(_FEWEST_OF_LEVEL, 0.02 * len(levels)))  # fewer are misread
+    return known, counts[known]
 
 
 _MOST_LEVELS = 12

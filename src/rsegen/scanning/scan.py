@@ -21,13 +21,18 @@ SURE = 0.95
 """Levels of a lower confidence are listed: one in twenty of them may be wrong, the usual 95 % of statistics."""
 
 
+_FEW_OF_SIDE = 0.5
+"""Share of a side's cells that are raised, over that of all cells, below which it is sparse: random blocks of five
+levels have 8 of 10 cells raised, and 3 or fewer in one side of a thousand."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ScanSettings:
     """Properties of a field that are known before the scan; None is found from the cloud.
 
     block_width, unit: metres; blocks: along x and y, without frames; boundary: as in recipes; chunk_size: side of a
     chunk in blocks; up: a direction that is nearly up; eye: the place of the camera [m]; base: thickness of a board
-    below the blocks [m].
+    below the blocks [m], 0 for none.
     """
 
     block_width: float | None = None
@@ -37,7 +42,7 @@ class ScanSettings:
     chunk_size: int | None = None
     up: Sequence[float] | None = None
     eye: Sequence[float] | None = None
-    base: float = 0.0
+    base: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -47,7 +52,7 @@ class Scan:
     levels: -1 where a cell was not seen, 0 in frames; heights: of the tops as measured [m], nan where not seen;
     confidence: the probability that a level is right, 0 where not seen; counts: points of each cell's top.
     block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
-    frame_height: metres; noise: standard deviation of a point's height [m].
+    frame_height: metres; noise: standard deviation of a point's height [m]; base: thickness of the board below [m].
     rotation (3, 3), translation (3,): `rotation @ point + translation` is the point in the map's frame [m].
     """
 
@@ -64,6 +69,7 @@ class Scan:
     measured_unit: float
     frame_height: float
     noise: float
+    base: float
     rotation: Array
     translation: Array
 
@@ -77,6 +83,18 @@ class Scan:
         """Height of each top above its level [m], nan where a cell was not seen."""
         expected = np.where(self.frame, self.frame_height, np.maximum(self.levels, 0) * self.measured_unit)
         return np.asarray(self.heights - expected)
+
+    @property
+    def sparse_edges(self) -> dict[str, tuple[int, int]]:
+        """Raised cells, and all cells, of each side of which few are raised, without frames: it may be no part of the
+        field, but something that stands next to it.
+        """
+        if self.frame.any():
+            return {}
+        raised = self.levels > 0
+        sides = {"west": raised[0], "east": raised[-1], "south": raised[:, 0], "north": raised[:, -1]}
+        few = raised.mean() * _FEW_OF_SIDE
+        return {name: (int(cells.sum()), cells.size) for name, cells in sides.items() if cells.mean() < few}
 
     @property
     def blocks(self) -> Ints:

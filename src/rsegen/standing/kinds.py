@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from rsegen.field.stepfield import StepField
 from rsegen.params.registry import Contract, Registry
 from rsegen.standing.body import Body
+from rsegen.standing.resting import PoseStatistics, pose_statistics
 from rsegen.standing.ways import Reach, Watch, Way, crossing, reach
 
 DRIVING_SPEED = 0.4
@@ -64,6 +65,10 @@ class Standing(ABC):
     def crossing(self, field: StepField, axis: int) -> Way:
         """Return its way across a field, along x for axis 0, along y for axis 1."""
         return crossing(field, self.body, axis)
+
+    def pose_statistics(self, field: StepField) -> PoseStatistics:
+        """Return how it rests all over a field."""
+        return pose_statistics(field, self.body)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -128,6 +128,43 @@ def of_settled(ground: PaddedGround, body: Body, rest: Settled) -> Poses:
     )
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PoseStatistics:
+    """A robot at rest at the middle of every block, in evenly spaced headings.
+
+    stands: share of these poses in which it stands; all else is of these, and None if there are none
+    tilt_median, tilt_p90: the tilt that half, and nine tenths, of the poses do not exceed, radians
+    clearance_median, clearance_least: from the ground to the lowest part that neither drives nor bears, metres; None
+    without such a part
+    """
+
+    stands: float
+    tilt_median: float | None
+    tilt_p90: float | None
+    clearance_median: float | None
+    clearance_least: float | None
+
+
+def pose_statistics(field: StepField, body: Body, headings: int = 8) -> PoseStatistics:
+    """Return how a robot rests all over a field, with its middle above the middles of the blocks."""
+    edges_x, edges_y = field.edges()
+    i, j = np.nonzero(~field.frame)
+    middles = (edges_x[i] + edges_x[i + 1]) / 2, (edges_y[j] + edges_y[j + 1]) / 2
+    x, y = (np.repeat(along, headings) for along in middles)
+    ground = PaddedGround.of(field, reach_of(body))
+    rest = settle(ground, body, x, y, np.tile(np.arange(headings) * 2 * np.pi / headings, len(i)))
+    every = of_settled(ground, body, rest)
+    tilts, clearances = every.tilt[every.stands], every.clearance[every.stands & np.isfinite(every.clearance)]
+    median, p90 = np.quantile(tilts, [0.5, 0.9]).tolist() if len(tilts) else (None, None)
+    return PoseStatistics(
+        stands=float(every.stands.mean()),
+        tilt_median=median,
+        tilt_p90=p90,
+        clearance_median=float(np.median(clearances)) if len(clearances) else None,
+        clearance_least=float(clearances.min()) if len(clearances) else None,
+    )
+
+
 def margins(ground: PaddedGround, body: Body, rest: Settled) -> Array:
     """Return the least turn that tips each robot over, radians, (n,); 0 for one that does not stand."""
     return np.where(has_stood(rest), _all_measured(ground, body, rest)[4], 0.0)

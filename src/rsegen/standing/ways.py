@@ -22,7 +22,7 @@ from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
-from rsegen.standing.resting import Poses, has_stood, margins, of_settled
+from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, pose_statistics
 from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
 
 
@@ -68,13 +68,14 @@ class DrivenWay:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Reach:
-    """The places of a field that a robot can reach, and its ways across.
+    """The places of a field that a robot can reach, its poses there, and its ways across.
 
     cover: share of the blocks in `region`; region: (n_x, n_y), the largest set of blocks on which it gets from every
-    place and heading to every other
+    place and heading to every other; poses: at all blocks
     """
 
     cover: float
+    poses: PoseStatistics
     west_east: Way
     south_north: Way
     region: Mask
@@ -508,7 +509,8 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
         lanes = straight(field, body, axis)
         ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
     cover = float(region.sum() / blocks) if blocks else 0.0
-    return Reach(cover=cover, west_east=ways[0], south_north=ways[1], region=region)
+    poses = pose_statistics(field, body, HEADINGS)
+    return Reach(cover=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
 
 
 def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> Way:

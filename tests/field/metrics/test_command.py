@@ -55,7 +55,7 @@ def test_a_page_stays_short_for_any_steps(capsys: pytest.CaptureFixture[str], tm
     path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, levels: 500}\n")
     page = printed(capsys, path)
     assert "sizes, which --json lists" in page
-    assert len(page.splitlines()) < 12
+    assert len(page.splitlines()) < 15
 
 
 def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
@@ -148,7 +148,7 @@ def test_limits_of_steps_are_no_robot(capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_without_a_robot_the_report_names_none(capsys: pytest.CaptureFixture[str]) -> None:
     (told,) = json.loads(printed(capsys, PALLET, "--json"))
-    assert set(told) == {"map", "seed", "spread", "steps", "scale", "ruggedness", "opening"}
+    assert set(told) == {"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening"}
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])

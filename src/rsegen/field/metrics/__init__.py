@@ -5,13 +5,17 @@ StepField --metrics--> Metrics, in metres; docs/metrics.md has every formula wit
 
 from rsegen.field.limits import StepLimits
 from rsegen.field.metrics.catalogue import Metrics, metrics
-from rsegen.field.metrics.roughness import Scale, Spread, Steps
+from rsegen.field.metrics.roughness import Plane, Scale, Spread, Steps
+from rsegen.field.metrics.spectrum import ProfileSpectrum, Spectrum
 from rsegen.field.metrics.traversability import Crossing, Traversability
 
 __all__ = [
     "Crossing",
     "Metrics",
+    "Plane",
+    "ProfileSpectrum",
     "Scale",
+    "Spectrum",
     "Spread",
     "StepLimits",
     "Steps",

@@ -18,7 +18,19 @@ from typing import Any, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 
 from rsegen.errors import ParameterError, PluginError, UnknownName, shown
-from rsegen.field.metrics.roughness import Ruggedness, Scale, Spread, Steps, ruggedness, scale, spread, steps
+from rsegen.field.metrics.roughness import (
+    Plane,
+    Ruggedness,
+    Scale,
+    Spread,
+    Steps,
+    plane,
+    ruggedness,
+    scale,
+    spread,
+    steps,
+)
+from rsegen.field.metrics.spectrum import Spectrum, spectrum
 from rsegen.field.metrics.traversability import Percolation, percolation
 from rsegen.field.stepfield import StepField
 from rsegen.params.plugins import failure
@@ -48,7 +60,9 @@ class Metrics:
 
     spread: Spread
     steps: Steps
+    plane: Plane
     scale: Scale
+    spectrum: Spectrum
     ruggedness: Ruggedness
     opening: Percolation
     reach: Any = None
@@ -65,7 +79,9 @@ def metrics(field: StepField, robot: Crosser | None = None) -> Metrics:
     return Metrics(
         spread=spread(field),
         steps=steps(field),
+        plane=plane(field),
         scale=scale(field),
+        spectrum=spectrum(field),
         ruggedness=ruggedness(field),
         opening=percolation(field, robot.width if robot else 0.0),
         reach=robot.reach(field) if robot else None,
@@ -93,7 +109,7 @@ def flattened(entries: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[st
 
 Measure: TypeAlias = Callable[[StepField], float]
 
-RESERVED = frozenset({"map", "seed", "spread", "steps", "scale", "ruggedness", "opening", "reach"})
+RESERVED = frozenset({"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening", "reach"})
 """Columns of every row of `rsegen metrics`, so no metric of a plug-in has such a name."""
 
 
@@ -159,15 +175,25 @@ RMS = "steps.rms"
 
 _LENGTHS = (
     *("spread.lowest", "spread.highest", "spread.mean", "spread.deviation"),
-    *("steps.mean", RMS, "steps.highest", "ruggedness.tri", "ruggedness.riley"),
+    *("steps.mean", RMS, "steps.highest", "plane.residual", "ruggedness.tri", "ruggedness.riley"),
     *("opening.west_east", "opening.south_north"),
 )
-_NUMBERS = ("spread.variation", "spread.entropy", "scale.hurst", "ruggedness.surface_ratio")
+_NUMBERS = (
+    *("spread.variation", "spread.entropy", "plane.slope", "scale.hurst", "ruggedness.surface_ratio"),
+    *("spectrum.west_east.exponent", "spectrum.south_north.exponent"),
+)
 _SIDES = ("reach.west_east", "reach.south_north")
-_LENGTHS_OF_A_ROBOT = tuple(f"{side}.{what}" for side in _SIDES for what in ("length", "cost"))
-_ANGLES_OF_A_ROBOT = tuple(f"{side}.{what}" for side in _SIDES for what in ("tilt", "margin"))
+_POSES = "reach.poses."
+_LENGTHS_OF_A_ROBOT = (
+    *(f"{side}.{what}" for side in _SIDES for what in ("length", "cost")),
+    *(f"{_POSES}clearance_median", f"{_POSES}clearance_least"),
+)
+_ANGLES_OF_A_ROBOT = (
+    *(f"{side}.{what}" for side in _SIDES for what in ("tilt", "margin")),
+    *(f"{_POSES}tilt_median", f"{_POSES}tilt_p90"),
+)
 _NUMBERS_OF_A_ROBOT = (
-    *("reach.climbable", "reach.droppable", "reach.cover"),
+    *("reach.climbable", "reach.droppable", "reach.cover", f"{_POSES}stands"),
     *(f"{side}.{what}_ratio" for side in _SIDES for what in ("length", "cost")),
 )
 OF_A_ROBOT = frozenset({*_LENGTHS_OF_A_ROBOT, *_ANGLES_OF_A_ROBOT, *_NUMBERS_OF_A_ROBOT})
@@ -217,18 +243,25 @@ def _measured(name: str, robot: Crosser | None, field: StepField) -> Any:
     try:
         return attrgetter(name.removeprefix(f"{family}."))(_FAMILIES[family](field, robot))
     except AttributeError:
-        other = "a robot" if name.endswith((".tilt", ".margin")) else "limits of steps, as in 10,10,0"
+        other = (
+            "a robot"
+            if name.startswith(_POSES) or name.endswith((".tilt", ".margin"))
+            else "limits of steps, as in 10,10,0"
+        )
         raise ParameterError("by", f"{name} is measured with {other}") from None
 
 
 _FAMILIES: Mapping[str, Callable[[StepField, Any], Any]] = {
     "spread": lambda field, _: spread(field),
     "steps": lambda field, _: steps(field),
+    "plane": lambda field, _: plane(field),
     "scale": lambda field, _: scale(field),
+    "spectrum": lambda field, _: spectrum(field),
     "ruggedness": lambda field, _: ruggedness(field),
     "opening": lambda field, robot: percolation(field, robot.width if robot else 0.0),
     "reach.west_east": lambda field, robot: robot.crossing(field, 0),
     "reach.south_north": lambda field, robot: robot.crossing(field, 1),
+    "reach.poses": lambda field, robot: robot.pose_statistics(field),
     "reach": lambda field, robot: robot.reach(field),
 }
 """Function that measures each part of the metrics; longer names come first, as the first prefix that fits is taken."""

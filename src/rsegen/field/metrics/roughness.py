@@ -1,6 +1,6 @@
-"""Roughness: steps between neighbouring blocks, spread of heights, ruggedness around a block, and growth with distance.
+"""Roughness: steps between neighbours, spread of heights, deviation from a plane, ruggedness, and growth with distance.
 
-All of it is made of level differences between blocks some cells apart, without frames; docs/metrics.md has every
+Nearly all of it is made of level differences between blocks some cells apart, without frames; docs/metrics.md has every
 formula with its source. Cost: linear in the cells, for `scale` once per lag. Sums are taken over levels, integers or
 shares of counts, and units are multiplied at the end.
 """
@@ -98,6 +98,30 @@ def spread(field: StepField) -> Spread:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class Plane:
+    """The plane of least squares through the tops h of the blocks, at their middles: h = a + b x + c y.
+
+    residual: sqrt(mean (h - plane)^2), metres; what a slope alone explains is not in it   slope: sqrt(b^2 + c^2)
+    """
+
+    residual: float
+    slope: float
+
+
+def plane(field: StepField) -> Plane:
+    """Return the plane of a field; blocks in one line, or one block, have the plane of the least slope."""
+    places = np.argwhere(~field.frame).T.astype(np.float64)
+    places -= places.mean(axis=1, keepdims=True)
+    heights = field.levels[~field.frame] - field.levels[~field.frame].mean()
+    # Of centred places the squares are a 2 x 2 matrix, singular if all blocks are in one line.
+    gradient = np.linalg.pinv(places @ places.T, rcond=1e-9, hermitian=True) @ (places @ heights)
+    return Plane(
+        residual=float(np.sqrt(np.mean((heights - gradient @ places) ** 2))) * field.unit,
+        slope=float(np.hypot(*gradient)) * field.unit / field.block_width,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Ruggedness:
     """The ruggedness over the `cells` blocks with 8 neighbouring blocks, in metres; None if there are none.
 
@@ -168,14 +192,14 @@ def scale(field: StepField) -> Scale:
     return Scale(
         lags=tuple((cells * field.block_width).tolist()),
         rms=tuple((rms * field.unit).tolist()),
-        hurst=_exponent(cells, rms),
+        hurst=exponent(cells, rms),
         hurst_is_weak=len(cells) < FEW,
     )
 
 
-def _exponent(lags: Array, rms: Array) -> float | None:
-    """Return the slope of log v over log L, by least squares."""
-    if len(lags) < 2 or not rms.all():
+def exponent(x: Array, y: Array) -> float | None:
+    """Return p of y ~ x^p, by least squares on the logarithms; None for fewer than two places, or a value of 0."""
+    if len(x) < 2 or not y.all():
         return None
-    x, y = np.log(lags) - np.log(lags).mean(), np.log(rms)
-    return float(x @ y / (x @ x))
+    along = np.log(x) - np.log(x).mean()
+    return float(along @ np.log(y) / (along @ along))

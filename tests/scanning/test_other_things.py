@@ -1,0 +1,116 @@
+"""What stands below, on and next to a field in a cloud: boards, objects on blocks, furniture."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rsegen
+from benchmarks.depth_camera import Flaws, turned
+from rsegen import StepField
+from rsegen.errors import ScanError
+from rsegen.field.stepfield import Array, Ints
+from rsegen.scanning import SURE, Scan, ScanSettings, find_field
+from rsegen.scanning.levels import board_below, units_per_level
+from tests.scanning.test_find_field import KINDS, cloud_of, field_of, right_turn
+
+USUAL = Flaws(noise=0.005, missing=0.2, outliers=0.02)
+
+
+def on_a_board(field: StepField, thickness: float) -> Array:
+    """A cloud of a field whose blocks all stand on a board of its size."""
+    raised = field.heights + thickness
+    nanometre = StepField(
+        levels=np.rint(raised * 1000).astype(np.int16),
+        frame=np.zeros(field.shape, bool),
+        block_width=field.block_width,
+        unit=0.001,
+        frame_height=0.0,
+    )
+    return turned(cloud_of(nanometre), np.random.default_rng(1), 0.3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("thickness", [0.018, 0.05])
+def test_a_board_below_the_blocks_is_found(thickness: float) -> None:
+    field = field_of(2, boundary="outer")
+    cloud = on_a_board(field, thickness)
+    scan = find_field(cloud)
+    assert scan.base == pytest.approx(thickness, abs=0.004)
+    assert (scan.unit, scan.frame_height) == (0.1, 0.1)
+    right_turn(scan, field)
+    known = find_field(cloud, known=field)
+    assert (known.levels == field.levels)[known.seen].all()
+
+
+@pytest.mark.slow
+def test_a_given_board_is_not_searched() -> None:
+    cloud = on_a_board(field_of(2, boundary="outer"), 0.05)
+    assert find_field(cloud, ScanSettings(base=0)).base == 0
+    with pytest.raises(ScanError, match="blocks rise by 5 cm in the cloud, not 10 cm"):
+        find_field(cloud, ScanSettings(base=0), known=field_of(2, boundary="outer"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_field_on_the_floor_has_no_board(kind: str) -> None:
+    assert find_field(cloud_of(field_of(3, **KINDS[kind]))).base == 0
+
+
+def test_boards_and_units_follow_from_the_levels_of_tops() -> None:
+    def board(levels: Ints, unit: float, thickness: float = 0.0) -> float:
+        return board_below(np.asarray(levels * unit + thickness, dtype=np.float64), levels, unit)
+
+    levels = np.repeat(np.arange(5), 10)
+    assert board(levels, 0.1) == 0
+    assert board(levels, 0.1, 0.02) == pytest.approx(0.02)
+    odd = 2 * levels + 1
+    assert board(odd, 0.05) == pytest.approx(0.05)
+    assert board(np.append(odd, 0), 0.05) == 0  # a top at the floor: on no board
+    assert board(np.full(20, 1), 0.1, 0.02) == 0  # one level says nothing
+    assert (units_per_level(levels), units_per_level(2 * levels), units_per_level(odd)) == (1, 2, 1)
+    assert units_per_level(np.append(2 * levels, [1, 1])) == 2  # two cells were misread
+    assert units_per_level(np.zeros(9, int)) == 1
+
+
+def with_objects(field: StepField, cells: Array, heights: Array) -> Scan:
+    """A scan of a field on some of whose cells are other things of some heights [m]."""
+    tops = field.heights.copy()
+    tops[tuple(cells.T)] += heights
+    own = replace(
+        field,
+        levels=np.rint(tops * 1000).astype(np.int16),
+        frame=np.zeros(field.shape, bool),
+        unit=0.001,
+    )
+    return find_field(cloud_of(own), ScanSettings(block_width=0.1, unit=0.1))
+
+
+@pytest.mark.slow
+def test_an_object_on_a_block_is_not_taken_for_a_level_that_is_sure() -> None:
+    field = field_of(4, boundary="outer")
+    cells = np.array([(3, 3), (5, 8), (8, 4), (9, 9)])
+    scan = with_objects(field, cells, np.array([0.07, 0.065, 0.12, 0.13]))
+    assert scan.levels.shape == field.levels.shape
+    wrong = scan.seen & (scan.levels != field.levels)
+    assert wrong.sum() >= 3  # a top of 7 or 13 cm more is nearer to another level
+    assert (scan.confidence[wrong] < SURE).all()
+    others = scan.seen & ~wrong & ~scan.frame
+    assert (scan.confidence[others] > SURE).mean() > 0.95
+
+
+@pytest.mark.slow
+def test_sides_of_which_little_is_raised_are_named() -> None:
+    field = field_of(5, boundary="outer")
+    plain = find_field(cloud_of(field), ScanSettings(boundary="none"))
+    assert plain.sparse_edges == {}
+    wide = np.zeros((14, 12), np.int16)
+    wide[:12] = np.where(field.frame, 1, field.levels)
+    wide[13, 4] = 2  # a box two cells away
+    apart = rsegen.StepField(levels=wide, frame=np.zeros((14, 12), bool), block_width=0.1, unit=0.1, frame_height=0.0)
+    scan = find_field(cloud_of(apart))
+    assert scan.levels.shape == (14, 12)
+    assert scan.sparse_edges == {"east": (1, 12)}
+    assert find_field(cloud_of(apart), ScanSettings(blocks=(10, 10))).boundary == "outer"

@@ -1,0 +1,53 @@
+"""Statistics of a robot's poses all over a field."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.standing.resting import PoseStatistics, pose_statistics
+
+JACKAL = rsegen.robot_of("jackal")
+FIELD = rsegen.build(rsegen.Recipe(seed=1, unit_cm=2, boundary="none", obstacles=[rsegen.Random(levels=4)]))
+
+
+def test_statistics_are_those_of_the_poses_of_every_block_and_heading() -> None:
+    found = pose_statistics(FIELD, JACKAL.body)
+    middles = (np.arange(10) - 4.5) * FIELD.block_width
+    x, y, heading = (each.ravel() for each in np.meshgrid(middles, middles, np.radians(np.arange(8) * 45)))
+    every = rsegen.poses(FIELD, JACKAL, x, y, heading)
+    tilts, clearances = np.sort(every.tilt[every.stands]), every.clearance[every.stands & np.isfinite(every.clearance)]
+    assert found.stands == pytest.approx(every.stands.mean())
+    assert found.tilt_median == pytest.approx(np.median(tilts))
+    assert found.tilt_p90 == pytest.approx(tilts[round(0.9 * (len(tilts) - 1))], abs=np.diff(tilts).max())
+    assert found.clearance_least == pytest.approx(clearances.min())
+    assert found.clearance_median == pytest.approx(np.median(clearances))
+
+
+def test_on_level_ground_every_pose_stands_and_is_level() -> None:
+    flat = rsegen.build(rsegen.Recipe(seed=1, boundary="none"))
+    found = pose_statistics(flat, JACKAL.body)
+    assert found.stands == 1
+    assert found.tilt_p90 == pytest.approx(0, abs=1e-3)
+    assert found.clearance_least == pytest.approx(found.clearance_median, abs=1e-6)
+    assert found.clearance_least is not None
+    assert found.clearance_least > 0.03  # the chassis of a Jackal
+
+
+def test_where_a_robot_never_stands_it_has_no_tilt_and_no_clearance() -> None:
+    recipe = rsegen.Recipe(seed=1, unit_cm=50, boundary="none", obstacles=[rsegen.Random(levels=9)])
+    found = pose_statistics(rsegen.build(recipe), JACKAL.body)
+    if found.stands == 0:
+        assert found == PoseStatistics(
+            stands=0, tilt_median=None, tilt_p90=None, clearance_median=None, clearance_least=None
+        )
+
+
+def test_statistics_by_name_are_those_of_reach() -> None:
+    from rsegen.field.metrics.catalogue import metric_by
+
+    reached = JACKAL.reach(FIELD).poses
+    assert metric_by("reach.poses.tilt_p90", JACKAL)(FIELD) == reached.tilt_p90
+    with pytest.raises(rsegen.UserError, match=r"by: reach\.poses\.stands is measured with a robot"):
+        metric_by("reach.poses.stands", rsegen.StepLimits(climb_cm=10))(FIELD)
