@@ -228,7 +228,7 @@ def drivable(
 def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
     """Raise a UserError, before anything is driven, if the results could not be written."""
     if picture and output is None:
-        raise ParameterError("picture", "needs a folder to write into; give an output folder, as in -o DIR")
+        raise ParameterError("picture", "needs a folder to write into; give output='DIR' too")
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
     if output is not None:
