@@ -225,10 +225,10 @@ def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
         if not hasattr(parsed, "run"):
             print(OVERVIEW, end="")
             return 0
-        from rsegen.cli.report import progress_of
+        from rsegen.cli.report import planned, progress_of
 
         with signals.stop_it(), progress_of(parsed):
-            outcome = parsed.run(parsed)
+            outcome = planned(parsed) if getattr(parsed, "dry_run", False) else parsed.run(parsed)
             return outcome.show(parsed) if outcome else 0
     finally:
         if sys.stdout:

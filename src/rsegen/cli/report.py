@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
 from rsegen.cli.parser import Parser
 from rsegen.params.command import add_flags, flags_in_errors, given
 from rsegen.params.registry import offered_names
-from rsegen.params.sorts import Choice, plain, validate
+from rsegen.params.sorts import Choice, Flag, plain, validate
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
@@ -73,6 +73,30 @@ class Shown:
 
     def __post_init__(self) -> None:
         validate(self)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Writing:
+    """The option of all commands that write files."""
+
+    dry_run: Annotated[
+        bool, Flag(help="print which files would be written, replaced, removed or kept, and change nothing")
+    ] = False
+
+
+def add_dry_run(parser: Parser) -> None:
+    """Add --dry-run to the parser of a command that writes files: it has --force."""
+    if "--force" in parser._option_string_actions:
+        add_flags(parser, Writing)
+
+
+def planned(arguments: argparse.Namespace) -> Report | None:
+    """Run a command dry, and return the files that it would write."""
+    from rsegen.run.dry import dry_run
+
+    with dry_run() as notes:
+        arguments.run(arguments)
+    return Report(lines=notes.lines(), content=notes.by_fate)
 
 
 def add_command(

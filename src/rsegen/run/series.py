@@ -157,7 +157,7 @@ class _Maps:
         scene = compose(target.recipe, target.recipe.first_map)
         row = series_row(self.plan, number, scene, target)
         if number in self.existing:
-            return Output(made=(row, None))
+            return Output(made=(row, None), folder=self.plan.map_name(number))
         world = world_output(scene, self.folder, self.sidecars)
         return Output(made=(row, world.made), files=world.files, folder=world.folder)
 

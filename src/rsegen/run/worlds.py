@@ -58,7 +58,7 @@ class Sidecars:
         """Return their content, by path in the map's folder."""
         files = dict(added(scene, self.formats))
         for name, make in self._makers.items():
-            files[PurePosixPath(name)] = [make(scene)]
+            files[PurePosixPath(name)] = map(make, [scene])  # made when it is written, and not in a dry run
         return files
 
     def complete_in(self, home: str) -> bool:

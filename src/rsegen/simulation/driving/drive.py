@@ -208,6 +208,12 @@ def _encoded(lines: Iterable[str]) -> list[bytes]:
     return [line.encode() for line in lines]
 
 
+def file_names(runs: Sequence[RobotRun], *, picture: bool) -> list[str]:
+    """Return the names of the files of a drive in its folder."""
+    names = [*(f"{run.name}.csv" for run in runs), "contacts.csv", "recipe.json", "drive.json", "drive.png"]
+    return [*names, *(["way.csv"] if runs[0].way else []), *(["gazebo.jpg"] if picture else [])]
+
+
 def drivable(
     robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, tracks: str | None, **limits: object
 ) -> DrivableRobot:
