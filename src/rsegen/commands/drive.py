@@ -14,7 +14,6 @@ from rsegen.params.command import Shell, command
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
 
 if TYPE_CHECKING:
-    from rsegen.run.dry import foresee
     from rsegen.simulation.driving.drive import DriveResult
     from rsegen.simulation.worlds import Target
 
@@ -98,6 +97,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
     """
     from rsegen.params.streams import fresh_seed
+    from rsegen.run.dry import foresee
     from rsegen.simulation.driving.drive import (
         DriveResult,
         drivable,
