@@ -265,6 +265,6 @@ def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
 
     levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
     few, unit = levels[:: -(-len(levels) // _SWATCHES) or 1], scenes[0].field.unit * 100
-    swatches = [Patch(facecolor=scenes[0].colour(level), label=f"{level * unit:g} cm") for level in few]
+    swatches = [Patch(facecolor=scenes[0].plan_colour(level), label=f"{level * unit:g} cm") for level in few]
     if swatches:
         figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)

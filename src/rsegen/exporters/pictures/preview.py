@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rsegen.errors import FileError
+from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.pictures.plan import (
     GROUND_GREY,
@@ -33,7 +34,7 @@ from rsegen.exporters.pictures.plan import (
     number_cells,
 )
 from rsegen.exporters.pictures.robot_drawing import draw_robot, in_front, silhouettes
-from rsegen.exporters.scene import FRAME_COLOUR, Colour, Scene, level_colour
+from rsegen.exporters.scene import FRAME_COLOUR, Scene
 from rsegen.field.stepfield import Array, Ints, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
 from rsegen.standing.body import Body
@@ -178,7 +179,7 @@ def draw_view(axes: Axes, drawn: Drawable, robot: Robot | None = None) -> str:
 
     factor = min(-(-max(drawn.field.shape) // DRAWN), *drawn.field.shape)
     field = coarse(drawn.field, factor)
-    colours = cell_colours(drawn.surface_colour, field)
+    colours = cell_colours(drawn.view_colour, field)
     shapes, lit, cells = _polygons(field.heights, colours, field.block_width)
     line = 0.35 if max(field.shape) <= 60 else 0.0
 
@@ -374,10 +375,12 @@ def _entries(drawn: Drawable) -> list[Any]:
     levels = [level for level in drawn.field.level_counts() if level]
     shown = levels[:: -(-len(levels) // _SWATCHES) or 1]
     unit = drawn.field.unit * 100
-    entries: list[Any] = [Patch(facecolor=drawn.colour(level), label=f"{decimal(level * unit)} cm") for level in shown]
+    entries: list[Any] = [
+        Patch(facecolor=drawn.plan_colour(level), label=f"{decimal(level * unit)} cm") for level in shown
+    ]
     if drawn.field.frame.any():
         frame = decimal(drawn.field.frame_height * 100)
-        entries.append(Patch(facecolor=drawn.colour(0), label=f"frame, {frame} cm"))
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame} cm"))
     return entries
 
 
@@ -425,17 +428,15 @@ THUMBNAIL = 320
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ColouredField:
-    """A field with the default colours: frames red, levels from dark to light up to its own highest one."""
+    """A field with the default colours: frames red, blocks in the colours of their heights."""
 
     field: StepField
 
-    def colour(self, material: int) -> Colour:
+    def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material: 0 is the frame, any other number a level."""
-        return level_colour(material, int(self.field.levels.max())) if material else FRAME_COLOUR
+        return height_colour(material * self.field.unit) if material else FRAME_COLOUR
 
-    def surface_colour(self, material: int) -> Colour:
-        """Return the colour of a material in views, which is that of plans."""
-        return self.colour(material)
+    view_colour = surface_colour = plan_colour
 
 
 def thumbnail(shown: StepField | Scene) -> bytes:
@@ -445,7 +446,7 @@ def thumbnail(shown: StepField | Scene) -> bytes:
     drawn: Drawable = ColouredField(field=shown) if isinstance(shown, StepField) else shown
     field = coarse(drawn.field, coarseness(drawn.field, THUMBNAIL))
     pixels = max(THUMBNAIL // max(field.shape), 1)
-    colours = np.rint(255 * cell_colours(drawn.colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
+    colours = np.rint(255 * cell_colours(drawn.plan_colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
     stream = io.BytesIO()
     Image.fromarray(colours.repeat(pixels, axis=0).repeat(pixels, axis=1)).save(stream, "png")
     return stream.getvalue()
