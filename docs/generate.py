@@ -278,7 +278,7 @@ def _rise(*, same_field: bool) -> bytes:
 
 
 def _page(scene: Scene, number: int) -> bytes:
-    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png")
+    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png", is_stamped=False)
 
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {

@@ -150,3 +150,16 @@ def test_a_picture_for_a_paper_leaves_others_as_they_are() -> None:
     before = preview(compose(RECIPE))
     preview(compose(RECIPE), paper=True)
     assert preview(compose(RECIPE)) == before
+
+
+def test_a_picture_says_which_version_made_it() -> None:
+    maker, scene = f"rsegen {rsegen.__version__}", compose(RECIPE)
+    assert image(RECIPE).info["Software"] == maker
+    assert maker in preview(scene, "svg").decode()
+    assert maker.encode() in preview(scene, "pdf")
+
+
+@pytest.mark.parametrize(("paper", "is_stamped"), [(False, True), (True, False)])
+def test_the_version_is_in_the_corner_of_all_pictures_but_those_for_a_paper(paper: bool, is_stamped: bool) -> None:
+    text = preview(compose(RECIPE), "svg", paper=paper).decode()
+    assert (f"<!-- rsegen {rsegen.__version__} -->" in text) == is_stamped

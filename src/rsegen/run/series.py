@@ -7,7 +7,6 @@ Maps that exist are measured again for their rows, so that table and chart are t
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.pictures.plan import draw_cells
+from rsegen.exporters.pictures.preview import encoded
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.metrics.catalogue import RMS
 from rsegen.field.stepfield import Array
@@ -188,9 +188,7 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     _legend(figure, scenes)
     fields = "one field" if plan.same_field else f"{len(rows)} fields"
     figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", metadata={"Description": to_json(plan.recipe)})
-    return stream.getvalue()
+    return encoded(figure, "png", to_json(plan.recipe))
 
 
 def _shown(maps: int) -> list[int]:

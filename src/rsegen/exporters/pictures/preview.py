@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rsegen import __version__
 from rsegen.errors import FileError
 from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import decimal
@@ -289,10 +290,11 @@ def _preview(
     if isinstance(shown, Scene):
         title = "" if paper else _title(shown)
         figure = preview_figure(shown, title, outlined=shown if outlines else None, robot=drawn, paper=paper)
-        return figure_bytes(figure, shown, format)
+        return figure_bytes(figure, shown, format, is_stamped=not paper)
     (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
     title = "" if paper else f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return encoded(preview_figure(ColouredField(field=shown), title, robot=drawn, paper=paper), format)
+    figure = preview_figure(ColouredField(field=shown), title, robot=drawn, paper=paper)
+    return encoded(figure, format, is_stamped=not paper)
 
 
 def preview_figure(
@@ -333,19 +335,43 @@ def _how_it_stands(found: Poses) -> str:
     return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
 
-def figure_bytes(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
+def figure_bytes(
+    figure: Figure,
+    scene: Scene,
+    format: str,  # noqa: A002  # matplotlib's word
+    *,
+    is_stamped: bool = True,
+) -> bytes:
     """Return a figure about a map as the bytes of an image file, which carries the map's recipe."""
-    return encoded(figure, format, _metadata(scene, format))
+    return encoded(figure, format, to_json(scene.alone), is_stamped=is_stamped)
 
 
-def encoded(figure: Figure, format: str, metadata: dict[str, Any] | None = None) -> bytes:  # noqa: A002  # the same
-    """Return a figure as the bytes of an image file; equal figures give equal bytes."""
+def encoded(
+    figure: Figure,
+    format: str,  # noqa: A002  # matplotlib's word
+    recipe: str = "",
+    *,
+    is_stamped: bool = True,
+) -> bytes:
+    """Return a figure as the bytes of an image file; equal figures give equal bytes.
+
+    recipe: what the file carries; is_stamped: whether the version of rsegen is in the lower right corner, where a
+    picture without its file still shows it. A picture for a paper has it in its file alone.
+    """
     from matplotlib import rc_context
 
+    if is_stamped:
+        _stamp(figure)
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
-        figure.savefig(stream, format=format, metadata=metadata)
+        figure.savefig(stream, format=format, metadata=_metadata(format, recipe))
     return stream.getvalue()
+
+
+def _stamp(figure: Figure) -> None:
+    wide, high = figure.get_size_inches()
+    style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
+    figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
 
 
 def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
@@ -353,7 +379,7 @@ def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
 
     stream = io.BytesIO()
-    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata(scene, "pdf") or {})}) as pages:
+    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata("pdf", to_json(scene.alone)) or {})}) as pages:
         for figure in figures:
             pages.savefig(figure)
     return stream.getvalue()
@@ -411,13 +437,16 @@ def _title(scene: Scene) -> str:
     return f"{scene.name}: {n_x} x {n_y} cells, {along_x} x {along_y} m, seed {scene.recipe.seed}"
 
 
-def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
-    """Return the recipe of the map, if the format has a place for it, and no date: equal maps give equal bytes."""
-    recipe = to_json(scene.alone)
+_MAKER = f"rsegen {__version__}"
+
+
+def _metadata(format: str, recipe: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
+    """Return what made a picture and its recipe, if the format has a place for them, and no date."""
+    carried = recipe or None  # matplotlib leaves out what is None
     known: dict[str, dict[str, Any]] = {
-        "png": {"Description": recipe},
-        "svg": {"Description": recipe, "Date": None},
-        "pdf": {"Subject": recipe, "CreationDate": None},
+        "png": {"Software": _MAKER} | ({"Description": recipe} if recipe else {}),
+        "svg": {"Creator": _MAKER, "Description": carried, "Date": None},
+        "pdf": {"Creator": _MAKER, "Subject": carried, "CreationDate": None},
     }
     return known.get(format)
 

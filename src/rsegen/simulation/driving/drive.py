@@ -5,7 +5,6 @@ Everything is checked before the server starts: the robot's file, its places, an
 
 from __future__ import annotations
 
-import io
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -17,6 +16,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.pictures.plan import draw_plan
+from rsegen.exporters.pictures.preview import encoded
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 from rsegen.robots import from_file, is_robot_file, robot_of
@@ -79,9 +79,7 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way:
     axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
     axes.legend(loc="upper right")
     axes.set_title(f"{scene.name}: trajectories")
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png")
-    return stream.getvalue()
+    return encoded(figure, "png")
 
 
 def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
