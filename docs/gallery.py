@@ -10,8 +10,8 @@ import numpy as np
 
 from docs import catalogue
 from rsegen import KINDS, Recipe, Scene, StepField, compose
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.pictures.preview import draw_view, figure_bytes, view_bounds
-from rsegen.exporters.scene import Colour
 from rsegen.field.stepfield import Ints
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -32,11 +32,11 @@ class Apart:
     scene: Scene
     mesh_type: str
 
-    def colour(self, material: int) -> Colour:
-        """The colour of the map."""
-        return self.scene.colour(material)
+    def plan_colour(self, material: int) -> Colour:
+        """The colour of the map in plans."""
+        return self.scene.plan_colour(material)
 
-    surface_colour = colour
+    view_colour = surface_colour = plan_colour
 
     @property
     def field(self) -> StepField:

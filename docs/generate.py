@@ -278,7 +278,7 @@ def _rise(*, same_field: bool) -> bytes:
 
 
 def _page(scene: Scene, number: int) -> bytes:
-    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png")
+    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png", is_stamped=False)
 
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
@@ -403,6 +403,7 @@ Every command has
 - `--progress bar`, `json` or `none`: it shows its progress as a bar if stderr is a terminal, which is the default; as
   lines such as `{"done": 2, "total": 7, "unit": "map", "step": ""}` on stderr, for programs, which with `--json` also
   get the report for people there, as `{"report": ["..."]}`; or not at all;
+- `--dry-run`, if it writes files: it prints which files it would write, replace, remove and keep, and changes nothing;
 - `--plugin FILE`: it loads [obstacles, formats, ... of your own](plugins.md);
 - exit codes: 0 done; 2 invalid input, and nothing was changed; 1 if something failed later, and of `compare` if maps
   differ; 130 after Ctrl-C. An error is one line on stderr.

@@ -24,7 +24,6 @@ RsegenError
 from __future__ import annotations
 
 import errno
-import re
 import reprlib
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
@@ -165,11 +164,6 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
     for name in names:
         if name not in known:
             raise UnknownName.among("", what, name, known)
-
-
-def in_flags(message: str) -> str:
-    """Return a message with the flags of the command line for the arguments of Python: `--force` for `force=True`."""
-    return re.sub(r"\b(force|resume)=True\b", r"--\1", message)
 
 
 def said_by(error: Exception) -> str:

@@ -82,7 +82,7 @@ def test_a_small_plan_is_north_up_in_the_colours_of_the_levels(scene: Scene) -> 
     for i, j in [(0, 0), (1, 1), (6, 6), (1, 6)]:
         material = 0 if scene.field.frame[i, j] else int(scene.field.levels[i, j])
         ground = not material and not scene.field.frame[i, j]
-        expected = (0.86,) * 3 if ground else scene.colour(material)
+        expected = (0.86,) * 3 if ground else scene.plan_colour(material)
         pixel = picture.getpixel((i * side, picture.size[1] - 1 - j * side))
         assert pixel == tuple(round(255 * part) for part in expected)
 

@@ -38,12 +38,12 @@ def share(found: Image.Image, colour: tuple[float, float, float]) -> float:
 def test_a_picture_shows_every_level_and_the_frames() -> None:
     found, scene = image(RECIPE), compose(RECIPE)
     for material in range(5):
-        assert share(found, scene.colour(material)) > 0.01
+        assert share(found, scene.plan_colour(material)) > 0.01
 
 
 def test_a_map_without_frames_is_drawn_without_frames() -> None:
     bare = replace(RECIPE, boundary="none")
-    assert share(image(bare), compose(bare).colour(0)) == 0
+    assert share(image(bare), compose(bare).plan_colour(0)) == 0
 
 
 def test_a_picture_carries_its_recipe() -> None:
@@ -66,7 +66,7 @@ def test_the_smallest_maps_can_be_drawn(recipe: Recipe) -> None:
 
 def test_a_large_map_is_drawn_coarser_but_whole() -> None:
     large = replace(RECIPE, chunk_size=DRAWN + 50, boundary="none")
-    assert share(image(large), compose(large).colour(4)) > 0.01
+    assert share(image(large), compose(large).plan_colour(4)) > 0.01
 
 
 @pytest.mark.parametrize("chunks", [(1, 1), (5, 1), (1, 5), (3, 2)], ids=str)
@@ -150,3 +150,16 @@ def test_a_picture_for_a_paper_leaves_others_as_they_are() -> None:
     before = preview(compose(RECIPE))
     preview(compose(RECIPE), paper=True)
     assert preview(compose(RECIPE)) == before
+
+
+def test_a_picture_says_which_version_made_it() -> None:
+    maker, scene = f"rsegen {rsegen.__version__}", compose(RECIPE)
+    assert image(RECIPE).info["Software"] == maker
+    assert maker in preview(scene, "svg").decode()
+    assert maker.encode() in preview(scene, "pdf")
+
+
+@pytest.mark.parametrize(("paper", "is_stamped"), [(False, True), (True, False)])
+def test_the_version_is_in_the_corner_of_all_pictures_but_those_for_a_paper(paper: bool, is_stamped: bool) -> None:
+    text = preview(compose(RECIPE), "svg", paper=paper).decode()
+    assert (f"<!-- rsegen {rsegen.__version__} -->" in text) == is_stamped

@@ -16,10 +16,11 @@ from PIL import Image
 import rsegen
 from rsegen import Random, Recipe, Scene, compose
 from rsegen.cli import main
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.formats import FORMATS
 from rsegen.exporters.gazebo import export
 from rsegen.exporters.pictures.preview import preview
-from rsegen.exporters.scene import FRAME_COLOUR, Colour, level_colour
+from rsegen.exporters.scene import FRAME_COLOUR, level_colour
 from rsegen.exporters.sheet.page import block_colour
 
 PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Random(levels=4),))

@@ -83,6 +83,7 @@ class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argpar
         if name not in self._name_parser_map:
             module = import_module(module_of(name))
             module.add(self)
+            import_module("rsegen.cli.report").add_dry_run(self._name_parser_map[name])
             self._name_parser_map[name].set_defaults(run=module.run)
 
 

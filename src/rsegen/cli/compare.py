@@ -94,7 +94,7 @@ def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) 
         return compare(clouds, recipe, ScanOptions(**options))
     if len(stands) > 1:
         raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
-    _, other, index = chosen_map(stands[0], arguments.map)
+    _, other, index = chosen_map(stands[0], arguments.map, "--map")
     refuse_too_large(other)
     return compare(other.alone(index), recipe)
 

@@ -19,9 +19,10 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.commands import OVERVIEW, complete, parser
+from rsegen.cli.advice import in_flags
+from rsegen.cli.commands import COMMANDS, OVERVIEW, complete, parser
 from rsegen.cli.parser import load_plugins
-from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, in_flags, line_of, printable
+from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
 from rsegen.run import stop
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def short_warnings() -> Iterator[None]:
     def show(message: Warning | str, category: type[Warning], *where: Any, **others: Any) -> None:
         if issubclass(category, PluginWarning):
             if sys.stderr:
-                print(f"rsegen: warning: {line_of(str(message))}", file=sys.stderr)
+                print(f"rsegen: warning: {line_of(in_flags(str(message)))}", file=sys.stderr)
         elif for_developers:
             usual(message, category, *where, **others)
 
@@ -82,12 +83,13 @@ def short_warnings() -> Iterator[None]:
         logging.root.removeHandler(nowhere)
 
 
-def failed(error: BaseException, signal: int) -> int:
+def failed(error: BaseException, signal: int, command: str | None = None) -> int:
     """Say what went wrong in one line, if there is anyone to hear it, and no more after it; gives the exit code.
 
-    signal: the number of the one that stopped the command, if it was stopped
+    signal: the number of the one that stopped the command, if it was stopped; command: its name, whose flags are named
     """
     code, message = _code_and_words(error, signal)
+    message = in_flags(message, command)
     if sys.stderr and message:
         with suppress(OSError):  # a terminal that was closed
             print(f"rsegen: {line_of(message)}", file=sys.stderr, flush=True)
@@ -103,9 +105,9 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
     """The exit code, and what to say; nothing to whoever has stopped listening."""
     match error:
         case RsegenError():
-            return 2 if isinstance(error, UserError) else 1, in_flags(str(error))
+            return 2 if isinstance(error, UserError) else 1, str(error)
         case KeyboardInterrupt():
-            return 128 + signal, f"stopped; {in_flags(str(error))}" if str(error) else "stopped"
+            return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
         case OSError():
             where = error.filename or "what was to be printed"
             said = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"
@@ -207,7 +209,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if ours and sys.flags.dev_mode:
                 raise
             # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
-            return failed(KeyboardInterrupt() if ours and signals.came else error, signals.number)
+            stopped = ours and signals.came
+            return failed(KeyboardInterrupt() if stopped else error, signals.number, _command_in(arguments))
+
+
+def _command_in(arguments: Sequence[str] | None) -> str | None:
+    """Return the command that a command line names, if any."""
+    return next((word for word in (sys.argv[1:] if arguments is None else arguments) if word in COMMANDS), None)
 
 
 def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
@@ -218,10 +226,10 @@ def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
         if not hasattr(parsed, "run"):
             print(OVERVIEW, end="")
             return 0
-        from rsegen.cli.report import progress_of
+        from rsegen.cli.report import planned, progress_of
 
         with signals.stop_it(), progress_of(parsed):
-            outcome = parsed.run(parsed)
+            outcome = planned(parsed) if getattr(parsed, "dry_run", False) else parsed.run(parsed)
             return outcome.show(parsed) if outcome else 0
     finally:
         if sys.stdout:

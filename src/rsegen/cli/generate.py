@@ -111,11 +111,10 @@ def _lines(made: Generated) -> Iterator[str]:
         yield f"  {each.world}"
     if len(made.maps) > SHOWN:
         yield f"  and {len(made.maps) - SHOWN} more in {made.folder}"
-    if made.recipe.is_constrained and len(made.maps) == 1:
+    if made.recipe.is_constrained and (scene := made.maps[0].scene):
         from rsegen.exporters.constraint_report import describe_constraints
-        from rsegen.exporters.scene import compose
 
-        yield from describe_constraints(compose(made.recipe, made.maps[0].index))
+        yield from describe_constraints(scene)
     for text in dict.fromkeys(text for each in made.maps for text in each.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)

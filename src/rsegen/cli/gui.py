@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags, complete_examples, has_recipe_flags, recipe_from
 from rsegen.cli.report import Subparsers, add_command
-from rsegen.params.command import Shell, add_flags
+from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import Flag, Integer, Text
 
 if TYPE_CHECKING:
@@ -53,12 +53,13 @@ def run(arguments: argparse.Namespace) -> None:
     folder, what = _place(arguments.recipe)
     host = Host(folder=folder)
     doc = _opened(host, what, arguments)
-    service = Service(
-        host=host,
-        address=arguments.host or "127.0.0.1",
-        port=None if arguments.port is None else int(arguments.port),
-        keep=bool(arguments.keep),
-    )
+    with flags_in_errors(_Serving):
+        service = Service(
+            host=host,
+            address=arguments.host or "127.0.0.1",
+            port=None if arguments.port is None else int(arguments.port),
+            keep=bool(arguments.keep),
+        )
     _say(service, doc, arguments)
     service.run()
 

@@ -10,7 +10,7 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
 from rsegen.cli.parser import Parser
 from rsegen.params.command import add_flags, flags_in_errors, given
 from rsegen.params.registry import offered_names
-from rsegen.params.sorts import Choice, plain, validate
+from rsegen.params.sorts import Choice, Flag, plain, validate
+from rsegen.params.watch import watched
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
@@ -75,6 +76,30 @@ class Shown:
         validate(self)
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Writing:
+    """The option of all commands that write files."""
+
+    dry_run: Annotated[
+        bool, Flag(help="print which files would be written, replaced, removed or kept, and change nothing")
+    ] = False
+
+
+def add_dry_run(parser: Parser) -> None:
+    """Add --dry-run to the parser of a command that writes files: it has --force."""
+    if "--force" in parser._option_string_actions:
+        add_flags(parser, Writing)
+
+
+def planned(arguments: argparse.Namespace) -> Report | None:
+    """Run a command dry, and return the files that it would write."""
+    from rsegen.run.dry import dry_run
+
+    with dry_run() as notes:
+        arguments.run(arguments)
+    return Report(lines=notes.lines(), content=notes.by_fate)
+
+
 def add_command(
     commands: Subparsers, name: str, function: Callable[..., object] | None = None, *, text: str = "", epilog: str = ""
 ) -> Parser:
@@ -108,9 +133,30 @@ def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
         shown = Shown(**given(Shown, arguments)).progress
     token = _PROGRESS.set("none" if arguments.quiet else shown)
     try:
-        yield
+        with _searches():
+            yield
     finally:
         _PROGRESS.reset(token)
+
+
+@contextmanager
+def _searches() -> Iterator[None]:
+    """Show each search of a map that tells how far it is as a bar."""
+    with ExitStack() as shown:
+        most, progress = 0.0, None
+
+        def tell(what: str, share: float) -> None:
+            nonlocal most, progress
+            if share >= 1:
+                shown.close()
+                most, progress = 0.0, None
+                return
+            most = max(most, share)  # a way that was lowered is looked at once more
+            progress = progress or shown.enter_context(share_bar(what))
+            progress(most)
+
+        with watched(tell):
+            yield
 
 
 class _Bar(Protocol):
@@ -233,8 +279,8 @@ def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
 @contextmanager
 def share_bar(what: str) -> Iterator[Callable[[float], None]]:
     """Yield a function for the share of a search that is done, 0..1."""
-    style = {"bar_format": "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]", "desc": what, "leave": False}
-    with _watched(100, "%", **style) as bar:
+    shape = "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]"
+    with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5) as bar:
 
         def progress(share: float) -> None:
             if bar is not None:

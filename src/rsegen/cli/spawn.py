@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING
 
+from rsegen.cli.advice import in_flags
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds
 from rsegen.cli.targets import add_target, target_of
@@ -51,4 +52,4 @@ def _lines(result: SpawnResult) -> Iterator[str]:
     where = f"{SIMULATORS[result.simulator].title} at {numbers([x, y, z])}, turned by {numbers([yaw])} rad"
     on = f", on {result.on}" if result.on else ""
     yield f"{result.name} is in {where}{on}{on_top}"
-    yield from (f"note: {line}" for line in result.notes)
+    yield from (f"note: {in_flags(line, 'spawn')}" for line in result.notes)

@@ -57,7 +57,7 @@ def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """Return one map of them: the one that --map names, or the first."""
     from rsegen.io.targets import one_of
 
-    return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags")
+    return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
 
 
 def maps_of_flags(arguments: argparse.Namespace) -> list[Recipe]:

@@ -38,8 +38,9 @@ def run(arguments: argparse.Namespace) -> Report:
     path = html_path(arguments.output)
     refuse_taken_file(path, force=bool(arguments.force))
     recipes = maps_of_flags(arguments)
-    view_all(recipes).save(path, force=bool(arguments.force))
-    maps, size = sum(recipe.maps for recipe in recipes), path.stat().st_size
+    page = view_all(recipes)
+    page.save(path, force=bool(arguments.force))
+    maps, size = sum(recipe.maps for recipe in recipes), len(page.html)
     first = recipes[0]
     named = f"{first.map_name(first.first_map)}, seed {first.seed}" if maps == 1 else f"{maps} maps"
     content = {"file": str(path), "maps": maps, "bytes": size}

@@ -97,7 +97,15 @@ def drive(  # noqa: PLR0913  # each is a flag
     same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
     """
     from rsegen.params.streams import fresh_seed
-    from rsegen.simulation.driving.drive import DriveResult, drivable, drive_notes, driven_robot, refuse_output
+    from rsegen.run.dry import foresee
+    from rsegen.simulation.driving.drive import (
+        DriveResult,
+        drivable,
+        drive_notes,
+        driven_robot,
+        file_names,
+        refuse_output,
+    )
     from rsegen.simulation.driving.recording import record_drive
     from rsegen.simulation.driving.robot_runs import robot_runs
     from rsegen.simulation.driving.routes import AlongWay
@@ -112,8 +120,11 @@ def drive(  # noqa: PLR0913  # each is a flag
     world = world_of(target, map)
     here, scene = choose_installation(world.made_for, simulator, timeout), world.scene()
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
+    pictured = picture and "pictures" not in here.simulator.drives_without
+    if output is not None:
+        foresee(Path(output), file_names(runs, picture=pictured), is_whole=True)
     with world.on_disk() as file:
-        extent = scene.field.extent if picture and "pictures" not in here.simulator.drives_without else None
+        extent = scene.field.extent if pictured else None
         recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)
     result = DriveResult(
         scene=scene,

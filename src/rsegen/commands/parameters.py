@@ -63,7 +63,7 @@ Sheet = Annotated[bool, Flag(help="add a build sheet, sheet.pdf and sheet.csv, t
 
 MapReference = Annotated[
     int | str | None,
-    Reference("an index or a name", help="which map, by its index or its name"),
+    Reference("an index or a name", help="which map, by its index or its name", types=(str, int)),
     Shell(metavar="INDEX", default="the first"),
 ]
 
@@ -98,6 +98,7 @@ Seed = Annotated[
 _ROBOT = Reference(
     "a kind of robot, or a file of one",
     help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments",
+    types=(object,),
 )
 
 RobotModel = Annotated["str | os.PathLike[str] | DrivableRobot", _ROBOT, Shell(metavar="KIND|FILE")]
@@ -200,8 +201,9 @@ class CrosserSort:
 By = Annotated[
     Any,
     Reference(
-        "a metric by its name in rsegen metrics --csv",
+        "a metric by its name",
         help="what rises evenly, as in opening.west_east or, with a robot, reach.west_east.tilt",
+        types=(object,),
     ),
     Shell(metavar="METRIC"),
 ]

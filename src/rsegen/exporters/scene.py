@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from typing import TypeVar
 
+from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.textures.looks import mean_colour
 from rsegen.field.stepfield import CellWindow, Levels, StepField
@@ -22,7 +23,6 @@ from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 
-Colour = tuple[float, float, float]
 _Value = TypeVar("_Value")
 
 FRAME_COLOUR: Colour = (0.75, 0.1, 0.08)
@@ -69,11 +69,18 @@ class Scene:
         return self.recipe.alone(self.index)
 
     def colour(self, material: int) -> Colour:
-        """Return the colour of a material: 0 is the frame, any other number a level."""
+        """Return the colour of a material in worlds: 0 is the frame, any other number a level."""
         given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
         if given is not None:
             return _colour(given)
         return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
+
+    def plan_colour(self, material: int) -> Colour:
+        """Return the colour of a material in plans: a level has that of its height, unless the recipe gives one."""
+        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
+        if not material or given is not None:
+            return self.colour(material)
+        return height_colour(material * self.field.unit)
 
     def tint(self, material: int) -> Colour:
         """The colour that the textures of a material are multiplied by, if the recipe's look has textures."""
@@ -93,6 +100,10 @@ class Scene:
         tint, mean = self.tint(material), mean_colour(self.recipe.look)
         red, green, blue = (round(own * texture, 3) for own, texture in zip(tint, mean, strict=True))
         return red, green, blue
+
+    def view_colour(self, material: int) -> Colour:
+        """Return the colour of a material in views: of its texture if the look has one, else as in plans."""
+        return self.surface_colour(material) if self.recipe.is_textured else self.plan_colour(material)
 
     def friction_of(self, material: int) -> float:
         """Return the friction coefficient of a material: 0 is the frame, any other number a level."""

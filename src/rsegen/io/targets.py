@@ -51,7 +51,7 @@ def recipe_files(target: str) -> list[Path]:
     return files
 
 
-def chosen_map(target: str, which: str | None, where: str = "--map") -> ChosenMap:
+def chosen_map(target: str, which: str | None, where: str = "map") -> ChosenMap:
     """Return the given map of a target, or the first; errors about `which` name the flag or parameter `where`."""
     files = recipe_files(target)
     if which is not None and which.isdecimal():
@@ -67,7 +67,7 @@ def _refuse_ambiguous(names: Iterable[str], index: str, where: str) -> None:
 
 
 def one_of(
-    recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "--map"
+    recipes: Iterable[tuple[Path, Recipe]], which: int | str | None, target: str, where: str = "map"
 ) -> ChosenMap:
     """Return the given map of some recipes, each with its file, or the first; a message calls them `target`."""
     names = []
@@ -82,7 +82,7 @@ def one_of(
 
 def map_index(recipe: Recipe, which: int | str | None) -> int:
     """Return the index of a map of a recipe, given by index or name; the first by default."""
-    return one_of([(Path(), recipe)], which, "the recipe", "map").map
+    return one_of([(Path(), recipe)], which, "the recipe").map
 
 
 def _index(recipe: Recipe, which: str) -> int | None:

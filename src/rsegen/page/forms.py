@@ -50,7 +50,7 @@ COMMANDS = (
 _RARE = frozenset({"workers", "scheduler", "sync", "resume", "timeout", "wheels", "tracks", "size", "speed", "turn"})
 """Fields of commands that a form shows only when it is asked for more."""
 
-_LEFT_OUT = frozenset({"help", "json", "quiet", "progress", "plugin", "list", "force", "verify", "rebuild"})
+_LEFT_OUT = frozenset({"help", "json", "quiet", "progress", "plugin", "list", "force", "dry_run", "verify", "rebuild"})
 """Flags that a page gives itself, and those that do something else instead."""
 
 _LEFT_OUT_OF = {"metrics": frozenset({"csv"})}

@@ -16,7 +16,7 @@ from urllib.parse import quote
 import uvicorn
 from starlette.types import ASGIApp
 
-from rsegen.errors import UserError, said_by, shown
+from rsegen.errors import ParameterError, said_by, shown
 from rsegen.page.host import Host
 from rsegen.page.server import Desk
 
@@ -128,11 +128,11 @@ _PORT = 8437
 
 
 def _listening(address: str, port: int | None) -> socket.socket:
-    """Return a socket that listens at an address; a UserError if it cannot be had."""
+    """Return a socket that listens at an address; a ParameterError if it cannot be had."""
     try:
         family, _, _, _, place = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
-        raise UserError(f"--host: {shown(address)} is no address of this machine ({said_by(error)})") from None
+        raise ParameterError("host", f"{shown(address)} is no address of this machine ({said_by(error)})") from None
     if port is None:
         with suppress(OSError):
             return socket.create_server((place[0], _PORT), family=family)
@@ -140,4 +140,4 @@ def _listening(address: str, port: int | None) -> socket.socket:
         return socket.create_server((place[0], port or 0), family=family)
     except OSError as error:
         reason = os.strerror(error.errno or 0)
-        raise UserError(f"--host {address}, --port {port}: cannot be listened at ({reason})") from None
+        raise ParameterError("port", f"{port} of {address} cannot be listened at ({reason})") from None

@@ -44,7 +44,7 @@ class Source:
         """Remedy for a missing plug-in, to be appended to its name."""
         if self.version:
             return f"of {self} is not installed; {sys.executable} -m pip install '{self.name}=={self.version}'"
-        return f"of {self} is not loaded; load it by --plugin {self}, or in Python by rsegen.load_plugin"
+        return f"of {self} is not loaded; load it by rsegen.load_plugin({str(self)!r})"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -227,15 +227,18 @@ class ListOf(Parameter):
 class Reference(Parameter):
     """A name, a path, or the thing itself in Python: whoever is called looks it up.
 
-    meaning: what it may be, in words
+    meaning: what it may be, in words   types: those that Python may give
     """
 
     meaning: str = "a name or a path"
     help: str = ""
+    types: tuple[type, ...] = (str,)
 
     def check(self, where: str, value: object) -> Any:
         if value is None or value == "":
             raise ParameterError(where, f"nothing is given; give {self.meaning}")
+        if not isinstance(value, self.types):
+            raise ParameterError(where, f"{shown(value)} is not {self.meaning}")
         return value
 
     def schema(self) -> dict[str, Json]:

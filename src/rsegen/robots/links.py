@@ -14,8 +14,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.gazebo.sdf import material, numbers
-from rsegen.exporters.scene import Colour
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import element
 

@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from numpy.typing import ArrayLike
 
+from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
@@ -25,10 +26,12 @@ def robot(kind: str, where: str = "robot") -> Robot:
 def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot") -> DrivableRobot:
     """Return the robot of a kind, or of an SDF, URDF or Xacro file; a robot itself as it is.
 
-    UnknownName for an unknown kind, FileError for a file that is no robot.
+    UnknownName for an unknown kind, FileError for a file that is no robot, ParameterError for anything else.
     """
     if isinstance(what, str | os.PathLike):
         return from_file(what) if is_robot_file(what) else robot(os.fspath(what), where)
+    if not isinstance(what, Robot | SdfRobot):
+        raise ParameterError(where, f"{shown(what)} is no robot; give a kind, as in 'burger', or a file of one")
     return what
 
 

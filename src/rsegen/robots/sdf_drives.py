@@ -138,7 +138,7 @@ def named_wheels(text: str, frames: ModelFrames, shapes: Extents, ros: Controls)
     if drive is None:
         problem = "their places or shapes are unknown; a wheel needs a collision shape such as a cylinder or sphere"
         raise ParameterError("wheels", f"{text}: {problem}")
-    return drive._replace(origin="--wheels")
+    return drive._replace(origin="their names")
 
 
 def named_tracks(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
@@ -148,7 +148,7 @@ def named_tracks(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
     drive = _tracked(Element("plugin"), left, right, frames, shapes, body=_first_link(frames))
     if drive is None or not drive.drive.separation:
         raise ParameterError("tracks", f"{text}: their shapes are unknown, or in one place")
-    return drive._replace(origin="--tracks", sizes="its shapes")
+    return drive._replace(origin="their names", sizes="its shapes")
 
 
 def _sides(text: str, what: str, of: str, known: Mapping[str, object]) -> list[list[str]]:

@@ -354,7 +354,7 @@ def _no_drive(robot: SdfRobot) -> str:
     joints = f" ({_some(robot.joints)})" if robot.joints else ""
     return (
         "no wheels or tracks: no plug-in that rsegen knows has them, nor ros2_control or a file of a controller, and no"
-        f" links look like wheels; name them with --tracks LEFT,RIGHT, or --wheels LEFT,RIGHT{joints}; without them it"
+        f" links look like wheels; name them with tracks='LEFT,RIGHT', or wheels='LEFT,RIGHT'{joints}; without them it"
         " only stands, with rsegen spawn"
     )
 

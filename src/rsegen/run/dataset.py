@@ -125,6 +125,12 @@ def make_shards(plan: DatasetPlan, progress: Progress | None) -> Dataset:
     """Make the shards that are missing, then the manifest; return the data set."""
     layout, shards_run = plan.layout, plan.run
     with _opened(plan) as store:
+        names = {number: layout.names(number).values() for number in range(layout.shards)}
+        existing = [] if plan.replaces else shards_run.existing
+        store.foresee(
+            [*(name for each in names.values() for name in each), MANIFEST],
+            kept=[name for number in existing for name in names[number]],
+        )
         journal = store.journal.content
         if plan.replaces and journal:  # what an earlier run of the same command has made
             existing = complete_shards(layout, store.folder, journal)

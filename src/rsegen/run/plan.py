@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -23,6 +23,7 @@ from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, User
 from rsegen.io.input_files import Checksum
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
+from rsegen.run import dry
 from rsegen.run.execute import Execution, execute
 from rsegen.run.journal import compare, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.run.stop import held
@@ -161,6 +162,12 @@ def run_in(
     Whatever ends it, what is in its place stays. Raises Stopped for Ctrl-C, and Incomplete for a mistake of the
     user that shows only after something was written.
     """
+    if noted := dry.notes():
+        return tuple(_noted(noted, store.folder, plan))
+    return _made_in(store, plan, progress)
+
+
+def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None) -> tuple[Made, ...]:
     # Batches come in the order of the items; after each, results are reported, and an error ends the run.
     staging = Staging(product=plan.product, folder=store.staging.absolute(), sync=plan.execution.sync)
     batches = execute(staging, plan.to_make, plan.product.seconds, plan.execution)
@@ -183,6 +190,23 @@ def run_in(
     except (KeyboardInterrupt, UserError, OSError) as error:
         raise _ended(error, store, _left(store, plan, len(made))) from error
     return tuple(made)
+
+
+def _noted(noted: dry.Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Made]:
+    """Note the files of each item in a dry run, and yield what is known of those that would be made."""
+    for item in plan.existing:
+        noted.keep(folder / plan.product(item).folder)
+    for item in plan.to_make:
+        output = plan.product(item)
+        home, names = folder / output.folder, [str(path) for path in output.files]
+        if output.adds:
+            noted.put(home, names)
+            for top in output.whole:
+                noted.remove(home / top)
+            noted.keep(home)
+        elif names:
+            noted.put_whole(home, names)
+        yield output.made
 
 
 def _ended(error: BaseException, store: Store, left: str) -> BaseException:

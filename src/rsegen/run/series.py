@@ -7,7 +7,6 @@ Maps that exist are measured again for their rows, so that table and chart are t
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.pictures.plan import draw_cells
+from rsegen.exporters.pictures.preview import encoded
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.metrics.catalogue import RMS
 from rsegen.field.stepfield import Array
@@ -157,7 +157,7 @@ class _Maps:
         scene = compose(target.recipe, target.recipe.first_map)
         row = series_row(self.plan, number, scene, target)
         if number in self.existing:
-            return Output(made=(row, None))
+            return Output(made=(row, None), folder=self.plan.map_name(number))
         world = world_output(scene, self.folder, self.sidecars)
         return Output(made=(row, world.made), files=world.files, folder=world.folder)
 
@@ -188,9 +188,7 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     _legend(figure, scenes)
     fields = "one field" if plan.same_field else f"{len(rows)} fields"
     figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", metadata={"Description": to_json(plan.recipe)})
-    return stream.getvalue()
+    return encoded(figure, "png", to_json(plan.recipe))
 
 
 def _shown(maps: int) -> list[int]:
@@ -265,6 +263,6 @@ def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
 
     levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
     few, unit = levels[:: -(-len(levels) // _SWATCHES) or 1], scenes[0].field.unit * 100
-    swatches = [Patch(facecolor=scenes[0].colour(level), label=f"{level * unit:g} cm") for level in few]
+    swatches = [Patch(facecolor=scenes[0].plan_colour(level), label=f"{level * unit:g} cm") for level in few]
     if swatches:
         figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)

@@ -80,7 +80,7 @@ def view_all(recipes: Sequence[Recipe]) -> View:
     """Return the page of all maps of some recipes, which are checked before the first map is made."""
     maps = sum(recipe.maps for recipe in recipes)
     if maps > MOST_MAPS:
-        raise TooLarge(f"{maps:,} maps are more than the {MOST_MAPS} of a page; select one with --map")
+        raise TooLarge(f"{maps:,} maps are more than the {MOST_MAPS} of a page; select one by its index")
     cells = 0
     for recipe in recipes:
         _refuse_unshowable(tile_shape(recipe))
@@ -88,7 +88,7 @@ def view_all(recipes: Sequence[Recipe]) -> View:
         cells += recipe.maps * prod(tile_shape(recipe))
     if cells > MOST_CELLS_TOGETHER:
         most = f"the {MOST_CELLS_TOGETHER:,} of a page"
-        raise TooLarge(f"{maps} maps have {cells:,} cells, more than {most}; select one with --map")
+        raise TooLarge(f"{maps} maps have {cells:,} cells, more than {most}; select one by its index")
     return View(html=page([_shown(compose(recipe, index)) for recipe in recipes for index in recipe.indices]))
 
 

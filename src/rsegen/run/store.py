@@ -23,11 +23,13 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
 
 from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
 from rsegen.exporters.gazebo import Bundle
 from rsegen.io.input_files import JOURNAL, Checksum, checksum_of
 from rsegen.params.sorts import Json
+from rsegen.run import dry
 from rsegen.run.journal import (
     HIDDEN,
     Journal,
@@ -211,6 +213,9 @@ class Store:
             put(new, place)
             undo.callback(os.rename, place, new)
 
+    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+        """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
+
     def note(self, result: Mapping[str, Json]) -> None:
         """Append a result to the journal, which has begun."""
         self._check_lease()
@@ -272,6 +277,64 @@ class Store:
             _remove(path)
         if any((self.home / name).exists() for name in ("new", "old")):
             raise WriteError(f"{self.home}: what a killed run left there cannot be removed")
+
+
+class _DryJournal(OpenJournal):
+    """A journal that is read, and never written."""
+
+    def append(self, lines: bytes) -> None:
+        """Write nothing."""
+
+
+class _DryStore(Store):
+    """A store of a dry run: it notes the names of files, and stages in a temporary folder what is made before it.
+
+    is_whole: whether its files take the place of all that is in the folder
+    """
+
+    def __init__(self, folder: Path, noted: dry.Notes, staging: Path, *, is_whole: bool = False) -> None:
+        super().__init__(folder, sync=False)
+        self.staging = staging
+        self._noted, self._is_whole = noted, is_whole
+
+    @cached_property
+    def journal(self) -> OpenJournal:
+        """The journal of the folder."""
+        return _DryJournal(self.folder, self.staging, sync=False)
+
+    def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
+        """Note the files of a folder."""
+        refuse_taken([self.folder / name], force=force, holds=holds)
+        files = (path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file())
+        self._noted.put_whole(self.folder / name, files)
+
+    def put(
+        self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
+    ) -> None:
+        """Note files of the folder."""
+        for name in bundle if not self._is_whole else ():
+            if os.path.lexists(self.folder / name):
+                _refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=False)
+        (self._noted.put_whole if self._is_whole else self._noted.put)(self.folder, bundle)
+
+    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+        """Note these files, and end the dry run."""
+        dry.foresee(self.folder, names, kept=kept, is_whole=self._is_whole)
+
+    def note(self, result: Mapping[str, Json]) -> None:
+        """Write nothing."""
+
+    def adopt(self, names: Iterable[str]) -> None:
+        """Write nothing."""
+
+
+@contextmanager
+def _dry_store(
+    folder: Path, noted: dry.Notes, *, output: Path | None = None, is_whole: bool = False
+) -> Iterator[Store]:
+    dry.refuse_unwritable(folder, output or folder)
+    with TemporaryDirectory(prefix="rsegen-") as staging:
+        yield _DryStore(folder, noted, Path(staging), is_whole=is_whole)
 
 
 def _put_back(aside: Path, place: Path) -> None:
@@ -346,6 +409,10 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
     run; output: the path in messages, by default the folder. Raises an OutputError if another run is writing there, or
     if nothing may be written there; a WriteError if the disk failed after something was written.
     """
+    if noted := dry.notes():
+        with _dry_store(folder, noted, output=output) as store:
+            yield store
+        return
     store = Store(folder, sync=sync)
     with _as_our_errors(store, output or folder), ExitStack() as undo:
         _make_folder(folder, undo)
@@ -381,6 +448,10 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     If the run is stopped, the folder is as it was, and the same call goes on with what is there. Whether it may be
     replaced is checked before by `refuse_irreplaceable`, which reads all of it, and once more at the swap.
     """
+    if noted := dry.notes():
+        with _dry_store(folder, noted, is_whole=True) as store:
+            yield store
+        return
     with open_store(folder, sync=sync):  # the old folder is leased too, so that no other run changes it meanwhile
         begun = folder / NEXT
         if not is_empty(begun):

@@ -58,7 +58,7 @@ class Sidecars:
         """Return their content, by path in the map's folder."""
         files = dict(added(scene, self.formats))
         for name, make in self._makers.items():
-            files[PurePosixPath(name)] = [make(scene)]
+            files[PurePosixPath(name)] = map(make, [scene])  # made when it is written, and not in a dry run
         return files
 
     def complete_in(self, home: str) -> bool:
@@ -106,7 +106,8 @@ def listed_formats(home: str) -> dict[str, Json] | None:
 class GeneratedMap:
     """A map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
 
-    `home` is the folder that all maps are in, `names` are those of the files in this map's own.
+    `home` is the folder that all maps are in, `names` are those of the files in this map's own. `scene` is that of a
+    run of one map, which may have taken long to make; else None, as thousands would not fit into memory.
     """
 
     name: str
@@ -117,6 +118,7 @@ class GeneratedMap:
     extent: tuple[float, float]
     level_counts: dict[int, int]
     warnings: tuple[str, ...]
+    scene: Scene | None = field(default=None, compare=False, repr=False)
 
     @property
     def folder(self) -> Path:
@@ -235,7 +237,9 @@ class _Worlds:
         return seconds_per_world(self.recipe, self.sidecars)
 
     def __call__(self, index: int, /) -> Output[GeneratedMap]:
-        return world_output(compose(self.recipe, index), self.folder, self.sidecars)
+        scene = compose(self.recipe, index)
+        output = world_output(scene, self.folder, self.sidecars)
+        return output if self.recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))
 
 
 def _without(indices: Sequence[int], existing: Sequence[int]) -> Sequence[int]:

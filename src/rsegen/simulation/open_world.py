@@ -76,7 +76,7 @@ def _launch(here: Installation, request: OpenRequest, *, headless: bool) -> Laun
     simulator = here.simulator
     launch = simulator.headless(here, request) if headless else simulator.with_gui(here, request)
     if not launch:
-        hint = f"install it ({simulator.how_to_install[0]}) or open the server alone with --headless"
+        hint = f"install it ({simulator.how_to_install[0]}) or open the server alone with headless=True"
         raise NoSimulator(f"{here} is installed without its window; {hint}")
     return launch
 

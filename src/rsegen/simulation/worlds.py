@@ -75,7 +75,7 @@ def world_of(target: Target, which: int | str | None = None) -> World:
     path = os.fspath(target)
     if not os.path.isdir(path) and Path(path).suffix in (".world", ".sdf"):
         return _world_in(Path(path))
-    file, recipe, index = chosen_map(path, None if which is None else str(which), "map")
+    file, recipe, index = chosen_map(path, None if which is None else str(which))
     if os.path.isdir(path):
         world = _existing(file.with_name(f"{recipe.map_name(index)}.world"))
         return World(file=world, recipe=recipe, made_for=recipe.simulator)

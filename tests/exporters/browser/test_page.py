@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Random, Recipe, StepField
-from rsegen.exporters.browser.heights import height_colour
 from rsegen.exporters.browser.page import ShownMap, editor_page, page
+from rsegen.exporters.colours import height_colour
 from rsegen.exporters.scene import fingerprint
 from rsegen.recipe.examples import EXAMPLES
 from tests.exporters.browser.pages import Tags, addresses, cells_of, heights_of, maps_of

@@ -114,6 +114,23 @@ def test_python_and_the_command_line_drive_the_same_and_another_seed_drives_othe
     assert done[-1] == 3
 
 
+def names(folder: Path) -> set[str]:
+    return {str(path) for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("flags", [[], ["--route", "way", "--robots", "2"]])
+def test_a_dry_run_of_a_drive_names_its_files(
+    gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str], flags: list[str]
+) -> None:
+    words = ["drive", str(course(tmp_path, 1)), "--duration", "1", "--simulator", gazebo.simulator.name, *flags]
+    words += ["-o", str(tmp_path / "out")]
+    assert main([*words, "--dry-run", "--json"]) == 0
+    fates = json.loads(capsys.readouterr().out)
+    assert not (tmp_path / "out").exists()
+    assert main(words) == 0
+    assert set(fates["write"]) == names(tmp_path / "out")
+
+
 def test_a_rest_that_is_less_than_a_step_is_left_out(
     gazebo_classic: Installation, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -179,8 +196,12 @@ def test_an_experiment_goes_on_where_it_was_stopped(
     plan = tmp_path / "tiny.yaml"
     plan.write_text("seconds: 2\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [10]}\n")
     words = ["experiment", str(plan), "--simulator", gazebo.simulator.name, "-o", str(tmp_path / "out")]
+    assert main([*words, "--dry-run", "--json"]) == 0
+    fates = json.loads(capsys.readouterr().out)
+    assert not (tmp_path / "out").exists()
     assert main(words) == 0
     table, errors = capsys.readouterr()
+    assert set(fates["write"]) == names(tmp_path / "out")
     rows = (line.split("|")[1] for line in table.splitlines() if line.startswith("| 10"))
     assert [row.strip(" †‡") for row in rows] == ["10 x 10"]  # ‡: the machine was too busy
     assert errors.splitlines()[-1].startswith("2 of 2: row 1")

@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 
 from rsegen import __version__
-from rsegen.exporters.browser.heights import height_colour
+from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
 from rsegen.exporters.pictures.preview import ColouredField
-from rsegen.exporters.scene import Colour, Scene, fingerprint
+from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.field.metrics import metrics
 from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse
 
@@ -141,7 +141,7 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
     """Yield the materials of cells, the frame first, then the lowest level: level (None for frames), height, colours,
     count.
 
-    colour: of its height, the same on every map; surface: in the look of the recipe, as in previews.
+    colour: as in plans, of its height unless the recipe gives one; surface: in the look of the recipe, as in previews.
     """
     # In the order of np.unique, which the cells refer to.
     field, written = shown.drawn.field, lengths_in(shown.units)
@@ -149,11 +149,12 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
         is_frame = material == _FRAME
         height = round(field.frame_height if is_frame else material * field.unit, 9)
         surface = shown.drawn.surface_colour(0 if is_frame else material) if material else _GROUND
+        colour = shown.drawn.plan_colour(0 if is_frame else material) if material else height_colour(0)
         yield {
             "level": None if is_frame else material,
             "height": height,
             "label": written.short(_nanometres(height)),
-            "colour": hex_colour(shown.drawn.colour(0) if is_frame else height_colour(height)),
+            "colour": hex_colour(colour),
             "surface": hex_colour(surface),
             "count": count,
         }

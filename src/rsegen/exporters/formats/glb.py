@@ -13,11 +13,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.parts import srgb_to_linear, textured_parts
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array
 from rsegen.params.extras import MESH, Extra
 

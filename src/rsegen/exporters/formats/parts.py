@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.formats.solid import Solid
 from rsegen.exporters.gazebo.obj import PARTS, obj
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry import Mesh, surface, texture_coordinates
 from rsegen.geometry.mesh import label_grid

@@ -15,12 +15,13 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.parts import srgb_to_linear, textured_groups
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array
 from rsegen.params.extras import USD, Extra
 from rsegen.params.sorts import Flag

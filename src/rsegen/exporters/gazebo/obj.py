@@ -12,8 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.exporters.textures.looks import textures
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.geometry import NORMALS, TILES, Mesh, TextureCoordinates, texture_coordinates

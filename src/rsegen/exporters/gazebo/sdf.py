@@ -10,8 +10,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import hypot
 from typing import NamedTuple
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Scene
 
 VERSION = "1.6"
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.recipe.building import placed
@@ -39,11 +40,14 @@ class Drawable(Protocol):
     def field(self) -> StepField:
         """Blocks and frames to draw."""
 
-    def colour(self, material: int) -> Colour:
-        """Return the colour of a material: 0 is the frame, any other number a level."""
+    def plan_colour(self, material: int) -> Colour:
+        """Return the colour of a material in plans: 0 is the frame, any other number a level."""
+
+    def view_colour(self, material: int) -> Colour:
+        """Return the colour of a material in views."""
 
     def surface_colour(self, material: int) -> Colour:
-        """Return the colour that the surface of a material has from afar, in views."""
+        """Return the colour that the surface of a material has in a world from afar."""
 
 
 def draw_plan(axes: Axes, drawn: Drawable) -> None:
@@ -69,7 +73,7 @@ def draw_cells(axes: Axes, drawn: Drawable) -> Array:
     """Draw the colours of a plan without heights, and return them: (n_x, n_y, 3)."""
     field = drawn.field
     edges_x, edges_y = field.edges()
-    colours = cell_colours(drawn.colour, field)
+    colours = cell_colours(drawn.plan_colour, field)
     extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
     axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
     return colours

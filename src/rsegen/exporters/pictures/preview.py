@@ -22,7 +22,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rsegen import __version__
 from rsegen.errors import FileError
+from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.pictures.plan import (
     GROUND_GREY,
@@ -33,7 +35,7 @@ from rsegen.exporters.pictures.plan import (
     number_cells,
 )
 from rsegen.exporters.pictures.robot_drawing import draw_robot, in_front, silhouettes
-from rsegen.exporters.scene import FRAME_COLOUR, Colour, Scene, level_colour
+from rsegen.exporters.scene import FRAME_COLOUR, Scene
 from rsegen.field.stepfield import Array, Ints, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
 from rsegen.standing.body import Body
@@ -178,7 +180,7 @@ def draw_view(axes: Axes, drawn: Drawable, robot: Robot | None = None) -> str:
 
     factor = min(-(-max(drawn.field.shape) // DRAWN), *drawn.field.shape)
     field = coarse(drawn.field, factor)
-    colours = cell_colours(drawn.surface_colour, field)
+    colours = cell_colours(drawn.view_colour, field)
     shapes, lit, cells = _polygons(field.heights, colours, field.block_width)
     line = 0.35 if max(field.shape) <= 60 else 0.0
 
@@ -288,10 +290,11 @@ def _preview(
     if isinstance(shown, Scene):
         title = "" if paper else _title(shown)
         figure = preview_figure(shown, title, outlined=shown if outlines else None, robot=drawn, paper=paper)
-        return figure_bytes(figure, shown, format)
+        return figure_bytes(figure, shown, format, is_stamped=not paper)
     (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
     title = "" if paper else f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return encoded(preview_figure(ColouredField(field=shown), title, robot=drawn, paper=paper), format)
+    figure = preview_figure(ColouredField(field=shown), title, robot=drawn, paper=paper)
+    return encoded(figure, format, is_stamped=not paper)
 
 
 def preview_figure(
@@ -332,19 +335,43 @@ def _how_it_stands(found: Poses) -> str:
     return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
 
-def figure_bytes(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
+def figure_bytes(
+    figure: Figure,
+    scene: Scene,
+    format: str,  # noqa: A002  # matplotlib's word
+    *,
+    is_stamped: bool = True,
+) -> bytes:
     """Return a figure about a map as the bytes of an image file, which carries the map's recipe."""
-    return encoded(figure, format, _metadata(scene, format))
+    return encoded(figure, format, to_json(scene.alone), is_stamped=is_stamped)
 
 
-def encoded(figure: Figure, format: str, metadata: dict[str, Any] | None = None) -> bytes:  # noqa: A002  # the same
-    """Return a figure as the bytes of an image file; equal figures give equal bytes."""
+def encoded(
+    figure: Figure,
+    format: str,  # noqa: A002  # matplotlib's word
+    recipe: str = "",
+    *,
+    is_stamped: bool = True,
+) -> bytes:
+    """Return a figure as the bytes of an image file; equal figures give equal bytes.
+
+    recipe: what the file carries; is_stamped: whether the version of rsegen is in the lower right corner, where a
+    picture without its file still shows it. A picture for a paper has it in its file alone.
+    """
     from matplotlib import rc_context
 
+    if is_stamped:
+        _stamp(figure)
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
-        figure.savefig(stream, format=format, metadata=metadata)
+        figure.savefig(stream, format=format, metadata=_metadata(format, recipe))
     return stream.getvalue()
+
+
+def _stamp(figure: Figure) -> None:
+    wide, high = figure.get_size_inches()
+    style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
+    figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
 
 
 def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
@@ -352,7 +379,7 @@ def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
 
     stream = io.BytesIO()
-    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata(scene, "pdf") or {})}) as pages:
+    with PdfPages(stream, metadata={"Title": scene.name, **(_metadata("pdf", to_json(scene.alone)) or {})}) as pages:
         for figure in figures:
             pages.savefig(figure)
     return stream.getvalue()
@@ -374,10 +401,12 @@ def _entries(drawn: Drawable) -> list[Any]:
     levels = [level for level in drawn.field.level_counts() if level]
     shown = levels[:: -(-len(levels) // _SWATCHES) or 1]
     unit = drawn.field.unit * 100
-    entries: list[Any] = [Patch(facecolor=drawn.colour(level), label=f"{decimal(level * unit)} cm") for level in shown]
+    entries: list[Any] = [
+        Patch(facecolor=drawn.plan_colour(level), label=f"{decimal(level * unit)} cm") for level in shown
+    ]
     if drawn.field.frame.any():
         frame = decimal(drawn.field.frame_height * 100)
-        entries.append(Patch(facecolor=drawn.colour(0), label=f"frame, {frame} cm"))
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame} cm"))
     return entries
 
 
@@ -408,13 +437,16 @@ def _title(scene: Scene) -> str:
     return f"{scene.name}: {n_x} x {n_y} cells, {along_x} x {along_y} m, seed {scene.recipe.seed}"
 
 
-def _metadata(scene: Scene, format: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
-    """Return the recipe of the map, if the format has a place for it, and no date: equal maps give equal bytes."""
-    recipe = to_json(scene.alone)
+_MAKER = f"rsegen {__version__}"
+
+
+def _metadata(format: str, recipe: str) -> dict[str, Any] | None:  # noqa: A002  # matplotlib's word
+    """Return what made a picture and its recipe, if the format has a place for them, and no date."""
+    carried = recipe or None  # matplotlib leaves out what is None
     known: dict[str, dict[str, Any]] = {
-        "png": {"Description": recipe},
-        "svg": {"Description": recipe, "Date": None},
-        "pdf": {"Subject": recipe, "CreationDate": None},
+        "png": {"Software": _MAKER} | ({"Description": recipe} if recipe else {}),
+        "svg": {"Creator": _MAKER, "Description": carried, "Date": None},
+        "pdf": {"Creator": _MAKER, "Subject": carried, "CreationDate": None},
     }
     return known.get(format)
 
@@ -425,17 +457,15 @@ THUMBNAIL = 320
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ColouredField:
-    """A field with the default colours: frames red, levels from dark to light up to its own highest one."""
+    """A field with the default colours: frames red, blocks in the colours of their heights."""
 
     field: StepField
 
-    def colour(self, material: int) -> Colour:
+    def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material: 0 is the frame, any other number a level."""
-        return level_colour(material, int(self.field.levels.max())) if material else FRAME_COLOUR
+        return height_colour(material * self.field.unit) if material else FRAME_COLOUR
 
-    def surface_colour(self, material: int) -> Colour:
-        """Return the colour of a material in views, which is that of plans."""
-        return self.colour(material)
+    view_colour = surface_colour = plan_colour
 
 
 def thumbnail(shown: StepField | Scene) -> bytes:
@@ -445,7 +475,7 @@ def thumbnail(shown: StepField | Scene) -> bytes:
     drawn: Drawable = ColouredField(field=shown) if isinstance(shown, StepField) else shown
     field = coarse(drawn.field, coarseness(drawn.field, THUMBNAIL))
     pixels = max(THUMBNAIL // max(field.shape), 1)
-    colours = np.rint(255 * cell_colours(drawn.colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
+    colours = np.rint(255 * cell_colours(drawn.plan_colour, field)).astype(np.uint8).transpose(1, 0, 2)[::-1]
     stream = io.BytesIO()
     Image.fromarray(colours.repeat(pixels, axis=0).repeat(pixels, axis=1)).save(stream, "png")
     return stream.getvalue()

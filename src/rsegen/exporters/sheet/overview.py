@@ -62,7 +62,7 @@ def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tupl
     (x, y), written = place, lengths_in(scene.recipe.units)
     y = page.table(y, _columns(x), [("level", f"length {written.name}", "number", "timber")], size=8, color=GREY)
     for level, count in counts.items():
-        page.swatch(x, y, scene.colour(level))
+        page.swatch(x, y, scene.plan_colour(level))
         block = length(level, scene.field)
         y = page.table(y, _columns(x), [(str(level), written.tape(block), f"{count:,}", written.long(block * count))])
     return y
@@ -75,7 +75,7 @@ def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tup
     rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
     for at, (level, count) in enumerate(list(counts.items())[: rows * _ABREAST]):
         here = x + at // rows * width, y + (at % rows + 1) * ROW
-        page.swatch(*here, scene.colour(level))
+        page.swatch(*here, scene.plan_colour(level))
         page.text(
             here[0] + 8, here[1], f"{count:,} x {lengths_in(scene.recipe.units).tape(length(level, scene.field))}", 8
         )

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.exporters.scene import Colour, Scene
+from rsegen.exporters.colours import Colour
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 
 if TYPE_CHECKING:
@@ -149,7 +150,7 @@ class PrintedPlan:
     def _draw_frame(self) -> None:
         """Draw the frame as hatched boards over the whole field."""
         n_x, n_y = self.field.shape
-        colour = self.scene.colour(0)
+        colour = self.scene.plan_colour(0)
         size = n_x * self.cell, n_y * self.cell
         pale = tuple(0.8 + 0.2 * part for part in colour)
         self.page.rectangle((self.left, self.top), size, facecolor=pale, edgecolor=colour, hatch="////", linewidth=0)
@@ -171,7 +172,7 @@ def draw_run(page: Page, ends: tuple[float, float], y: float) -> None:
 
 def block_colour(scene: Scene, level: int) -> Colour:
     """Return the colour of a level on the page; white for no block."""
-    return scene.colour(level) if level else EMPTY
+    return scene.plan_colour(level) if level else EMPTY
 
 
 def ink(colour: Colour) -> str:

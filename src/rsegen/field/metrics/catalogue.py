@@ -217,7 +217,7 @@ def metric_by(by: By, robot: Crosser | None = None) -> Metric:
     if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
         what = by if isinstance(by, str) else "a function"
         raise ParameterError(
-            "robot", f"{what} does not depend on a robot; give by=reach.west_east.cost, or leave robot out"
+            "robot", f"{what} does not depend on a robot; give by='reach.west_east.cost', or leave robot out"
         )
     if callable(by):
         return by if isinstance(by, Metric) else Metric.of(by)

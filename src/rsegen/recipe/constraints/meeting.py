@@ -36,6 +36,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.arrays import maps_first, maps_last, namespace
 from rsegen.params.sorts import NANOMETRES
 from rsegen.params.streams import generator
+from rsegen.params.watch import tell
 from rsegen.recipe.constraints.inventory import (
     Blocks,
     Stock,
@@ -49,7 +50,7 @@ from rsegen.recipe.constraints.inventory import (
 from rsegen.recipe.difficulty import parts_of
 from rsegen.recipe.map_design import MapDesign
 from rsegen.standing.kinds import Standing
-from rsegen.standing.lanes import straight_lane
+from rsegen.standing.lanes import middles_of, straight_lane
 
 _ANYTHING = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
@@ -123,13 +124,20 @@ def crossing_caps(field: StepField, crosser: Standing | StepLimits) -> Ints | No
 
 def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
     """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
-    body = robot.body
-    if straight_lane(field, body, axis) is not None:
-        return None
+    body, search = robot.body, f"a way for the {robot.kind}"
+    # Lanes are driven some at a time, the first of which that is driven ends the search. Each axis is half of it: up to
+    # a half of that for the lanes as they are, the rest for lower and lower ones.
+    groups = np.array_split(middles := middles_of(field, 1 - axis), -(-len(middles) // _LANES))
+    for k, group in enumerate(groups):
+        if straight_lane(field, body, axis, group) is not None:
+            return None
+        tell(search, (axis + (k + 1) / len(groups) / 2) / 2)
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
     lines = range(aside, turned.shape[1] - aside) or [turned.shape[1] // 2]
-    for limit in range(int(field.levels.max(initial=0)) - 1, -1, -1):
+    highest = int(field.levels.max(initial=0))
+    for limit in range(highest - 1, -1, -1):
+        tell(search, (axis + 1 - (limit + 1) / highest / 2) / 2)
         # The lane whose levels need the least lowering, with the level ground at both ends.
         lanes = ((line, _lane_levels(turned, line, aside, limit)) for line in lines)
         line, caps = min(lanes, key=lambda lane: int((turned.levels - np.minimum(turned.levels, lane[1])).sum()))
@@ -192,6 +200,9 @@ def _tops(field: StepField, limits: StepLimits, axis: int, path: Ints) -> Ints:
         tops[k] = min(tops[k], tops[k + 1] + drop)
     return np.asarray(tops // unit)
 
+
+_LANES = 8
+"""Straight lanes that are driven at a time: few enough to end early and to see it move, and enough for one call."""
 
 _TRIES = 16
 """Arrangements of blocks, around another way for the robot or with more empty cells, before the best one is lowered.
@@ -292,6 +303,8 @@ def _lowered(field: StepField, design: MapDesign, left: Blocks | None) -> StepFi
     """Return a field with blocks lowered until it meets the constraints, from the blocks that are left."""
     while (caps := _caps(field, design)) is not None:
         field = _with(field, lowered_to(field.levels, caps, left))
+    if isinstance(design.crosser, Standing):
+        tell("", 1)
     return field
 
 

@@ -5,7 +5,6 @@ Everything is checked before the server starts: the robot's file, its places, an
 
 from __future__ import annotations
 
-import io
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -17,6 +16,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.pictures.plan import draw_plan
+from rsegen.exporters.pictures.preview import encoded
 from rsegen.exporters.scene import Scene
 from rsegen.recipe.codec import map_json
 from rsegen.robots import from_file, is_robot_file, robot_of
@@ -79,9 +79,7 @@ def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way:
     axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
     axes.legend(loc="upper right")
     axes.set_title(f"{scene.name}: trajectories")
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png")
-    return stream.getvalue()
+    return encoded(figure, "png")
 
 
 def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
@@ -208,6 +206,12 @@ def _encoded(lines: Iterable[str]) -> list[bytes]:
     return [line.encode() for line in lines]
 
 
+def file_names(runs: Sequence[RobotRun], *, picture: bool) -> list[str]:
+    """Return the names of the files of a drive in its folder."""
+    names = [*(f"{run.name}.csv" for run in runs), "contacts.csv", "recipe.json", "drive.json", "drive.png"]
+    return [*names, *(["way.csv"] if runs[0].way else []), *(["gazebo.jpg"] if picture else [])]
+
+
 def drivable(
     robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, tracks: str | None, **limits: object
 ) -> DrivableRobot:
@@ -228,7 +232,7 @@ def drivable(
 def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
     """Raise a UserError, before anything is driven, if the results could not be written."""
     if picture and output is None:
-        raise ParameterError("picture", "needs a folder to write into; give an output folder, as in -o DIR")
+        raise ParameterError("picture", "needs a folder to write into; give output='DIR' too")
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
     if output is not None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from statistics import fmean, median
 from typing import TYPE_CHECKING, NamedTuple
 
+from rsegen.exporters.pictures.preview import encoded
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, ExperimentPlan
 from rsegen.simulation.experiment.report import known, outcomes_of, published_figures, rested, row_label, rtf_limits
 from rsegen.simulation.experiment.results import Results
@@ -55,9 +55,7 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     figure.suptitle(
         "bars: the least and the most of all trials; hollow: robots that rested, stuck for most of the time"
     )
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png")
-    return stream.getvalue()
+    return encoded(figure, "png")
 
 
 def _rtf_points(plan: ExperimentPlan, results: Results, index: int) -> list[_Point]:

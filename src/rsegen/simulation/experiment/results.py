@@ -107,11 +107,12 @@ def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> 
     return files
 
 
-def track_names(plan: ExperimentPlan) -> Iterator[str]:
-    """Yield the name of every file that a plan's tracks may have."""
-    for cell in plan.cells:
-        yield _picture_name(cell)
-        yield from (_csv_name(cell, repeat) for repeat in range(plan.repeats))
+def track_names(plan: ExperimentPlan, trials: Collection[tuple[Cell, int]] | None = None) -> Iterator[str]:
+    """Yield the name of every file that the tracks of these trials have, by default of all of a plan."""
+    for cell, repeat in plan.order() if trials is None else trials:
+        yield _csv_name(cell, repeat)
+        if repeat == plan.repeats - 1:
+            yield _picture_name(cell)
 
 
 def tracks_csv(trajectories: Mapping[str, Trajectory]) -> Iterator[str]:

@@ -84,6 +84,7 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
     with _opened(plan, folder, force=force) as store:
         entries = read_entries(store.journal.content, folder, len(plan.rows))
         done = {(cell, repeat): outcome for cell, repeat, outcome in entries}
+        store.foresee([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
         for number, (cell, repeat) in enumerate(plan.order()):
             progress(number, cell)
             if (cell, repeat) not in done:

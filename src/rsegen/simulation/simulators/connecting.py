@@ -92,7 +92,7 @@ def _new_connection(simulators: Sequence[Simulator], timeout: float) -> _Connect
                 simulator=simulator, live=live, end=end, made_with=_made_with(timeout), process=os.getpid()
             )
             return _kept[simulator.name]
-    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen open --shared")
+    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen.open('DIR', shared=True)")
 
 
 def _made_with(timeout: float) -> object:

@@ -180,7 +180,7 @@ def _own_notes(robot: DrivableRobot, live: LiveWorld) -> list[str]:
 def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
     """Yield a warning if there are maps whose blocks the robot may be put into."""
     for name in unknown_maps(poses, maps):
-        advice = "the robot may be inside them; give the folder that it is in with -o, or X, Y and Z with --at"
+        advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
         yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 

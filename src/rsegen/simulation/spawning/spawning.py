@@ -241,7 +241,7 @@ def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
     if isinstance(target, Recipe):
         return map_model(target, map_index(target, which), output)
     path = os.fspath(target)
-    file, recipe, index = chosen_map(path, None if which is None else str(which), "map")
+    file, recipe, index = chosen_map(path, None if which is None else str(which))
     if os.path.isdir(path):
         return MapModel(recipe=recipe.alone(index), folder=file.parent)
     return map_model(recipe, index, output)

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Random, Recipe
-from rsegen.exporters.browser.heights import height_colour, oklab
-from rsegen.exporters.scene import Colour
+from rsegen.exporters.colours import Colour, height_colour, oklab
 from tests.exporters.browser.pages import maps_of
 
 HEIGHTS = st.floats(0, 100)

@@ -1,4 +1,6 @@
-"""The colour of a height: the same on every map, lighter the higher, so that it reads in greyscale too.
+"""The colour of a height in plans, on the page, in pictures and on build sheets: the same on every map.
+
+It is lighter the higher, so that it reads in greyscale too. In worlds a level has a colour of its own (scene.py).
 
     height h [m] --h / (h + 0.35)--> place 0..1 on a ramp of six colours --in OKLab--> sRGB
 
@@ -11,7 +13,7 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import pairwise
 
-from rsegen.exporters.scene import Colour
+Colour = tuple[float, float, float]
 
 _RAMP: tuple[Colour, ...] = (
     (0.22, 0.20, 0.42),
