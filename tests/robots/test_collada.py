@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rsegen.errors import FileError
-from rsegen.robots import from_file
+from rsegen.robots import collada, from_file
 from rsegen.robots.collada import read_collada
 from tests.robots.test_body import model
 
@@ -101,6 +101,11 @@ def test_a_robot_with_such_a_mesh_needs_no_size_and_stands_on_its_triangles(tmp_
         (document(faces=TRIANGLES.replace("0 2 3", "0 2")), "not a DAE file that can be read"),
         (document("<node><matrix>1 2 3</matrix></node>"), "not a DAE file that can be read"),
         (document("<node id='own'><instance_node url='#own'/></node>"), "not a DAE file that can be read"),
+        (
+            document("<node><rotate>0 0 0 90</rotate><instance_geometry url='#g'/></node>"),
+            "a point whose place is no number",
+        ),
+        (document().replace("0 1 0 9", "0 nan 0 9"), "a point whose place is no number"),
         (document().replace("<COLLADA", "<!DOCTYPE a><COLLADA"), "has a document type or entities"),
         ("no xml", "not XML"),
     ],
@@ -111,10 +116,17 @@ def test_what_is_no_mesh_is_refused_in_a_line(text: str, message: str, tmp_path:
     assert "\n" not in str(error.value)
 
 
+def test_a_geometry_may_not_be_named_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(collada, "_MOST_TRIANGLES", 100)  # of 5 points each
+    with pytest.raises(FileError, match="more than 100 triangles"):
+        box_of(tmp_path, document(NODE * 21))
+    assert box_of(tmp_path, document(NODE * 20)) == [0, 0, 0, 2, 1, 0]
+
+
 def test_nodes_that_double_themselves_end_within_a_second(tmp_path: Path) -> None:
     two = "<node id='n{0}'><instance_node url='#n{1}'/><instance_node url='#n{1}'/></node>"
     library = "".join(two.format(depth, depth + 1) for depth in range(60)) + "<node id='n60'/>"
     began = time.process_time()
-    with pytest.raises(FileError, match="more than 10000 instances"):
+    with pytest.raises(FileError, match="more than 10000 nodes"):
         box_of(tmp_path, document("<node><instance_node url='#n0'/></node>", library=library))
     assert time.process_time() - began < 1

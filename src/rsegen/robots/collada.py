@@ -2,9 +2,9 @@
 
 Idea: a scene is a tree of nodes, each with transforms and instances of geometries, or of nodes of a library; every
 instance adds the triangles of its geometry. Source: COLLADA 1.4.1, Khronos 2008; and Gazebo's ColladaLoader, which
-multiplies all lengths with the <unit>, and leaves <up_axis> alone. Cost: linear in the text and in the instances, of
-which there are at most _MOST, as a library of nodes can double itself. What breaks it: skins of controllers, strips and
-fans of triangles, and splines are left out.
+multiplies all lengths with the <unit>, and leaves <up_axis> alone. Cost: linear in the text and in what its instances
+add, which is limited, as a few lines can double themselves without end. What breaks it: skins of controllers, strips
+and fans of triangles, and splines are left out.
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ _MOST_MIB = 64
 """The largest file that is read, MiB: about a million triangles; makers' have some megabytes."""
 
 _MOST = 10_000
-"""Instances of geometries and nodes in a scene at most; makers' models have up to some hundreds."""
+"""Nodes in a scene at most; makers' models have up to some hundreds."""
+
+_MOST_TRIANGLES = 5_000_000
+"""Triangles in a scene at most, and points: five times those of the largest file that has each but once."""
 
 
 class Triangles(NamedTuple):
@@ -46,16 +49,20 @@ def read_collada(path: Path) -> Triangles:
         raise FileError(f"{path}: has no triangles")
     starts = np.cumsum([0, *(len(part.points) for part in parts)])
     corners = [part.corners + start for part, start in zip(parts, starts[:-1], strict=True)]
-    return Triangles(np.concatenate([part.points for part in parts]), np.concatenate(corners))
+    points = np.concatenate([part.points for part in parts])
+    if not np.isfinite(points).all():
+        raise FileError(f"{path}: has a point whose place is no number")
+    return Triangles(points, np.concatenate(corners))
 
 
 class _Scene:
-    """A document, its elements by their ids, and the instances that are left."""
+    """A document: its elements by their ids, the geometries that were read, and how much more may come."""
 
     def __init__(self, root: Element) -> None:
         self._root = root
         self._ids = {f"#{element.get('id')}": element for element in root.iter() if element.get("id")}
-        self._left = _MOST
+        self._geometries: dict[str, list[Triangles]] = {}
+        self._nodes, self._triangles = _MOST, _MOST_TRIANGLES
 
     def triangles(self) -> Iterator[Triangles]:
         """Yield the triangles of each instance of a geometry in the scene."""
@@ -67,9 +74,9 @@ class _Scene:
                 yield from self._of_node(node, scale)
 
     def _of_node(self, node: Element, above: Array) -> Iterator[Triangles]:
-        self._left -= 1
-        if self._left < 0:
-            raise ValueError(f"more than {_MOST} instances")
+        self._nodes -= 1
+        if self._nodes < 0:
+            raise ValueError(f"more than {_MOST} nodes")
         place = above
         for element in node:
             if element.tag in _TRANSFORMS:
@@ -79,10 +86,19 @@ class _Scene:
             elif element.tag == "instance_node":
                 yield from self._of_node(self._ids[element.get("url", "")], place)
             elif element.tag == "instance_geometry":
-                for points, corners in self._of_geometry(self._ids[element.get("url", "")]):
-                    yield Triangles(points @ place[:3, :3].T + place[:3, 3], corners)
+                yield from self._of_instance(element.get("url", ""), place)
+
+    def _of_instance(self, url: str, place: Array) -> Iterator[Triangles]:
+        if url not in self._geometries:
+            self._geometries[url] = list(self._of_geometry(self._ids[url]))
+        for points, corners in self._geometries[url]:
+            self._triangles -= max(len(points), len(corners))
+            if self._triangles < 0:
+                raise ValueError(f"more than {_MOST_TRIANGLES} triangles or points")
+            yield Triangles(points @ place[:3, :3].T + place[:3, 3], corners)
 
     def _of_geometry(self, geometry: Element) -> Iterator[Triangles]:
+        """Yield the triangles of a geometry, those of each list of faces on their own."""
         for faces in geometry.iterfind("mesh/*"):
             if faces.tag not in ("triangles", "polylist", "polygons"):
                 continue
