@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import _thread
 import os
+import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping
@@ -17,6 +18,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 import pytest
+
+from rsegen.simulation.simulators.process import OutputFiles
 
 _SCRIPT = """\
 #!/bin/sh
@@ -94,13 +97,21 @@ def put_tools(folder: Path) -> None:
 
 
 @contextmanager
-def interrupted_when_started(program: Path) -> Iterator[None]:
-    """Ctrl-C as soon as a stand-in has started, however long that takes."""
-    ended = threading.Event()
+def interrupted_when_started(program: Path, *, while_read: bool = False) -> Iterator[None]:
+    """Ctrl-C as soon as a stand-in has started, however long that takes; or then, while its output is read.
+
+    The latter is for what runs without the command line, whose handler makes a Ctrl-C wait until a process is started:
+    Python's own raises in the middle of `Popen`, which leaves a process to nobody.
+    """
+    ended, main = threading.Event(), threading.main_thread().ident
+
+    def may() -> bool:
+        frame = sys._current_frames().get(main or 0)
+        return not while_read or (frame is not None and frame.f_code is OutputFiles.lines.__code__)
 
     def interrupt() -> None:
         while not ended.is_set():
-            if program.with_name(f"{program.name}.started").exists():
+            if program.with_name(f"{program.name}.started").exists() and may():
                 _thread.interrupt_main()
                 return
             time.sleep(0.02)

@@ -37,7 +37,7 @@ def test_every_target_is_opened(name: str, programs: Path, tmp_path: Path, monke
     monkeypatch.setenv("STAYS", "600")
     started: list[OpenedWorld] = []
     target = TARGETS[name](tmp_path)
-    with interrupted_when_started(programs / "gz"):
+    with interrupted_when_started(programs / "gz", while_read=True):
         result = rsegen.open(target, headless=True, on_start=started.append)
     assert started == [result.world]
     assert result.world.file.name == "course_0000.world"
