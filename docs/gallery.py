@@ -31,6 +31,7 @@ class Apart:
 
     scene: Scene
     mesh_type: str
+    units = "cm"
 
     def plan_colour(self, material: int) -> Colour:
         """The colour of the map in plans."""

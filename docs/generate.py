@@ -95,6 +95,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "field/metrics/traversability",
         "field/metrics/graphs",
         "field/metrics/roughness",
+        "field/metrics/spectrum",
         "field/metrics/batch",
     ),
     "Geometry": (

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
-from rsegen import build, load
+from rsegen import Random, Recipe, StepLimits, build, load
 from rsegen.cli import main
+from rsegen.exporters.pictures.preview import preview_figure
+from rsegen.exporters.pictures.robot_plots import describe_limits
+from rsegen.exporters.scene import compose
 from tests.support.complaints import the_line
 
 POSTS = ["--unit-cm", "3.5in", "--block-width-cm", "3.5in", "--frame-height-cm", "3.5in"]
@@ -98,3 +104,20 @@ def test_info_is_in_the_units_of_the_recipe(capsys: pytest.CaptureFixture[str]) 
     said = capsys.readouterr().out
     assert "blocks   100 in levels of 3.5 in" in said
     assert "  level   4       14 in         10   10.0%" in said
+
+
+def words(figure: Figure) -> str:
+    """Return all texts of a figure, one per line."""
+    return "\n".join(text.get_text() for text in figure.findobj(Text))
+
+
+def test_pictures_are_in_the_units_of_the_recipe() -> None:
+    posts = Recipe(seed=1, units="in", unit_cm=8.89, block_width_cm=8.89, obstacles=[Random(levels=4)])
+    inches, metric = (words(preview_figure(compose(recipe), "")) for recipe in (posts, replace(posts, units="cm")))
+    assert "plan, heights in inches" in inches
+    assert "10.5 in" in inches
+    assert "cm" not in inches
+    assert "plan, heights in cm" in metric
+    assert "26.67 cm" in metric
+    assert describe_limits(StepLimits(climb_cm=8.89), "in") == "a path of steps of up to 3.5 in up and 3.5 in down"
+    assert describe_limits(StepLimits(climb_cm=7)) == "a path of steps of up to 7 cm up and 7 cm down"

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import rsegen
-from benchmarks.depth_camera import Flaws, turned
+from benchmarks.depth_camera import DepthCamera, Flaws, turned, with_flaws
 from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import SURE, Scan, ScanSettings, find_field
 from rsegen.scanning.levels import board_below, units_per_level
-from tests.scanning.test_find_field import KINDS, cloud_of, field_of, right_turn
+from tests.scanning.test_find_field import KINDS, TWO_VIEWS, cloud_of, field_of, right_turn
 
 USUAL = Flaws(noise=0.005, missing=0.2, outliers=0.02)
 
@@ -114,3 +115,38 @@ def test_sides_of_which_little_is_raised_are_named() -> None:
     assert scan.levels.shape == (14, 12)
     assert scan.sparse_edges == {"east": (1, 12)}
     assert find_field(cloud_of(apart), ScanSettings(blocks=(10, 10))).boundary == "outer"
+
+
+def cast_by_mujoco(boxes: str, cameras: Sequence[DepthCamera]) -> list[tuple[Array, Array]]:
+    """The points that MuJoCo's rays of some cameras meet on boxes and on level floor, each with its camera's place."""
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    floor = '<geom type="plane" size="4 4 1"/>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{floor}{boxes}</worldbody></mujoco>")
+    scene = mujoco.MjData(model)
+    mujoco.mj_forward(model, scene)
+    clouds = []
+    for camera in cameras:
+        place, rays = np.array(camera.place), camera.directions()
+        hit, nothing = np.zeros(1, np.int32), None
+        distances = np.array([mujoco.mj_ray(model, scene, place, ray, nothing, 1, -1, hit) for ray in rays])
+        points = place + rays * distances[:, None]
+        clouds.append((place, points[(distances > 0) & (np.hypot(*points[:, :2].T) < 2)]))
+    return clouds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [2, 5])
+def test_missing_turned_and_shifted_blocks_are_right(degrees: float) -> None:
+    """Blocks stand up to some 4 mm and three times these degrees off, as a standard deviation allows."""
+    field = field_of(6, boundary="none")
+    rng = np.random.default_rng(6)
+    levels = field.levels.copy()
+    levels.flat[rng.permutation(levels.size)[:12]] = 0
+    edges_x, edges_y = field.edges()
+    boxes = ""
+    for i, j in np.argwhere(levels > 0):
+        x, y = rng.normal((edges_x[i] + 0.05, edges_y[j] + 0.05), 0.004)
+        half, turn = levels[i, j] * field.unit / 2, rng.normal(0, degrees)
+        boxes += f'<geom type="box" size="0.05 0.05 {half}" pos="{x} {y} {half}" euler="0 0 {turn}"/>'
+    cloud = with_flaws(cast_by_mujoco(boxes, TWO_VIEWS), USUAL, rng)
+    right_turn(find_field(turned(cloud, rng, 0.3)), replace(field, levels=levels))

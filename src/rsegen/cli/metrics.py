@@ -106,7 +106,7 @@ def run(arguments: argparse.Namespace) -> Report:
     rows: Iterable[Measured] = chain([(first, measured)], ((scene, _measured(scene, robot)) for scene in scenes))
     if arguments.json:
         rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too
-    lines = _csv(rows) if arguments.csv else _report(rows, _title(robot))
+    lines = _csv(rows) if arguments.csv else _report(rows, _title(robot, first.units))
     return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
 
 
@@ -142,19 +142,19 @@ def _picture(scene: Scene, crosser: Crosser, measured: Metrics, heading: float |
     from rsegen.standing.kinds import Standing
 
     if heading is None:
-        return path_plot(scene, measured.reach, _title(crosser), form)
+        return path_plot(scene, measured.reach, _title(crosser, scene.units), form)
     if not isinstance(crosser, Standing):
         raise ParameterError("--heading", "limits of steps have no poses; give --robot")
     return pose_maps(scene, crosser.body, radians(heading), form, robot=crosser.kind)
 
 
-def _title(crosser: Crosser | None) -> str:
+def _title(crosser: Crosser | None, units: str) -> str:
     """Name a robot by its kind, or the limits of a path in words."""
     from rsegen.exporters.pictures.robot_plots import describe_limits
 
     if crosser is None:
         return ""
-    return describe_limits(crosser) if isinstance(crosser, StepLimits) else getattr(crosser, "kind", "a robot")
+    return describe_limits(crosser, units) if isinstance(crosser, StepLimits) else getattr(crosser, "kind", "a robot")
 
 
 def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:

@@ -63,6 +63,7 @@ def run(arguments: argparse.Namespace) -> Report:
     fit = picture_path(arguments.fit, force=bool(arguments.force))
     scanned = scan(arguments.clouds, options)
     recipe = with_flags(scanned.recipe, arguments)
+    scanned = replace(scanned, recipe=recipe)  # its picture has the units of the flags
     name = f"{recipe.name}_fit.png"
     pallets = recipe.chunks[0] * recipe.chunks[1]
     arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS

@@ -49,17 +49,17 @@ def _content(made: Series) -> dict[str, object]:
 
 
 def _lines(made: Series) -> Iterator[str]:
-    from rsegen.exporters.numbers import decimal
+    from rsegen.exporters.numbers import decimal, lengths_in
 
-    rows, there = made.rows, len(made.rows) - len(made.maps)
+    rows, there, written = made.rows, len(made.rows) - len(made.maps), lengths_in(made.plan.recipe.units)
     already = f", {there} there already" if there else ""
-    yield f"{len(rows)} maps in {made.folder}, seed {made.plan.recipe.seed}{already}; lengths in cm:"
+    yield f"{len(rows)} maps in {made.folder}, seed {made.plan.recipe.seed}{already}; lengths in {written.name}:"
     width, by_default = max(len(row.map) for row in rows), made.plan.by == declared(series)["by"].default
     names, unit = ("rms asked", "rms step") if by_default else ("asked", "measured"), made.plan.metric.unit
     yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", *names, "highest"))
     for row in _some(rows):
         values = (row.asked, unit), (row.measured, unit), (row.highest_step, "m")
-        lengths = (_shown(*value) for value in values)
+        lengths = (_shown(*value, written.per_metre) for value in values)
         yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
     if len(rows) > _LINES:
         yield f"  ({len(rows) - len(_some(rows))} rows between them are left out)"
@@ -75,6 +75,6 @@ def _some(rows: tuple[SeriesRow, ...]) -> list[SeriesRow]:
     return [*rows[:-1:apart], rows[-1]]
 
 
-def _shown(value: float | None, unit: str) -> str:
-    """Lengths in centimetres."""
-    return "-" if value is None else f"{value * 100 if unit == 'm' else value:.2f}"
+def _shown(value: float | None, unit: str, per_metre: float) -> str:
+    """Lengths in the units of the recipe."""
+    return "-" if value is None else f"{value * per_metre if unit == 'm' else value:.2f}"

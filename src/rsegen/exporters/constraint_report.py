@@ -59,9 +59,12 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
     if "crossable_by" in report:
         both = ((name, report["crossable_by"][name]) for name in ("west_east", "south_north"))
         paths = [name.replace("_", " to ") for name, way in both if way["crosses"]] or ["no side"]
-        limits = "a path of steps of {climb_cm:g} cm up and {drop_cm:g} cm down, {width_cm:g} cm wide, leads"
-        what = "{robot} drives" if "robot" in report["crossable_by"] else limits
-        yield f"{what.format(**report['crossable_by'])} across from {' and from '.join(paths)}"
+        asked, written = _asked(scene.recipe), lengths_in(scene.units)
+        what = f"{asked.get('robot')} drives"
+        if "robot" not in asked:
+            climb, drop, width = (written.said(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width"))
+            what = f"a path of steps of {climb} up and {drop} down, {width} wide, leads"
+        yield f"{what} across from {' and from '.join(paths)}"
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
         nearness = _nearness(scene, scene.recipe.inventory or ())

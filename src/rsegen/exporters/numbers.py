@@ -48,6 +48,11 @@ class Lengths:
     kerf: str
     kerf_size: int
 
+    @property
+    def per_metre(self) -> float:
+        """Units in a metre: 100 of centimetres."""
+        return 1e9 / self.size
+
     def short(self, length: int) -> str:
         """Return a length in nanometres in the unit, without its name."""
         return decimal(round(length / self.size, self.digits))

@@ -59,6 +59,11 @@ class Scene:
         return self.recipe.friction
 
     @property
+    def units(self) -> str:
+        """Units of lengths for people, as in recipes: cm or in."""
+        return self.recipe.units
+
+    @property
     def name(self) -> str:
         """Name of the map, on disk and in the simulator."""
         return self.recipe.map_name(self.index)

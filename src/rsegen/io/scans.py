@@ -50,7 +50,7 @@ class ScannedMap:
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
         """Return the points from above with the grid that was found, and how far each top is from its level."""
-        return scan_plot(self.scan, self.points, format)
+        return scan_plot(self.scan, self.points, format, self.recipe.units)
 
     def _repr_png_(self) -> bytes:
         return self.picture()
@@ -58,14 +58,18 @@ class ScannedMap:
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedMap:
-    """The result of `compare`: the differences between a map and a built field, and the scan of that, if any."""
+    """The result of `compare`: the differences between a map and a built field, and the scan of that, if any.
+
+    units: of lengths in the picture, as in recipes: those of the map.
+    """
 
     comparison: Comparison
     scan: Scan | None = None
+    units: str = "cm"
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
         """Return the plan with every block that is wrong, for the person with the mallet."""
-        return comparison_plot(self.comparison, format)
+        return comparison_plot(self.comparison, format, self.units)
 
     def _repr_png_(self) -> bytes:
         return self.picture()
@@ -93,14 +97,15 @@ def compare(
     Errors: ParameterError if two maps have different cells, ScanError if a scan shows another map.
     """
     field = _field(wanted)
+    units = wanted.units if isinstance(wanted, Recipe) else "cm"
     if isinstance(stands, (Recipe, StepField)):
-        return ComparedMap(comparison=compared(_field(stands), field))
+        return ComparedMap(comparison=compared(_field(stands), field), units=units)
     options = options or ScanOptions()
     points, _ = _points(stands, options)
     found = find_field(points, options.settings, known=field)
     stretch = found.unit / found.measured_unit
     comparison = Comparison(heights=found.heights * stretch, wanted=field, tolerance=field.unit / 2)
-    return ComparedMap(comparison=comparison, scan=found)
+    return ComparedMap(comparison=comparison, scan=found, units=units)
 
 
 def _field(shown: Recipe | StepField) -> StepField:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.pictures.plan import draw_cells
 from rsegen.exporters.pictures.preview import encoded
 from rsegen.exporters.scene import Scene, compose
@@ -232,19 +233,19 @@ def _line_text(plan: SeriesPlan, full: Array) -> str:
     if plan.by != RMS:
         return f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
     of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
-    return f"difficulty x {np.nan_to_num(full).mean():.3g} cm, {of}"
+    return f"difficulty x {np.nan_to_num(full).mean():.3g} {_unit(plan)}, {of}"
 
 
 def _unit(plan: SeriesPlan) -> str:
-    """Lengths are shown in centimetres."""
-    return "cm" if plan.metric.unit == "m" else plan.metric.unit
+    """Lengths are shown in the units of the recipe."""
+    return lengths_in(plan.recipe.units).unit if plan.metric.unit == "m" else plan.metric.unit
 
 
 def _column(plan: SeriesPlan, rows: Sequence[SeriesRow], name: str) -> Array:
     """Return a column of the table, as it is shown; NaN for values that do not exist."""
     cells = (getattr(row, name) for row in rows)
     values = np.array([np.nan if value is None else value for value in cells], dtype=float)
-    return values * 100 if _unit(plan) == "cm" else values
+    return values * lengths_in(plan.recipe.units).per_metre if plan.metric.unit == "m" else values
 
 
 def _draw_plan(axes: Axes, plan: SeriesPlan, scene: Scene, row: SeriesRow) -> None:
@@ -262,7 +263,8 @@ def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
     from matplotlib.patches import Patch
 
     levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    few, unit = levels[:: -(-len(levels) // _SWATCHES) or 1], scenes[0].field.unit * 100
-    swatches = [Patch(facecolor=scenes[0].plan_colour(level), label=f"{level * unit:g} cm") for level in few]
+    few, unit = levels[:: -(-len(levels) // _SWATCHES) or 1], scenes[0].field.unit
+    written = lengths_in(scenes[0].units)
+    swatches = [Patch(facecolor=scenes[0].plan_colour(level), label=written.said(level * unit, 3)) for level in few]
     if swatches:
         figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)

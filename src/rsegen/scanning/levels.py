@@ -7,7 +7,10 @@ counts.
 Cells: the height of a cell is the mean of the points near their median, in the inner 60 % of the cell, where no point
 of a side is. A plane (the ground was off by a little) and the unit are then fitted through all tops. The confidence of
 a level is the probability that a normal error, of the mean of its points and of what all heights have in common, is
-less than half a unit.
+less than half a unit; by Bayes it is less if the height is one that few blocks have, and other things have as often.
+
+Board: tops on a board have heights `board + level unit`, floor has 0, so a line through the medians of the levels has
+an intercept; the cloud is then read again from the top of the board.
 
 Cost: linear in the points, and sorting them by cell. It fails if tops of one level only are seen, for which every
 height is a unit, and if fewer than half of a cell's points are of its top.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.numbers import Lengths, lengths_in
 from rsegen.exporters.pictures.plan import LEGIBLE, draw_heights, number_cells
 from rsegen.exporters.pictures.preview import ColouredField, encoded, figure_bytes
 from rsegen.exporters.scene import Scene
@@ -37,10 +37,10 @@ _MARGIN = 0.25
 _UNSEEN = "#b9b9b9"
 
 
-def scan_plot(scan: Scan, points: Array, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+def scan_plot(scan: Scan, points: Array, format: str = "png", units: str = "cm") -> bytes:  # noqa: A002  # matplotlib's word
     """Return the points from above with the grid, and the errors of all tops, as the bytes of an image file.
 
-    points: (n, 3) of the cloud that was read [m]; some of them are drawn.
+    points: (n, 3) of the cloud that was read [m]; some of them are drawn; units: of lengths, as in recipes.
     """
     from matplotlib.figure import Figure
 
@@ -49,19 +49,20 @@ def scan_plot(scan: Scan, points: Array, format: str = "png") -> bytes:  # noqa:
     height = float(np.clip(5.6 * n_y / n_x + 1.2, 3.5, 12))
     figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
     from_above, residuals = figure.subplots(1, 2)
-    _draw_points(from_above, scan, points)
-    _draw_errors(residuals, scan)
+    written = lengths_in(units)
+    _draw_points(from_above, scan, points, written)
+    _draw_errors(residuals, scan, written)
     figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
     number_cells(residuals, scan.field)
     seen = int(scan.seen.sum())
     figure.suptitle(
-        f"{n_x} x {n_y} cells of {scan.measured_width * 100:.2f} cm, unit {scan.measured_unit * 100:.2f} cm; "
+        f"{n_x} x {n_y} cells of {written.said(scan.measured_width)}, unit {written.said(scan.measured_unit)}; "
         f"{seen} of {scan.seen.size} cells seen; a point is {scan.noise * 1000:.1f} mm off (standard deviation)"
     )
     return encoded(figure, format)
 
 
-def _draw_points(axes: Axes, scan: Scan, points: Array) -> None:
+def _draw_points(axes: Axes, scan: Scan, points: Array, written: Lengths) -> None:
     # In the frame of the map, the highest last, so that tops hide what is below them.
     few = points[:: max(1, len(points) // _MOST_POINTS)]
     x, y, z = scan.placed(few[(np.abs(few) < _FARTHEST).all(axis=1)]).T
@@ -72,27 +73,27 @@ def _draw_points(axes: Axes, scan: Scan, points: Array) -> None:
     drawn = axes.scatter(
         x[near][order],
         y[near][order],
-        c=z[near][order] * 100,
+        c=z[near][order] * written.per_metre,
         s=3,
         linewidths=0,
         cmap="viridis",
         vmin=0,
-        vmax=highest * 100,
+        vmax=highest * written.per_metre,
         rasterized=True,
     )
     figure = axes.figure
-    figure.colorbar(drawn, ax=axes, label="height above the ground [cm]")
+    figure.colorbar(drawn, ax=axes, label=f"height above the ground [{written.unit}]")
     for cells, half, other, line in ((0, half_x, half_y, axes.vlines), (1, half_y, half_x, axes.hlines)):
         line(np.linspace(-half, half, scan.levels.shape[cells] + 1), -other, other, colors="#d62728", linewidth=0.8)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="the points from above, and the grid that was found", aspect="equal")
 
 
-def _draw_errors(axes: Axes, scan: Scan) -> None:
-    # Colours end at half a unit, in centimetres: beyond it the level would be another one.
-    half = scan.measured_unit * 50
+def _draw_errors(axes: Axes, scan: Scan, written: Lengths) -> None:
+    # Colours end at half a unit: beyond it the level would be another one.
+    half = scan.measured_unit * written.per_metre / 2
     edges_x, edges_y = scan.field.edges()
     shown = axes.imshow(
-        np.ma.masked_invalid(scan.errors * 100).T,
+        np.ma.masked_invalid(scan.errors * written.per_metre).T,
         cmap="RdBu_r",
         vmin=-half,
         vmax=half,
@@ -101,7 +102,7 @@ def _draw_errors(axes: Axes, scan: Scan) -> None:
         extent=(edges_x[0], edges_x[-1], edges_y[0], edges_y[-1]),
     )
     axes.set_facecolor(_UNSEEN)
-    axes.figure.colorbar(shown, ax=axes, label="measured height above that of the level [cm]", pad=0.1)
+    axes.figure.colorbar(shown, ax=axes, label=f"measured height above that of the level [{written.unit}]", pad=0.1)
     if max(scan.levels.shape) <= LEGIBLE:
         middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in (edges_x, edges_y))
         for (x, y), level in np.ndenumerate(scan.levels):
@@ -121,15 +122,18 @@ _TOO_HIGH, _TOO_LOW, _RIGHT, _UNSEEN_CELL = (
 """Red and blue of about equal lightness (ends of ColorBrewer's RdBu), which colour-blind people tell apart; greys."""
 
 
-def comparison_plot(comparison: Comparison, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """Return the picture as the bytes of an image file, north up: what to change, next to the field as it should be."""
+def comparison_plot(comparison: Comparison, format: str = "png", units: str = "cm") -> bytes:  # noqa: A002  # matplotlib's word
+    """Return the picture as the bytes of an image file, north up: what to change, next to the field as it should be.
+
+    units: of lengths, as in recipes
+    """
     from matplotlib.figure import Figure
 
     n_x, n_y = comparison.wanted.shape
     figure = Figure(figsize=(14, float(np.clip(6.2 * n_y / n_x + 1.4, 3.5, 14))), dpi=100, layout="constrained")
     changes, wanted = figure.subplots(1, 2)
-    _draw_changes(changes, comparison)
-    title = draw_heights(wanted, ColouredField(field=comparison.wanted))
+    _draw_changes(changes, comparison, lengths_in(units))
+    title = draw_heights(wanted, ColouredField(field=comparison.wanted, units=units))
     wanted.set_title(f"as it should be: {title}")
     figure.suptitle(summary(comparison))
     figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
@@ -149,7 +153,7 @@ def summary(comparison: Comparison) -> str:
     return f"{cells - high - low - unseen} of {cells} cells are right{turned}" + (f"; {others}" if others else "")
 
 
-def _draw_changes(axes: Axes, comparison: Comparison) -> None:
+def _draw_changes(axes: Axes, comparison: Comparison, written: Lengths) -> None:
     off = comparison.differences
     colours = np.select(
         [~comparison.seen[..., None], off[..., None] > 0, off[..., None] < 0],
@@ -164,19 +168,19 @@ def _draw_changes(axes: Axes, comparison: Comparison) -> None:
         axes.set_yticks(edges_y, minor=True)
         axes.grid(which="minor", color="white", linewidth=1.5)
         axes.tick_params(which="minor", length=0)
-        _write_changes(axes, comparison)
-    axes.set_title("what to change [cm]; red: too high, blue: too low, grey: not seen")
+        _write_changes(axes, comparison, written)
+    axes.set_title(f"what to change [{written.unit}]; red: too high, blue: too low, grey: not seen")
 
 
-def _write_changes(axes: Axes, comparison: Comparison) -> None:
+def _write_changes(axes: Axes, comparison: Comparison, written: Lengths) -> None:
     middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in comparison.wanted.edges())
     size = min(10.0, 110 / max(comparison.wanted.shape))
     for x, y in np.argwhere(~comparison.wrong & ~comparison.wanted.frame):
-        wanted_cm = decimal(round(float(comparison.wanted.heights[x, y]) * 100, 4))
-        text = wanted_cm if comparison.seen[x, y] else "?"
+        wanted_height = written.measured(float(comparison.wanted.heights[x, y]), 3)
+        text = wanted_height if comparison.seen[x, y] else "?"
         axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=size, color="#8a8f88")
     for x, y, height, wanted in comparison.changes():
-        text = f"{decimal(round(height * 100, 1))}\n\u2192 {decimal(round(wanted * 100, 1))}"
+        text = f"{written.measured(height, 1)}\n\u2192 {written.measured(wanted, 1)}"
         axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=size, color="white", weight="bold")
 
 
@@ -191,9 +195,11 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
     n_x, n_y = errors_cm.shape
     figure = Figure(figsize=(8, float(np.clip(6.5 * n_y / n_x + 1, 3, 16))), dpi=100, layout="constrained")
     axes = figure.subplots()
-    half = scene.recipe.unit_cm / 2
+    written = lengths_in(scene.units)
+    errors = errors_cm / 100 * written.per_metre
+    half = scene.recipe.unit_cm / 200 * written.per_metre
     shown = axes.imshow(
-        np.ma.masked_array(errors_cm, holes).T,
+        np.ma.masked_array(errors, holes).T,
         cmap="RdBu_r",
         vmin=-half,
         vmax=half,
@@ -201,17 +207,17 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
         interpolation="none",
     )
     axes.set_facecolor("#999999")  # holes
-    axes.set(xlabel="x [cells]", ylabel="y [cells]", title="measured height above that of the block [cm]")
-    figure.colorbar(shown, ax=axes, label="cm")
+    axes.set(xlabel="x [cells]", ylabel="y [cells]", title=f"measured height above that of the block [{written.unit}]")
+    figure.colorbar(shown, ax=axes, label=written.unit)
     if max(n_x, n_y) <= LEGIBLE:
-        _write_errors(axes, errors_cm, holes, half)
+        _write_errors(axes, errors, holes, half)
     filled = f"; grey: {int(holes.sum()):,} filled" if holes.any() else ""
-    figure.suptitle(f"{scene.name}: rounded to {scene.recipe.unit_cm:g} cm{filled}")
+    figure.suptitle(f"{scene.name}: rounded to {written.said(scene.recipe.unit_cm / 100, 3)}{filled}")
     return figure_bytes(figure, scene, format)
 
 
-def _write_errors(axes: Axes, errors_cm: Array, holes: Mask, half: float) -> None:
-    for (x, y), error in np.ndenumerate(errors_cm):
+def _write_errors(axes: Axes, errors: Array, holes: Mask, half: float) -> None:
+    for (x, y), error in np.ndenumerate(errors):
         text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"
         colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
         axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)

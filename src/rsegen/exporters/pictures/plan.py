@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from rsegen.exporters.colours import Colour
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.numbers import Lengths, lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
@@ -40,6 +40,10 @@ class Drawable(Protocol):
     def field(self) -> StepField:
         """Blocks and frames to draw."""
 
+    @property
+    def units(self) -> str:
+        """Units of its heights for people, as in recipes: cm or in."""
+
     def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material in plans: 0 is the frame, any other number a level."""
 
@@ -51,7 +55,7 @@ class Drawable(Protocol):
 
 
 def draw_plan(axes: Axes, drawn: Drawable) -> None:
-    """Draw a field from above, north up, with the heights in centimetres if they fit into the cells."""
+    """Draw a field from above, north up, with the heights in its units if they fit into the cells."""
     axes.set(xlabel="x [m]", ylabel="y [m]", title=draw_heights(axes, drawn))
 
 
@@ -65,8 +69,9 @@ def draw_heights(axes: Axes, drawn: Drawable, share: float = 1.0) -> str:
     size = min(11.0, 150 / most) * share  # the font shrinks with the cells
     if most > LEGIBLE or size < _SMALLEST:
         return "plan"
-    _write_heights(axes, drawn, colours, size)
-    return "plan, heights in cm"
+    written = lengths_in(drawn.units)
+    _write_heights(axes, drawn, colours, size, written)
+    return f"plan, heights in {written.name}"
 
 
 def draw_cells(axes: Axes, drawn: Drawable) -> Array:
@@ -79,13 +84,13 @@ def draw_cells(axes: Axes, drawn: Drawable) -> Array:
     return colours
 
 
-def _write_heights(axes: Axes, drawn: Drawable, colours: Array, size: float) -> None:
+def _write_heights(axes: Axes, drawn: Drawable, colours: Array, size: float, written: Lengths) -> None:
     middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
     heights = drawn.field.heights
     for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
         # Legible on its colour, by the luma of ITU-R BT.601.
         ink = "white" if colours[i, j] @ (0.3, 0.59, 0.11) < 0.5 else "black"
-        text = decimal(round(heights[i, j] * 100, 4))
+        text = written.measured(heights[i, j], 3)
         axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
 
 

@@ -25,7 +25,7 @@ import numpy as np
 from rsegen import __version__
 from rsegen.errors import FileError
 from rsegen.exporters.colours import Colour, height_colour
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.numbers import decimal, lengths_in
 from rsegen.exporters.pictures.plan import (
     GROUND_GREY,
     Drawable,
@@ -400,13 +400,13 @@ def _entries(drawn: Drawable) -> list[Any]:
     # Of too many heights every second, third, ... is shown; a legend of more than one column of entries is smaller.
     levels = [level for level in drawn.field.level_counts() if level]
     shown = levels[:: -(-len(levels) // _SWATCHES) or 1]
-    unit = drawn.field.unit * 100
+    unit, written = drawn.field.unit, lengths_in(drawn.units)
     entries: list[Any] = [
-        Patch(facecolor=drawn.plan_colour(level), label=f"{decimal(level * unit)} cm") for level in shown
+        Patch(facecolor=drawn.plan_colour(level), label=written.said(level * unit, 3)) for level in shown
     ]
     if drawn.field.frame.any():
-        frame = decimal(drawn.field.frame_height * 100)
-        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame} cm"))
+        frame = written.said(drawn.field.frame_height, 3)
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
     return entries
 
 
@@ -460,6 +460,7 @@ class ColouredField:
     """A field with the default colours: frames red, blocks in the colours of their heights."""
 
     field: StepField
+    units: str = "cm"
 
     def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material: 0 is the frame, any other number a level."""

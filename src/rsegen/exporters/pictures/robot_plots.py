@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.exporters.numbers import decimal
+from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.pictures.plan import GROUND_GREY, boundary, draw_plan
 from rsegen.exporters.pictures.preview import figure_bytes
 from rsegen.exporters.scene import Scene
@@ -44,11 +44,12 @@ def path_plot(scene: Scene, reach: Traversability | Reach, crosser: str, format:
     return figure_bytes(figure, scene, format)
 
 
-def describe_limits(limits: StepLimits) -> str:
-    """Describe limits of steps in words."""
-    up, down = (decimal(limit / 1e7) for limit in limits.limits)
-    wide = f", {decimal(limits.width_cm)} cm wide" if limits.width_cm else ""
-    return f"a path of steps of up to {up} cm up and {down} cm down{wide}"
+def describe_limits(limits: StepLimits, units: str = "cm") -> str:
+    """Describe limits of steps in words; units: of lengths, as in recipes."""
+    written = lengths_in(units)
+    up, down = (f"{written.short(limit)} {written.unit}" for limit in limits.limits)
+    wide = f", {written.said(limits.width, 3)} wide" if limits.width_cm else ""
+    return f"a path of steps of up to {up} up and {down} down{wide}"
 
 
 def _draw_path(axes: Axes, scene: Scene, crossing: Crossing | Way, name: str, colour: str) -> None:
@@ -113,7 +114,8 @@ def spots_plot(scene: Scene, outline: Outline, spots: Sequence[Spot], format: st
     draw_plan(axes, scene)
     for index, spot in enumerate(spots):
         _draw_spot(axes, outline, spot, str(index))
-    figure.suptitle(f"{scene.name}: spots for {outline.length * 100:.3g} x {outline.width * 100:.3g} cm")
+    written = lengths_in(scene.units)
+    figure.suptitle(f"{scene.name}: spots for {written.measured(outline.length, 1)} x {written.said(outline.width, 1)}")
     return figure_bytes(figure, scene, format)
 
 

@@ -4,7 +4,7 @@ Idea: ground is rough at some lengths and smooth at others. Each profile, a row 
 loses its line of least squares and is tapered by a Hann window; the periodogram says how much of its variance is in
 each frequency f, and S ~ f^-b is fitted to the mean of all profiles: b is near 0 if blocks are independent, and larger
 if neighbours are alike. Vehicle dynamics describes roads so (Andrén, International Journal of Vehicle Design 2006, is a
-survey of the fits), and Hoffman and Krotkov (1989) ask for detrended and windowed heights of natural terrain.
+survey of the fits), and Hoffman and Krotkov (1989) detrend and window the heights of terrain.
 
 Cost: n log n of the cells. What breaks it: short profiles, as the line takes most of the lowest frequency, and 10
 blocks leave four frequencies; and a block is one sample, so nothing is said of lengths below two blocks, where the
