@@ -140,3 +140,19 @@ def test_the_page_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch, capsy
     assert main(["gui", "--no-browser", "--port", "0", *RANDOM]) == 0
     assert opened == [RECIPE]
     assert "&doc=d1" in capsys.readouterr().out
+
+
+def test_the_page_plays_the_drive_of_a_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from rsegen.page.service import Service
+
+    monkeypatch.setattr(Service, "run", Service.close)
+    monkeypatch.chdir(tmp_path)
+    for name in ("map", "drive"):
+        (tmp_path / name).mkdir()
+        rsegen.save(RECIPE, tmp_path / name / "recipe.json")
+    (tmp_path / "drive" / "drive.json").write_text("{}")
+    for name, plays in (("drive", True), ("map", False)):
+        assert main(["gui", name, "--no-browser", "--port", "0"]) == 0
+        assert ("&play=drive" in capsys.readouterr().out) == plays

@@ -497,6 +497,15 @@ def test_a_drive_of_a_folder_is_played_over_its_own_map(page: Page, folder: Path
     assert page.js("return window.rsegen.solid.player.robots.length") == 1
 
 
+def test_an_address_with_a_drive_plays_it(chrome: Chrome, address: str, folder: Path) -> None:
+    poses = [[second, 0.4 * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 0.5, 1.0, 1.5, 2.0)]
+    recorded(folder / "watched", poses, crossed=1.0)
+    save(load(EXAMPLES["peak"]), folder / "watched" / "recipe.json")
+    page = Page(chrome, f"{address}&play=watched", "watched")
+    until(lambda: page.js("return state.second.value > 0"))
+    assert page.js("return state.playbacks.value.length") == 1
+
+
 def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(page: Page) -> None:
     page.js("state.tab.value = 'robot'")
     Select(page.chrome.find_element(By.CSS_SELECTOR, '[data-field="Robot"] select')).select_by_value("burger")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+from itertools import chain
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds, seconds_bar
@@ -31,4 +33,6 @@ def run(arguments: argparse.Namespace) -> Report:
         seconds = duration.sort.check("duration", given(drive, arguments).get("duration", duration.default))
     with seconds_bar(seconds) as progress:
         result = call(drive, arguments, target, progress=progress)
-    return Report(lines=result.report(), content=result.as_json)
+    folder = given(drive, arguments).get("output")
+    played = [f"to see it drive: rsegen gui {shlex.quote(str(folder))}"] if folder else []
+    return Report(lines=chain(result.report(), played), content=result.as_json)

@@ -39,7 +39,7 @@ class _Serving:
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = add_command(commands, "gui", _Serving)
-    where = "YAML or JSON file, the name of an example, a folder, a data set, or one of its maps as DIR#17"
+    where = "YAML or JSON file, the name of an example, a folder, that of a drive, or DIR#17 of a data set"
     complete_examples(command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where))
     add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
@@ -60,7 +60,8 @@ def run(arguments: argparse.Namespace) -> None:
             port=None if arguments.port is None else int(arguments.port),
             keep=bool(arguments.keep),
         )
-    _say(service, doc, arguments)
+    drive = what if what and (folder / what / "drive.json").is_file() else ""
+    _say(service, service.url(doc, drive), arguments)
     service.run()
 
 
@@ -90,11 +91,10 @@ def _opened(host: Host, what: str, arguments: argparse.Namespace) -> str:
     return str(open_document(host, what=what)["doc"])
 
 
-def _say(service: Service, doc: str, arguments: argparse.Namespace) -> None:
+def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
     """Print the address, and open the browser if there is one that a person sees."""
     from rsegen.simulation.simulators.server import has_screen
 
-    url = service.url(doc)
     if arguments.json:
         print(json.dumps({"url": url}), flush=True)
     else:

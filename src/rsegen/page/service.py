@@ -78,8 +78,8 @@ class Service:
         app = desk.application(frozenset(names), any_address=not ipaddress.ip_address(ip).is_loopback)
         self._server = _Server(app, desk, keep=self.keep)
 
-    def url(self, doc: str = "") -> str:
-        """Return the address of the page, with its token, and of a document on it."""
+    def url(self, doc: str = "", play: str = "") -> str:
+        """Return the address of the page, with its token, of a document on it, and of a drive that plays over it."""
         ip, port = self._socket.getsockname()[:2]
         if ipaddress.ip_address(ip).is_unspecified:
             name = socket.gethostname()
@@ -87,7 +87,8 @@ class Service:
             name = "localhost"
         else:
             name = f"[{ip}]" if ":" in ip else ip
-        return f"http://{name}:{port}/?token={self.token}" + (f"&doc={quote(doc)}" if doc else "")
+        shown = "".join(f"&{key}={quote(value)}" for key, value in (("doc", doc), ("play", play)) if value)
+        return f"http://{name}:{port}/?token={self.token}{shown}"
 
     @property
     def is_open_to_others(self) -> bool:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any
 
@@ -20,6 +21,7 @@ import numpy as np
 
 from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.watch import tell
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
 from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, pose_statistics
@@ -522,7 +524,9 @@ def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> W
     direct = _straight_way(lanes, field, body, axis)
     if direct and best == "length":
         return direct
-    return Lattice(field, body, best).way(axis) or direct or no_way(lanes, body)
+    way = Lattice(field, body, best, partial(tell, "a way across")).way(axis)
+    tell("a way across", 1)
+    return way or direct or no_way(lanes, body)
 
 
 def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:

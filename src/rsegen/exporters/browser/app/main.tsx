@@ -9,6 +9,7 @@ import { MapPanel } from "./map";
 import { Obstacles, removeSelected } from "./obstacles";
 import "./page.css";
 import { Results, Variants } from "./results";
+import { play } from "./playback";
 import { RobotPanel } from "./robot";
 import { Jobs, Run } from "./run";
 import { Stage } from "./viewer";
@@ -146,5 +147,7 @@ function Viewer() {
   );
 }
 
+const driven = new URLSearchParams(location.search).get("play"); // the folder of a drive that rsegen gui was given
+
 render(frozen ? <Viewer /> : <Editor />, document.getElementById("page")!);
-void start();
+void start().then(async () => { if (driven) await play(driven); });
