@@ -10,7 +10,7 @@ import pytest
 from tests.crash.injection import missing
 from tests.crash.running import numbers, run
 
-FEW, ALL = 40, 240
+FEW, ALL = 20, 120
 """Trials of `make test` and of `make test-all`."""
 
 

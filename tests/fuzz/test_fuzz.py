@@ -13,7 +13,7 @@ from tests.fuzz.families import FAMILIES, case_of
 from tests.support.patience import run
 
 FOLDER = Path(__file__).parent
-FEW, MANY = 300, 1200
+FEW, MANY = 120, 600
 """Cases of `make test`, and further ones of `make test-all`."""
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="limits of memory, and what a file is, as Linux has them"

@@ -121,9 +121,11 @@ def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
 ) -> None:
     file = tmp_path / "jackal.sdf"
     file.write_text(ROBOTS["jackal"].file("jackal"))
-    found = rsegen.metrics(rsegen.build(rsegen.load(PALLET)), ROBOTS["jackal"]).reach
+    path = tmp_path / "small.yaml"
+    path.write_text("{chunk_size: 6, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 4}]}")
+    found = rsegen.metrics(rsegen.build(rsegen.load(path)), ROBOTS["jackal"]).reach
     for robot in ("jackal", file):
-        reach = json.loads(printed(capsys, PALLET, "--json", "--robot", robot))[0]["reach"]
+        reach = json.loads(printed(capsys, path, "--json", "--robot", robot))[0]["reach"]
         assert reach["cover"] == pytest.approx(found.cover, abs=0.05)  # it rocks on two of its four wheels
         assert reach["west_east"]["crosses"] == found.west_east.crosses
 
@@ -171,9 +173,10 @@ def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     assert (coloured > 1000) == found.west_east.crosses
 
 
-def test_the_search_of_a_robot_has_progress(maps: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(["metrics", str(maps), "--map", "0", "--robot", "jackal", "--progress", "json"]) == 0
+def test_the_search_of_a_robot_has_progress(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "small.yaml"
+    path.write_text("{chunk_size: 5, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 3}]}")
+    assert main(["metrics", str(path), "--robot", "jackal", "--progress", "json"]) == 0
     said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
     done = [each["done"] for each in said]
     assert done == sorted(done)

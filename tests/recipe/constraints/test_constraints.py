@@ -174,7 +174,6 @@ def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
         assert straight_lane(field, ROBOTS["crawler"].body, axis) is not None
     assert sum(told["inventory"]["used"].values()) <= 100
     assert again.crossable_by == "crawler"
-    assert field == rsegen.build(recipe(crossable_by="crawler", inventory=(40, 30, 20, 10)))
 
 
 def test_the_constraints_that_the_map_meets_are_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

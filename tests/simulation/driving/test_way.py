@@ -53,7 +53,8 @@ def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
     assert second.start.x < first.start.x - robot(kind).size[0]
     places = followed(first.route(), first.start, 600)
     inside = [place for place in places if abs(place[0]) < field.extent[0] / 2]
-    cut = max(field.block_width / 2, 0.1 * robot(kind).size[0])  # of a corner, by one who heads for a point ahead
+    # Who heads for a point ahead, half a robot's length away, cuts corners by up to a quarter of that.
+    cut = max(field.block_width / 2, robot(kind).size[0] / 8)
     assert max(off_line(place, first.way.points) for place in inside[::10]) < cut
     assert places[-1][0] >= finish_x(field, robot(kind))
 
