@@ -1,9 +1,12 @@
-"""How well poses at rest are predicted: robots fall on random fields in MuJoCo and in a real Gazebo Classic.
+"""How well poses at rest are predicted: robots fall on random fields in three simulators.
 
-python -m benchmarks.rests    prints the tables and keeps benchmarks/results/rests.json; ten minutes
+python -m benchmarks.rests    prints the tables and keeps benchmarks/results/rests.json; a quarter of an hour
+
+The simulators are a real Gazebo Classic, MuJoCo, and the physics engine of Gazebo Sim without its server, which
+scripts/gazebo-engine sets up. The joints of robots do not move in the latter two.
 
 Every robot is put down level, 5 mm above the highest block below it, at places and headings of fresh seeds, the same in
-both simulators. Some slide from where they were put down, so the prediction is that for the place and heading of their
+all simulators. Some slide from where they were put down, so the prediction is that for the place and heading of their
 centre of mass at the end; how good it is for the place where they were put down stands in a column of its own. All
 poses count, those of robots that tipped over, too. What the simulators differ by from each other is measured alike.
 """
@@ -12,11 +15,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
+import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass
+from itertools import combinations
 from math import cos, degrees, hypot, remainder, sin, tau
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -56,6 +62,9 @@ TIPPED, SLID, STILL = 60.0, 0.02, 0.002
 
 CLOSE = (5.0, 1.5)
 """Millimetres and degrees of a prediction that is close enough."""
+
+ENGINE = Path.home() / ".cache/rsegen/gazebo-engine/gazebo-engine"
+"""Where scripts/gazebo-engine puts its program."""
 
 TIMED, RUNS = 4096, 5
 """Poses that are timed together, and how often: the median counts."""
@@ -118,11 +127,12 @@ class Speed:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit code: 0; 3 where there is no Gazebo Classic."""
+    """Exit code: 0; 3 where there is no Gazebo Classic, or no engine of Gazebo Sim."""
     options = _options(arguments)
     here = SIMULATORS["classic"].installation()
-    if not here:
-        print("no Gazebo Classic here: run scripts/gazebo-classic", file=sys.stderr)
+    if not here or not ENGINE.exists():
+        missing = "gazebo-engine" if here else "gazebo-classic"
+        print(f"a simulator is not here: run scripts/{missing}", file=sys.stderr)
         return 3
     found, apart = [], []
     for name in options.robots:
@@ -131,7 +141,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         apart += between
     record = {
         "machine": machine(),
-        "simulators": [str(here), version()],
+        "simulators": [str(here), version(), "ignition-physics 5, DART"],
         "units": {name: UNITS[name] for name in options.robots},
         "columns": Rest.__slots__,
         "rests": [astuple(rest) for rest in (*found, *apart)],
@@ -144,7 +154,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> tuple[list[Rest], list[Rest]]:
-    """Return the rests of a robot in both simulators, and those of one compared with the other."""
+    """Return the rests of a robot in all simulators, and those of each two compared with each other."""
     body, found, between = robot.body, [], []
     for seed in range(FIRST_SEED, FIRST_SEED + FIELDS):
         scene = _scene(seed, UNITS[robot.kind])
@@ -152,14 +162,17 @@ def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> t
         ends = {
             "classic": attempted(lambda scene=scene, starts=starts: _in_classic(here, scene, robot, starts))[0],  # type: ignore[misc]  # mypy has no types for defaults of lambdas
             "mujoco": [_in_mujoco(scene, robot, start) for start in starts],
+            "engine": _in_engine(scene, robot, starts),
         }
         for simulator, states in ends.items():
             for number, (start, state) in enumerate(zip(starts, states, strict=True)):
                 found.append(_rest(simulator, robot, seed, number, ground, start, state))
-        for number, (one, other) in enumerate(zip(ends["classic"], ends["mujoco"], strict=True)):
-            between.append(_difference(robot, seed, number, _at(body, one[1]), _at(body, other[1])))
-        close = sum(rest.is_close for rest in found[-2 * ON_A_FIELD :])
-        say(f"{robot.kind}, seed {seed}: {close} of {2 * ON_A_FIELD} close")
+        for pair in combinations(ends, 2):
+            for number, (one, other) in enumerate(zip(*(ends[name] for name in pair), strict=True)):
+                two = " from ".join(pair)
+                between.append(_difference(two, robot, seed, number, _at(body, one[1]), _at(body, other[1])))
+        close = sum(rest.is_close for rest in found[-len(ends) * ON_A_FIELD :])
+        say(f"{robot.kind}, seed {seed}: {close} of {len(ends) * ON_A_FIELD} close")
     return found, between
 
 
@@ -211,6 +224,27 @@ def _in_classic(here: Installation, scene: Scene, robot: Robot, starts: Sequence
 
 def _six(pose: Any) -> Array:
     return np.array([pose.x, pose.y, pose.z, pose.roll, pose.pitch, pose.yaw])
+
+
+def _in_engine(scene: Scene, robot: Robot, starts: Sequence[Start]) -> list[State]:
+    """Return the states of robots that rest in one world of Gazebo Sim's engine, whose joints are told to stand."""
+    names = [f"{robot.kind}_{number}" for number in range(len(starts))]
+    models = [
+        robot.model(name, "sim", (x, y, z, 0, 0, yaw)) for name, (x, y, z, yaw) in zip(names, starts, strict=True)
+    ]
+    joints = re.findall('<joint name="(.+?)" type="revolute"', models[0])
+    told = [f"{name}::{joint}=0" for name in names for joint in joints]
+    with world_of(scene).on_disk() as world:
+        file = world.with_name("rests.world")
+        file.write_text(world_with_robots(world, models), "utf-8")
+        steps = ",".join(f"{round(seconds / STEP)}" for seconds in (SECONDS - STILL_FOR, STILL_FOR))
+        command = [str(ENGINE), str(file), steps, *told]
+        lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    before, after = (
+        {name: np.array(values, float) for name, *values in map(str.split, part)}
+        for part in (lines[: len(names)], lines[len(names) :])
+    )
+    return [(before[name], after[name]) for name in names]
 
 
 def _in_mujoco(scene: Scene, robot: Robot, start: Start) -> State:
@@ -291,12 +325,12 @@ def _errors(one: At, other: At) -> tuple[float, float]:
     )
 
 
-def _difference(robot: Robot, seed: int, number: int, one: At, other: At) -> Rest:
+def _difference(pair: str, robot: Robot, seed: int, number: int, one: At, other: At) -> Rest:
     """Return how two simulators differ about a robot that was put down alike."""
     height, angle = _errors(one, other)
     tilt = round(degrees(float(np.arccos(np.clip(min(one.axes[2, 2], other.axes[2, 2]), -1, 1)))), 2)
     return Rest(
-        simulator="between",
+        simulator=pair,
         robot=robot.kind,
         seed=seed,
         number=number,
@@ -336,7 +370,7 @@ def _speed(robot: Robot) -> Speed:
     )
 
 
-_TITLES = {"classic": "Gazebo Classic", "mujoco": "MuJoCo", "between": "Classic from MuJoCo"}
+_TITLES = {"classic": "Gazebo Classic", "mujoco": "MuJoCo", "engine": "Gazebo Sim's engine"}
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
@@ -353,20 +387,20 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         close = sum(rest.is_close for rest in own)
         put = sum(rest.put_height <= CLOSE[0] and rest.put_angle <= CLOSE[1] for rest in own)
         cells = [
-            _TITLES[simulator],
+            " from ".join(_TITLES[one] for one in simulator.split(" from ")),
             f"{name}, {record['units'][name]:g} cm",
             f"{len(own)}",
             _middle_and_high([rest.height for rest in own]),
             _middle_and_high([rest.angle for rest in own]),
             f"{100 * close / len(own):.0f} %",
             f"{sum(rest.is_stable and not rest.is_close for rest in own)} of {len(own) - close}"
-            if simulator != "between"
+            if simulator in _TITLES
             else "",
-            f"{100 * put / len(own):.0f} %" if simulator != "between" else "",
+            f"{100 * put / len(own):.0f} %" if simulator in _TITLES else "",
             f"{sum(rest.tilt > TIPPED for rest in own)}",
-            f"{sum(not rest.stands for rest in own)}" if simulator != "between" else "",
+            f"{sum(not rest.stands for rest in own)}" if simulator in _TITLES else "",
             f"{sum(rest.slid > SLID for rest in own)}",
-            f"{sum(rest.moving > STILL for rest in own)}" if simulator != "between" else "",
+            f"{sum(rest.moving > STILL for rest in own)}" if simulator in _TITLES else "",
         ]
         yield f"| {' | '.join(cells)} |"
     yield ""

@@ -1,14 +1,16 @@
 // A world simulated by the physics engine of Gazebo Sim, with no server about it:
 //
-//   gazebo-engine WORLD STEPS [MODEL::JOINT=SPEED ...]
+//   gazebo-engine WORLD STEPS[,STEPS...] [MODEL::JOINT=SPEED ...]
 //
 // It does what the server's physics system does: libsdformat reads the world and the engine's plug-in builds it; meshes,
 // of which the plug-in takes no notice in SDF, are loaded and attached to their links; joints are told their speeds,
-// rad/s, before every step. Of each model that can move it prints the name, x y z, metres, and roll pitch yaw, radians.
+// rad/s, before every step. After so many steps, and so many more, it prints of each model that can move the name, x y z,
+// metres, and roll pitch yaw, radians.
 
 #include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -97,7 +99,18 @@ void Step(const World &simulated, const std::vector<std::pair<Joint, double>> &t
   }
 }
 
-void Run(const std::string &file, int steps, const std::vector<std::string> &told)
+void Print(const World &simulated, const sdf::World &world)
+{
+  for (std::uint64_t i = 0; i < world.ModelCount(); ++i)
+  {
+    const auto &model = *world.ModelByIndex(i);
+    if (!model.Static())
+      std::cout << model.Name() << ' '
+                << convert(simulated->GetModel(model.Name())->GetLink(0)->FrameDataRelativeToWorld().pose) << '\n';
+  }
+}
+
+void Run(const std::string &file, std::istringstream steps, const std::vector<std::string> &told)
 {
   sdf::Root root;
   for (const auto &error : root.Load(file))
@@ -117,14 +130,10 @@ void Run(const std::string &file, int steps, const std::vector<std::string> &tol
   std::vector<std::pair<Joint, double>> turning;
   for (const auto &each : told)
     turning.push_back(Turning(simulated, each));
-  Step(simulated, turning, world->PhysicsByIndex(0)->MaxStepSize(), steps);
-
-  for (std::uint64_t i = 0; i < world->ModelCount(); ++i)
+  for (std::string some; std::getline(steps, some, ',');)
   {
-    const auto &model = *world->ModelByIndex(i);
-    if (!model.Static())
-      std::cout << model.Name() << ' '
-                << convert(simulated->GetModel(model.Name())->GetLink(0)->FrameDataRelativeToWorld().pose) << '\n';
+    Step(simulated, turning, world->PhysicsByIndex(0)->MaxStepSize(), std::stoi(some));
+    Print(simulated, *world);
   }
 }
 
@@ -132,8 +141,8 @@ int main(int argc, char **argv)
 try
 {
   if (argc < 3)
-    throw std::runtime_error("gazebo-engine WORLD STEPS [MODEL::JOINT=SPEED ...]");
-  Run(argv[1], std::stoi(argv[2]), {argv + 3, argv + argc});
+    throw std::runtime_error("gazebo-engine WORLD STEPS[,STEPS...] [MODEL::JOINT=SPEED ...]");
+  Run(argv[1], std::istringstream(argv[2]), {argv + 3, argv + argc});
 }
 catch (const std::exception &error)
 {
