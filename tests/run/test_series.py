@@ -274,7 +274,7 @@ def test_a_series_rises_by_the_tilt_of_a_robot(tmp_path: Path) -> None:
     [
         (("--by", "reach.cover"), "by: reach.cover needs a robot; give robot too"),
         (("--by", "cost"), "by: unknown metric 'cost'"),
-        (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost"),
+        (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; give --by reach.west_east.cost"),
         (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
         (
             ("--robot", "1,2,3,4"),
