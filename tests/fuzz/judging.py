@@ -88,7 +88,7 @@ class Judge:
         importlib.import_module("PIL.Image").init()
         usual = edge.failed
 
-        def failed(error: BaseException, signal: int) -> int:
+        def failed(error: BaseException, signal: int, command: str | None = None) -> int:
             self._error = error
             return int(usual(error, signal))
 
