@@ -90,7 +90,7 @@ class Judge:
 
         def failed(error: BaseException, signal: int, command: str | None = None) -> int:
             self._error = error
-            return int(usual(error, signal))
+            return int(usual(error, signal, command))
 
         edge.failed = failed
         building: Any = importlib.import_module("rsegen.recipe.building")
