@@ -148,7 +148,7 @@ def test_a_model_without_a_drive_says_how_to_name_one_and_stands(tmp_path: Path)
         robot.command("one", 0, 0)
     line = str(caught.value)
     assert line.startswith("my_robot: no wheels or tracks: ")
-    assert "--tracks LEFT,RIGHT, or --wheels LEFT,RIGHT (left_hub, right_hub)" in line
+    assert "tracks='LEFT,RIGHT', or wheels='LEFT,RIGHT' (left_hub, right_hub)" in line
     assert "\n" not in line
     spawned = ElementTree.fromstring(robot.file("one"))
     assert [joint.get("type") for joint in spawned.iter("joint")] == ["fixed"] * 2

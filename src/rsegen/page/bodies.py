@@ -14,6 +14,11 @@ _DEEPEST = 60
 """Lists and objects in each other in a call: a recipe has five."""
 
 
+_DISCARDED = 4
+"""Times the most that a body may have up to which it is read to its end, and not kept: the answer to a body that is
+still being sent may be lost, as a connection that is closed with unread bytes is reset."""
+
+
 class Refused(Exception):
     """A request that is not answered: its status, and why."""
 
@@ -24,19 +29,23 @@ class Refused(Exception):
 
 
 async def body_of(request: Request, most: int) -> bytes:
-    """Return the body of a request; one that is larger is not read to its end."""
+    """Return the body of a request; one that is larger is refused, and not kept."""
     size = request.headers.get("content-length", "0")
     too_large = Refused(413, f"more than {most // 2**20} MB at once")
-    if not size.isdecimal() or len(size) > 15 or int(size) > most:
+    if not size.isdecimal() or len(size) > 15 or int(size) > _DISCARDED * most:
         raise too_large
-    body = bytearray()
+    body, read = bytearray(), 0
     try:
         async for part in request.stream():
-            body += part
-            if len(body) > most:
+            read += len(part)
+            if read > _DISCARDED * most:
                 raise too_large
+            if read <= most:
+                body += part
     except ClientDisconnect:
         raise Refused(400, "the request ended early") from None
+    if read > most:
+        raise too_large
     return bytes(body)
 
 

@@ -75,7 +75,7 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         (
             "steps.rms",
             LIMITS,
-            "robot: steps.rms does not depend on a robot; give by=reach.west_east.cost, or",
+            "robot: steps.rms does not depend on a robot; give by='reach.west_east.cost', or",
         ),
         (len, LIMITS, "robot: a function does not depend on a robot"),
         (
