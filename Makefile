@@ -16,8 +16,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# A process that has no more tests takes some of another's.
-ARGS ?= --numprocesses=auto --dist=worksteal
+# A process more than there are cores, as tests wait for servers and browsers; one that has no more tests takes some of another's.
+ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
 FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=
