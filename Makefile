@@ -1,6 +1,6 @@
 # make worlds   sets up and generates every example into worlds/
-# make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within 12 minutes on two cores
-# make test-all    the long tests, with more of everything, and then these, as CI runs them: within 21 minutes on two cores
+# make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within a quarter of an hour on two cores
+# make test-all    the long tests, with more of everything, and then these, as CI runs them: within 25 minutes on two cores
 # make test-fast   the tests without a simulator, a browser and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
