@@ -16,8 +16,10 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# A process more than there are cores, as tests wait for servers and browsers; one that has no more tests takes some of another's.
-ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
+# A process that has no more tests takes some of another's. Of the long ones many wait for servers and browsers, so there
+# is a process more than there are cores.
+ARGS ?= --numprocesses=auto --dist=worksteal
+LONG ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
 FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=
@@ -34,7 +36,7 @@ test: $(VENV)/tester classic screen browser npm compiler
 
 # What takes too long for make test.
 test-long: $(VENV)/developer gazebo screen browser npm compiler learners
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m long --hypothesis-profile=thorough $(ARGS)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m long --hypothesis-profile=thorough $(LONG)
 
 test-all:
 	$(MAKE) test-long
