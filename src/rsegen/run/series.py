@@ -18,7 +18,7 @@ import numpy as np
 
 from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.pictures.plan import draw_cells
-from rsegen.exporters.pictures.preview import encoded
+from rsegen.exporters.pictures.preview import encoded, swatches
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.metrics.catalogue import RMS
 from rsegen.field.stepfield import Array
@@ -260,11 +260,6 @@ def _draw_plan(axes: Axes, plan: SeriesPlan, scene: Scene, row: SeriesRow) -> No
 
 def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
     """Draw a swatch for every height in the plans, or for some of them evenly spaced."""
-    from matplotlib.patches import Patch
-
     levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    few, unit = levels[:: -(-len(levels) // _SWATCHES) or 1], scenes[0].field.unit
-    written = lengths_in(scenes[0].units)
-    swatches = [Patch(facecolor=scenes[0].plan_colour(level), label=written.said(level * unit, 3)) for level in few]
-    if swatches:
-        figure.legend(handles=swatches, loc="outside lower center", ncols=len(swatches), frameon=False)
+    if handles := swatches(scenes[0], levels, _SWATCHES):
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)

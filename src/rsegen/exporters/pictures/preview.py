@@ -397,17 +397,21 @@ def _entries(drawn: Drawable) -> list[Any]:
     """Return a swatch for every height that the map has, at most _SWATCHES of them, and one for its frames."""
     from matplotlib.patches import Patch
 
-    # Of too many heights every second, third, ... is shown; a legend of more than one column of entries is smaller.
-    levels = [level for level in drawn.field.level_counts() if level]
-    shown = levels[:: -(-len(levels) // _SWATCHES) or 1]
-    unit, written = drawn.field.unit, lengths_in(drawn.units)
-    entries: list[Any] = [
-        Patch(facecolor=drawn.plan_colour(level), label=written.said(level * unit, 3)) for level in shown
-    ]
+    # A legend of more than one column of entries is smaller.
+    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
     if drawn.field.frame.any():
-        frame = written.said(drawn.field.frame_height, 3)
+        frame = lengths_in(drawn.units).said(drawn.field.frame_height, 3)
         entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
     return entries
+
+
+def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
+    """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
+    from matplotlib.patches import Patch
+
+    unit, written = drawn.field.unit, lengths_in(drawn.units)
+    shown = levels[:: -(-len(levels) // most) or 1]
+    return [Patch(facecolor=drawn.plan_colour(level), label=written.said(level * unit, 3)) for level in shown]
 
 
 def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[str, str]], left: float | None) -> None:
