@@ -289,9 +289,7 @@ def chrome() -> Iterator[Chrome]:
 
 @pytest.mark.parametrize(
     ("seed", "actions"),
-    long_unless(
-        lambda case: case[1] == FEW, [(0, FEW), (1, FEW), *((seed, MANY) for seed in (5, 7))], reason=REASON
-    ),
+    long_unless(lambda case: case[1] == FEW, [(0, FEW), (1, FEW), *((seed, MANY) for seed in (5, 7))], reason=REASON),
 )
 def test_every_invariant_holds_after_random_actions(chrome: Chrome, tmp_path: Path, seed: int, actions: int) -> None:
     file = tmp_path / "course.yaml"
