@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 import json
+import sys
 from pathlib import Path
 
 import pytest
 
 import rsegen
 from rsegen.cli import main
+from rsegen.cli.report import progress_of
 from rsegen.params.watch import tell, watched
 
 WAY = ["--seed", "7", "--chunk-size", "8", "--unit-cm", "5", "--boundary", "none", "--crossable-by", "burger"]
@@ -47,3 +50,43 @@ def test_the_command_line_shows_it(tmp_path: Path, capsys: pytest.CaptureFixture
     shares = [line["done"] for line in lines if line["unit"] == "%"]
     assert shares == sorted(shares)
     assert shares[-1] > 50
+
+
+def test_a_series_tells_how_many_of_its_fields_are_measured(tmp_path: Path) -> None:
+    told: list[tuple[str, float]] = []
+    with watched(lambda what, share: told.append((what, share))):
+        rsegen.series(
+            rsegen.Recipe(seed=1, obstacles=[rsegen.Random(levels=4)]), tmp_path, maps=100, by="steps.highest"
+        )
+    assert {what for what, _ in told} == {"fields as designed"}
+    shares = [share for _, share in told]
+    assert shares == sorted(shares)
+    assert len(shares) > 1
+    assert shares[-1] == 1
+
+
+def test_a_large_mesh_and_its_file_tell_how_far_they_are(tmp_path: Path) -> None:
+    told: list[tuple[str, float]] = []
+    recipe = rsegen.Recipe(chunk_size=300, boundary="none", mesh="watertight", obstacles=[rsegen.Random(levels=5)])
+    with watched(lambda what, share: told.append((what, share))), pytest.MonkeyPatch.context() as patch:
+        for module in ("rsegen.geometry.watertight", "rsegen.exporters.gazebo.obj"):
+            patch.setattr(sys.modules[module], "LARGE", 1e5)
+        rsegen.generate(recipe, tmp_path)
+    for what in ("a closed mesh", "vertices of an OBJ file", "faces of an OBJ file"):
+        shares = [share for name, share in told if name == what]
+        assert len(shares) > 2
+        assert shares == sorted(shares)
+        assert shares[-1] == 1
+
+
+def test_one_work_inside_another_has_a_bar_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_of(argparse.Namespace(progress="json", quiet=False)):
+        tell("the whole", 0.25)
+        for share in (0.3, 0.6, 1):
+            tell("a part", share)
+        tell("the whole", 0.75)
+        tell("the whole", 1)
+    steps = [json.loads(line)["step"] for line in capsys.readouterr().err.splitlines()]
+    assert steps[0] == "the whole"
+    assert "a part" in steps
+    assert set(steps) == {"the whole", "a part"}

@@ -133,27 +133,30 @@ def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
         shown = Shown(**given(Shown, arguments)).progress
     token = _PROGRESS.set("none" if arguments.quiet else shown)
     try:
-        with _searches():
+        with _long_work():
             yield
     finally:
         _PROGRESS.reset(token)
 
 
 @contextmanager
-def _searches() -> Iterator[None]:
-    """Show each search of a map that tells how far it is as a bar."""
+def _long_work() -> Iterator[None]:
+    """Show all work inside that tells how far it is as a bar; a search may be within a measuring."""
     with ExitStack() as shown:
-        most, progress = 0.0, None
+        bars: dict[str, tuple[ExitStack, Callable[[float], None]]] = {}
+        most: dict[str, float] = {}
 
         def tell(what: str, share: float) -> None:
-            nonlocal most, progress
             if share >= 1:
-                shown.close()
-                most, progress = 0.0, None
+                most.pop(what, None)
+                if what in bars:
+                    bars.pop(what)[0].close()
                 return
-            most = max(most, share)  # a way that was lowered is looked at once more
-            progress = progress or shown.enter_context(share_bar(what))
-            progress(most)
+            most[what] = max(most.get(what, 0.0), share)  # a way that was lowered is looked at once more
+            if what not in bars:
+                own = shown.enter_context(ExitStack())
+                bars[what] = own, own.enter_context(share_bar(what))
+            bars[what][1](most[what])
 
         with watched(tell):
             yield
@@ -179,9 +182,9 @@ _LINES_APART = 0.05
 class _JsonLines:
     """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`."""
 
-    def __init__(self, total: float, unit: str) -> None:
+    def __init__(self, total: float, unit: str, step: str) -> None:
         self.n = self.initial = 0.0
-        self._total, self._unit, self._step, self._said = total, unit, "", float("-inf")
+        self._total, self._unit, self._step, self._said = total, unit, step, float("-inf")
         self._say()
 
     def update(self, steps: float = 1) -> None:
@@ -206,7 +209,7 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[_Bar | None]:
     """Yield what shows the progress: a bar, with a style of tqdm's, or lines of JSON; None if nothing does."""
     how = _PROGRESS.get()
     if how == "json" and sys.stderr:
-        yield _JsonLines(total, unit)
+        yield _JsonLines(total, unit, style.get("desc", ""))
     elif how == "bar" and sys.stderr and sys.stderr.isatty():
         from tqdm import tqdm
 
@@ -278,9 +281,9 @@ def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
 
 @contextmanager
 def share_bar(what: str) -> Iterator[Callable[[float], None]]:
-    """Yield a function for the share of a search that is done, 0..1."""
+    """Yield a function for the share of some work that is done, 0..1."""
     shape = "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]"
-    with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5) as bar:
+    with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5, miniters=0) as bar:
 
         def progress(share: float) -> None:
             if bar is not None:

@@ -36,6 +36,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry.mesh import Faces, LabelGrid, Lattice, Mesh, label_grid, welded
 from rsegen.geometry.rectangles import merge, ragged
 from rsegen.geometry.surface import risers, tops
+from rsegen.params.watch import LARGE, tell
 
 _FLAT = 1e-6
 """Share of the smallest area on the lattice below which a triangle counts as degenerate: real triangles are larger by
@@ -273,10 +274,22 @@ def watertight(field: StepField) -> Mesh:
     """Return the watertight mesh of a field, in triangles; empty if every cell is at level 0."""
     grid = label_grid(field)
     rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
+    large = rings.corners.size > LARGE
+
+    def told(share: float) -> None:
+        """Tell the share of the time that a map of a thousand cells to each side has taken by then."""
+        if large:
+            tell("a closed mesh", share)
+
+    told(0.3)
     places, corners = welded(rings.corners, prod(grid.lattice.shape))
     rings = Faces(corners, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
     points = _Points.of(places, grid)
-    faces, left = decimated(_triangulated(rings, points, grid.lattice), points, grid.lattice)
+    told(0.4)
+    triangles = _triangulated(rings, points, grid.lattice)
+    told(0.7)
+    faces, left = decimated(triangles, points, grid.lattice)
+    told(1)
     return grid.lattice.mesh(faces, places[left])
 
 

@@ -1,6 +1,6 @@
-"""Tell whoever watches how far a long search is: a bar of the command line, for every command that makes a map.
+"""Tell whoever watches how far long work is: a bar of the command line, for every command that makes a map.
 
-A search deep in the core tells its share; nobody has to hand a callback down to it. In workers nobody watches.
+Work deep in the core tells its share; nobody has to hand a callback down to it. In workers nobody watches.
 """
 
 from __future__ import annotations
@@ -11,18 +11,22 @@ from contextvars import ContextVar
 
 Watcher = Callable[[str, float], None]
 
-_WATCHER: ContextVar[Watcher | None] = ContextVar("who watches a search", default=None)
+_WATCHER: ContextVar[Watcher | None] = ContextVar("who watches long work", default=None)
 
 
 def tell(what: str, share: float) -> None:
-    """Tell that a share of a search is done, 0..1; at 1 it has ended. `what`: the search, in words."""
+    """Tell that a share of some work is done, 0..1; at 1 it has ended. `what`: the work, in words."""
     if watcher := _WATCHER.get():
         watcher(what, share)
 
 
+LARGE = 10**6
+"""Corners or lines of a mesh from which on its steps are told: they take about a second."""
+
+
 @contextmanager
 def watched(watcher: Watcher) -> Iterator[None]:
-    """Let searches inside tell a watcher how far they are."""
+    """Let work inside tell a watcher how far it is."""
     token = _WATCHER.set(watcher)
     try:
         yield

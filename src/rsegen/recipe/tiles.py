@@ -6,7 +6,7 @@ recipes may go together; each is a kind of tiles. For a metric other than the rm
     recipe, index --span_of--> its values on level ground and on the whole map --mean_of--> the range of several maps
     value in that range --share_of--> the difficulty at which a map has it
 
-Both ask for the metric of the map at some difficulties and halve an interval, so the cost is `_HALVINGS` maps and
+Both ask for the metric of the map at some difficulties and halve an interval, so the cost is `HALVINGS` maps and
 metrics per tile. A metric that does not rise or fall evenly with the difficulty still gets a value between two others,
 as bisection keeps one below and one above, but perhaps not the only one.
 """
@@ -87,7 +87,7 @@ def kind_of_column(column: int, columns: int, kinds: int) -> int:
     return column * kinds // columns
 
 
-_HALVINGS = 12
+HALVINGS = 12
 """Halvings of the interval 0..1 in the search for a difficulty: finer than one block changes most metrics."""
 
 
@@ -125,7 +125,7 @@ def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
     if not isnan(full):
         return Span(level, full)
     low, high = 0.0, 1.0
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (low, middle) if isnan(_value(recipe, index, metric, middle)) else (middle, high)
     return Span(level, _value(recipe, index, metric, low), low)
@@ -147,7 +147,7 @@ def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, 
         return own.hardest
     low, high = 0.0, own.hardest
     tried = {low: own.level, high: own.full}
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         value = _value(recipe, index, metric, middle)
         tried[middle] = sign * inf if isnan(value) else value

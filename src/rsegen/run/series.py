@@ -23,8 +23,9 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.metrics.catalogue import RMS
 from rsegen.field.stepfield import Array
 from rsegen.io.resources import check_needs
+from rsegen.params.watch import tell
 from rsegen.recipe.codec import to_json
-from rsegen.recipe.tiles import Span
+from rsegen.recipe.tiles import HALVINGS, Span
 from rsegen.run.execute import Execution, execute
 from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, Output, RunPlan, is_kept, run_in
@@ -95,8 +96,11 @@ def plan_series(
     if not keeps:
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
     measure = _Fields(plan=plan)
-    spans = execute(measure, plan.fields, measure.seconds, execution)
-    line = mean(plan, [field for batch in spans for field in batch])
+    spans: list[Span] = []
+    for batch in execute(measure, plan.fields, measure.seconds, execution):
+        spans += batch
+        tell("fields as designed", len(spans) / len(plan.fields))
+    line = mean(plan, spans)
     existing = _existing(plan, line, folder, sidecars) if keeps else []
     return RunPlan(
         folder=folder,
@@ -120,6 +124,14 @@ def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) ->
     return complete
 
 
+def _seconds_per_value(plan: SeriesPlan) -> float:
+    """Return about how long a field is made and its metric measured, an estimate as in `seconds_per_world`."""
+    cells = prod(plan.recipe.grid.shape)
+    if plan.by == RMS:
+        return 7e-5 + cells * 1.5e-8
+    return 0.2 if plan.robot is not None else 1e-3 + cells * 1.5e-6  # a robot looks for its ways
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Fields:
     """A task that measures the fields of a series as designed."""
@@ -128,7 +140,7 @@ class _Fields:
 
     @property
     def seconds(self) -> float:
-        return 1.5e-4 + prod(self.plan.recipe.grid.shape) * 3e-8  # an estimate, as in `seconds_per_world`
+        return 2 * _seconds_per_value(self.plan)
 
     def __call__(self, numbers: Iterable[int], /) -> tuple[Span, ...]:
         return tuple(span(self.plan, number) for number in numbers)
@@ -149,9 +161,10 @@ class _Maps:
 
     @property
     def seconds(self) -> float:
-        n_x, n_y = self.plan.recipe.grid.shape
-        # Estimates, as in `seconds_per_world`: a world, and 3 ms and 1 us per cell for its row.
-        return seconds_per_world(self.plan.recipe, self.sidecars) + 3e-3 + n_x * n_y * 1e-6
+        # Estimates, as in `seconds_per_world`: a world, 3 ms and 1 us per cell for its row, and a search for its share.
+        row = 3e-3 + prod(self.plan.recipe.grid.shape) * 1e-6
+        searched = 0 if self.plan.by == RMS else HALVINGS * _seconds_per_value(self.plan)
+        return seconds_per_world(self.plan.recipe, self.sidecars) + row + searched
 
     def __call__(self, number: int, /) -> Output[RowAndMap]:
         target = map_target(self.plan, number, self.line)

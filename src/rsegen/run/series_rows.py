@@ -26,7 +26,7 @@ from rsegen.field.metrics.traversability import percolation
 from rsegen.params.sorts import NANOMETRE_DIGITS, Flag, Float, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import Span, mean_of, share_of, span_of
+from rsegen.recipe.tiles import HALVINGS, Span, mean_of, share_of, span_of
 
 DIGITS = 6
 """Decimals of a difficulty, so that recipes stay short; a millionth is far less than a level of a block."""
@@ -91,10 +91,6 @@ class SeriesPlan:
         return recipe.map_name(recipe.first_map + number)
 
 
-_HALVINGS = 12
-"""Halvings of 0..1 in the search for the difficulty of a constrained map: finer than one block changes it."""
-
-
 class MapTarget(NamedTuple):
     """A map's recipe, the value of the metric of its field as designed, and the value that it should have."""
 
@@ -134,7 +130,7 @@ def _share(whole: Recipe, rms: float, full: float) -> float:
     if rms >= full or not whole.is_constrained:
         return min(rms / full, 1.0)
     low, high = 0.0, 1.0
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         reached = _rms(replace(whole, difficulty=middle)) or 0.0
         low, high = (middle, high) if reached < rms else (low, middle)

@@ -18,6 +18,7 @@ from rsegen.exporters.scene import Scene
 from rsegen.exporters.textures.looks import textures
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.geometry import NORMALS, TILES, Mesh, TextureCoordinates, texture_coordinates
+from rsegen.params.watch import LARGE, tell
 
 _Texts = NDArray[np.void]
 """Texts of one width, padded with zero bytes, as items of that many bytes."""
@@ -100,7 +101,7 @@ def textured_name(material: int, part: str) -> str:
 
 def _vertices(mesh: Mesh) -> Iterator[bytes]:
     texts = [_texts([f" {decimal(value)}" for value in line.tolist()]) for line in mesh.lines]
-    for strip in _strips(0, len(mesh.places)):
+    for strip in _strips(len(mesh.places), "vertices"):
         columns = [text[at] for text, at in zip(texts, mesh.places[strip].T, strict=True)]
         yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
 
@@ -110,7 +111,7 @@ def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
     numbers = _counted(first, len(mesh.places))
     normals = _texts([f"//{row + 1}" for row in range(len(NORMALS))])
     before = -1
-    for strip in _strips(0, len(mesh.faces)):
+    for strip in _strips(len(mesh.faces), "faces"):
         normal = normals[mesh.normals[strip]]
         corners = [part for corner in mesh.faces[strip].T for part in (b" ", numbers[corner], normal)]
         page = _page([b"f", *corners, b"\n"], len(normal))
@@ -124,7 +125,7 @@ def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
 
 def _coordinates(texture: TextureCoordinates) -> Iterator[bytes]:
     """Texture coordinates, in images: u to the right, v upward."""
-    for strip in _strips(0, len(texture.values)):
+    for strip in _strips(len(texture.values), "textures"):
         columns = (texture.values[strip] / TILES).round(9).T.tolist()
         yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
 
@@ -137,7 +138,7 @@ def _textured_faces(mesh: Mesh, texture: TextureCoordinates, first: int, first_c
     own = _texts([f"/{index}" for index in range(first_coordinate, first_coordinate + len(texture.values))])
     normals = _texts([f"/{index + 1}" for index in range(len(NORMALS))])
     before = -1
-    for strip in _strips(0, len(order)):
+    for strip in _strips(len(order), "faces"):
         rows = order[strip]
         normal = normals[mesh.normals[rows]]
         pairs = zip(mesh.faces[rows].T, texture.corners[rows].T, strict=True)
@@ -158,8 +159,12 @@ def _groups(materials: Ints) -> Iterator[tuple[int, slice]]:
         yield int(materials[low]), slice(low, high)
 
 
-def _strips(start: int, stop: int) -> Iterator[slice]:
-    return (slice(low, min(low + STRIP, stop)) for low in range(start, stop, STRIP))
+def _strips(count: int, what: str) -> Iterator[slice]:
+    """Yield the lines that are made at once; of many, tell how far they are."""
+    for low in range(0, count, STRIP):
+        yield slice(low, min(low + STRIP, count))
+        if count > LARGE:
+            tell(f"{what} of an OBJ file", min(low + STRIP, count) / count)
 
 
 def _texts(texts: Sequence[str]) -> _Texts:

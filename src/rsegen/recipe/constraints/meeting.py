@@ -122,9 +122,14 @@ def crossing_caps(field: StepField, crosser: Standing | StepLimits) -> Ints | No
     return None
 
 
+def _search_for(robot: Standing) -> str:
+    """Return what is told of the search for lanes."""
+    return f"a way for the {robot.kind}"
+
+
 def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
     """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
-    body, search = robot.body, f"a way for the {robot.kind}"
+    body, search = robot.body, _search_for(robot)
     # Lanes are driven some at a time, the first of which that is driven ends the search. Each axis is half of it: up to
     # a half of that for the lanes as they are, the rest for lower and lower ones.
     groups = np.array_split(middles := middles_of(field, 1 - axis), -(-len(middles) // _LANES))
@@ -304,7 +309,7 @@ def _lowered(field: StepField, design: MapDesign, left: Blocks | None) -> StepFi
     while (caps := _caps(field, design)) is not None:
         field = _with(field, lowered_to(field.levels, caps, left))
     if isinstance(design.crosser, Standing):
-        tell("", 1)
+        tell(_search_for(design.crosser), 1)
     return field
 
 
