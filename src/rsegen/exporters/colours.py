@@ -1,17 +1,20 @@
-"""The colour of a height in plans, on the page, in pictures and on build sheets: the same on every map.
+"""The colour of a height in plans, on the page, in pictures and on build sheets: the same on all standard maps.
 
 It is lighter the higher, so that it reads in greyscale too. In worlds a level has a colour of its own (scene.py).
 
     height h [m] --h / (h + 0.35)--> place 0..1 on a ramp of six colours --in OKLab--> sRGB
 
 The ramp has no end: 10, 20, 40 cm lie at 0.22, 0.36, 0.53 of it, 2 m at 0.85. Between its colours it goes straight in
-OKLab (B. Ottosson, A perceptual color space for image processing, 2020), in which equal distances look alike.
+OKLab (B. Ottosson, A perceptual color space for image processing, 2020), in which equal distances look alike. On maps
+whose blocks are all below 20 cm, as for small robots, a tenth of the height has the colour, and of those below 2 cm a
+hundredth: steps of 1 cm would look alike.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 from itertools import pairwise
+from math import inf
 
 Colour = tuple[float, float, float]
 
@@ -27,13 +30,17 @@ _RAMP: tuple[Colour, ...] = (
 _MIDDLE = 0.35
 """The height [m] in the middle of the ramp: of the blocks of standard step fields half are lower."""
 
+_LOW = 0.2
+"""The height [m] below which all blocks of a low map are: those of standard step fields have 20 cm or more."""
+
 _Lab = tuple[float, float, float]
 
 
 @lru_cache(maxsize=4096)
-def height_colour(height: float) -> Colour:
-    """Return the colour of blocks of a height [m], in sRGB."""
-    at = max(height, 0.0) / (max(height, 0.0) + _MIDDLE) * (len(_RAMP) - 1)
+def height_colour(height: float, highest: float = inf) -> Colour:
+    """Return the colour of blocks of a height on a map whose highest blocks may have another [m], in sRGB."""
+    middle = _MIDDLE / (1 if highest >= _LOW - 1e-9 else 10 if highest >= _LOW / 10 - 1e-9 else 100)
+    at = max(height, 0.0) / (max(height, 0.0) + middle) * (len(_RAMP) - 1)
     low, high = list(pairwise(_RAMP))[int(at)]
     share = at - int(at)
     lightness, green_red, blue_yellow = (a + share * (b - a) for a, b in zip(oklab(low), oklab(high), strict=True))

@@ -85,7 +85,7 @@ class Scene:
         given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
         if not material or given is not None:
             return self.colour(material)
-        return height_colour(material * self.field.unit)
+        return height_colour(material * self.field.unit, self.recipe.highest_level * self.field.unit)
 
     def tint(self, material: int) -> Colour:
         """The colour that the textures of a material are multiplied by, if the recipe's look has textures."""

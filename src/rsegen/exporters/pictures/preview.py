@@ -468,7 +468,8 @@ class ColouredField:
 
     def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material: 0 is the frame, any other number a level."""
-        return height_colour(material * self.field.unit) if material else FRAME_COLOUR
+        highest = int(self.field.levels.max(initial=0))
+        return height_colour(material * self.field.unit, highest * self.field.unit) if material else FRAME_COLOUR
 
     view_colour = surface_colour = plan_colour
 
