@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen.cli import main
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Ints
+from rsegen.field.stepfield import Ints, StepField
 from rsegen.standing import ways
 from rsegen.standing.lanes import End, straight
 from rsegen.standing.ways import BEST, Lattice, crossing, events, no_way, reach
@@ -98,6 +99,26 @@ def test_a_tower_in_the_way_is_gone_around() -> None:
     assert way.crosses
     assert way.length_ratio == pytest.approx(1)
     assert np.abs(way.points[:, 1]).min() > 0.2
+
+
+@pytest.mark.parametrize("wall", [None, 2])
+def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) -> None:
+    """Along frames as wide as these it would get around every block."""
+    frame, levels = np.zeros((8, 9), bool), np.zeros((8, 9), int)
+    frame[[0, -1]] = frame[:, [0, -1]] = True
+    if wall is not None:
+        frame[:, wall : wall + 2] = True
+    field = StepField(levels=levels.astype(np.int16), frame=frame, block_width=0.25, unit=0.3, frame_height=0.002)
+    found = reach(field, BURGER)
+    for way, across in ((found.west_east, 1), (found.south_north, 0)):
+        assert way.crosses
+        line = np.rint((way.points[:, across] / 0.25) + (field.shape[across] - 1) / 2).astype(int)
+        assert field.inside(across)[line].all()
+    assert found.region[~frame].all()
+    blocked = replace(field, levels=np.where(frame, 0, np.arange(8)[:, None] == 4).astype(np.int16))
+    assert not crossing(blocked, BURGER, 0).crosses
+    assert Lattice(blocked, BURGER).way(0) is None
+    assert crossing(blocked, BURGER, 1).crosses
 
 
 def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_margin() -> None:

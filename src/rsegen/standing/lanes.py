@@ -177,9 +177,9 @@ _BESIDE = 0.003
 def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None = None) -> float | None:
     """Return the place across, metres, of the first straight lane that is driven to its end; None if there is none.
 
-    The lanes a little to either side of it are driven too. middles: of the lanes, by default of all lines of cells.
+    The lanes a little to either side of it are driven too. middles: of the lanes, by default as of `straight`.
     """
-    middles = middles_of(field, 1 - axis) if middles is None else middles
+    middles = across(field, axis) if middles is None else middles
     passed = straight(field, body, axis, middles).passed
     for beside in (-_BESIDE, _BESIDE):
         if passed.any():
@@ -193,18 +193,32 @@ def middles_of(field: StepField, axis: int) -> Array:
     return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
+def lines_along(field: StepField, axis: int) -> Ints:
+    """Return the numbers of the lines of cells along an axis on which a robot may drive, counted across it.
+
+    It crosses frames, but does not drive along them, which would lead around every obstacle; as in traversability.
+    """
+    inside = field.inside(1 - axis)
+    return np.flatnonzero(inside) if inside.any() else np.arange(len(inside))
+
+
+def across(field: StepField, axis: int) -> Array:
+    """Return the middles of the lines of cells along an axis on which a robot may drive, metres."""
+    return middles_of(field, 1 - axis)[lines_along(field, axis)]
+
+
 def entry(field: StepField, body: Body, axis: int) -> float:
     """Return how far before a field, along an axis, the origin of a robot is that is wholly outside it, metres."""
     return field.extent[axis] / 2 + max(float(body.high[0]), 0.0) + step_of(body)
 
 
-def straight(field: StepField, body: Body, axis: int, across: Array | None = None) -> Lanes:
-    """Return the straight lanes across a field along an axis, 0 for x and 1 for y, at places across, in metres.
+def straight(field: StepField, body: Body, axis: int, middles: Array | None = None) -> Lanes:
+    """Return the straight lanes across a field along an axis, 0 for x and 1 for y, at places across it, in metres.
 
     They are where the robot is wholly outside at first and at last; by default through the middle of every line of
-    cells.
+    cells but those of frames alone.
     """
-    middles = middles_of(field, 1 - axis) if across is None else across
+    middles = across(field, axis) if middles is None else middles
     before = entry(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
     along = np.full(len(middles), -before)

@@ -1,9 +1,9 @@
 """The ways of a robot over a field: where it gets, and how it best gets across.
 
-Moves between the centres of neighbouring cells, in eight headings, are lanes (lanes.py); turns on the spot are poses
-between two headings. What is passed is a graph over (x, y, heading), on which places are reached (strongly connected
-components) and ways are found (Dijkstra): the shortest, or the shortest of those whose largest tilt is least, or whose
-least margin, the angle by which the robot must be turned to tip over, is largest.
+Moves between the centres of neighbouring cells, in eight headings, are lanes (lanes.py), but along frames there are
+none; turns on the spot are poses between two headings. What is passed is a graph over (x, y, heading), on which places
+are reached (strongly connected components) and ways are found (Dijkstra): the shortest, or the shortest of those whose
+largest tilt is least, or whose least margin, the angle by which the robot must be turned to tip over, is largest.
 
 Cost: some 13 poses a move, of the moves that the robot reaches: a second to ten on 10 x 10 to 40 x 40 blocks. What
 breaks it: what breaks lanes; and each move begins at the robot's full speed, which a straight lane does not give.
@@ -23,7 +23,7 @@ from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import tell
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import End, Lanes, drive, entry, middles_of, origins, step_of, straight
+from rsegen.standing.lanes import End, Lanes, across, drive, entry, lines_along, middles_of, origins, step_of, straight
 from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, pose_statistics
 from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
 
@@ -129,6 +129,9 @@ class Lattice:
         self.field, self.body, self.best, self.watch = field, body, best, watch
         self.ground = PaddedGround.of(field, reach_of(body))
         self.x, self.y = middles_of(field, 0), middles_of(field, 1)
+        self._is_driven_along = tuple(
+            np.isin(np.arange(field.shape[1 - axis]), lines_along(field, axis)) for axis in (0, 1)
+        )
         shape = (*field.shape, HEADINGS)
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
@@ -149,7 +152,11 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
-        places, on_i, on_j = places[inside], on_i[inside], on_j[inside]
+        places, i, j, on_i, on_j = (each[inside] for each in (places, i, j, on_i, on_j))
+        # No move leads along a frame, aslant within a double one neither.
+        rows, columns = self._is_driven_along
+        free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
+        places, on_i, on_j = places[free], on_i[free], on_j[free]
         i, j, k = np.unravel_index(places, self.moves.shape)
         # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
         ahead = np.ravel_multi_index((on_i, on_j, k), self.moves.shape)
@@ -381,7 +388,7 @@ class Lattice:
 
     def _ends(self, axis: int) -> tuple[dict[_Place, float], dict[_Place, float]]:
         """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
-        middles = middles_of(self.field, 1 - axis)
+        numbers, middles = lines_along(self.field, axis), across(self.field, axis)
         first, last = middles_of(self.field, axis)[0], self.field.shape[axis] - 1
         edge, yaw = entry(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
@@ -390,7 +397,7 @@ class Lattice:
             along = np.full(len(middles), begin)
             x, y = (along, middles) if axis == 0 else (middles, along)
             passed, worst = self._driven(x, y, yaw, length)
-            lines = np.flatnonzero(passed).tolist()
+            lines = numbers[passed].tolist()
             places = [(cell, line, 0) if axis == 0 else (line, cell, 2) for line in lines]
             ends.append(dict(zip(places, worst[passed].tolist(), strict=True)))
         return ends[0], ends[1]
@@ -535,7 +542,7 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
         return None
     best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, (middle := middles_of(field, 1 - axis)[best])), (high, middle)])
+    points = np.array([(low, (middle := across(field, axis)[best])), (high, middle)])
     return Way(
         crosses=True,
         length=high - low,

@@ -50,7 +50,7 @@ from rsegen.recipe.constraints.inventory import (
 from rsegen.recipe.difficulty import parts_of
 from rsegen.recipe.map_design import MapDesign
 from rsegen.standing.kinds import Standing
-from rsegen.standing.lanes import middles_of, straight_lane
+from rsegen.standing.lanes import across, lines_along, straight_lane
 
 _ANYTHING = 2**30
 """A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
@@ -132,14 +132,15 @@ def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
     body, search = robot.body, _search_for(robot)
     # Lanes are driven some at a time, the first of which that is driven ends the search. Each axis is half of it: up to
     # a half of that for the lanes as they are, the rest for lower and lower ones.
-    groups = np.array_split(middles := middles_of(field, 1 - axis), -(-len(middles) // _LANES))
+    groups = np.array_split(middles := across(field, axis), -(-len(middles) // _LANES))
     for k, group in enumerate(groups):
         if straight_lane(field, body, axis, group) is not None:
             return None
         tell(search, (axis + (k + 1) / len(groups) / 2) / 2)
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
-    lines = range(aside, turned.shape[1] - aside) or [turned.shape[1] // 2]
+    lines = [line for line in lines_along(field, axis).tolist() if aside <= line < turned.shape[1] - aside]
+    lines = lines or [turned.shape[1] // 2]
     highest = int(field.levels.max(initial=0))
     for limit in range(highest - 1, -1, -1):
         tell(search, (axis + 1 - (limit + 1) / highest / 2) / 2)
