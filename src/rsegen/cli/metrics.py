@@ -332,7 +332,9 @@ def _reach(found: Traversability | Reach, crosser: str, written: Lengths) -> Ite
         yield from _poses(poses, written)
     yield f"region   {found.cover:.1%} of the blocks, from each to each (analogue of coverability)"
     yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
+    yield from _events(found.west_east)
     yield f"         south to north: {_way(found.south_north)}"
+    yield from _events(found.south_north)
 
 
 def _poses(found: PoseStatistics, written: Lengths) -> Iterator[str]:
@@ -352,9 +354,15 @@ def _way(found: Crossing | Way) -> str:
     straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
     if isinstance(cost := getattr(found, "cost", None), float):
         return f"{straight}; with rises {cost:.2f} m, {getattr(found, 'cost_ratio', 0):.2f} x"
-    from rsegen.standing.ways import events
+    return f"{straight}, tilts up to {degrees(getattr(found, 'tilt', 0.0)):.0f} degrees"
 
-    return f"{straight}, tilts up to {degrees(getattr(found, 'tilt', 0.0)):.0f} degrees{events(found)}"
+
+def _events(found: Crossing | Way) -> Iterator[str]:
+    """Yield a line for the falls, and one for the slides, on the way of a robot; x, y of each."""
+    if hasattr(found, "drops"):
+        from rsegen.standing.ways import events
+
+        yield from (f"           {told}" for told in events(found))
 
 
 def _plain(value: float | None) -> str:

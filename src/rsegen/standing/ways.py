@@ -479,14 +479,15 @@ _PLACES = 3
 """Places that a sentence names: more hide the others."""
 
 
-def events(way: Any) -> str:
-    """Return the falls and slides on a way in words, each after a comma; way: what has `drops` and `slips`."""
+def events(way: Any) -> list[str]:
+    """Return the falls on a way, and the slides, in words; way: what has `drops` and `slips`."""
     told = []
     for verb, at in (("falls", way.drops), ("slides", way.slips)):
         named = "; ".join(f"{x:.2f}, {y:.2f}" for x, y in at[:_PLACES])
         others = f" and {len(at) - _PLACES} other places" if len(at) > _PLACES else ""
-        told.append(f", {verb} at {named} m{others}" if at else "")
-    return "".join(told)
+        if at:
+            told.append(f"{verb} at {named} m{others}")
+    return told
 
 
 def _told(ground: PaddedGround, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()) -> dict[str, Any]:

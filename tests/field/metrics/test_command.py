@@ -124,6 +124,7 @@ def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
     path = tmp_path / "small.yaml"
     path.write_text("{chunk_size: 6, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 4}]}")
     found = rsegen.metrics(rsegen.build(rsegen.load(path)), ROBOTS["jackal"]).reach
+    assert max(map(len, printed(capsys, path, "--robot", "jackal").splitlines())) <= 120
     for robot in ("jackal", file):
         reach = json.loads(printed(capsys, path, "--json", "--robot", robot))[0]["reach"]
         assert reach["cover"] == pytest.approx(found.cover, abs=0.05)  # it rocks on two of its four wheels

@@ -191,7 +191,7 @@ def _foreseen(way: PlannedWay) -> str:
     if way.length is not None:
         tilt, margin = (degrees(angle or 0.0) for angle in (way.tilt, way.margin))
         steepest = f"tilts by up to {tilt:.0f} degrees, {margin:.0f} degrees from tipping over"
-        return f"the way across is {way.length:.2f} m long, and the robot on it {steepest}{events(way)}"
+        return f"the way across is {way.length:.2f} m long, and the robot on it {', '.join([steepest, *events(way)])}"
     x, y = way.at or (0.0, 0.0)
     return f"no way across for this robot: on the best straight lane it {way.reason} at {x:.2f}, {y:.2f} m"
 
