@@ -188,8 +188,14 @@ class Lattice:
         ends = self._worst_of_places.ravel()
         self.worst_of_turns.ravel()[places] = np.maximum.reduce([ends[places], ends[after], self._badness(rest)])
 
-    def _explore(self, front: Ints) -> None:
-        """Find all that the robot can do from places on: wave by wave, each of the places that the last one reached."""
+    def _explore(self, starts: Mapping[_Place, float]) -> None:
+        """Find all that the robot can do from places on, wave by wave, each from the places that the last one reached.
+
+        Not for the shortest way, of which the search asks for little; for others nearly all of it counts.
+        """
+        if self.best == "length":
+            return
+        front = np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp)
         seen = np.zeros(self.moves.size, bool)
         while len(front):
             seen[front] = True
@@ -271,8 +277,9 @@ class Lattice:
         starts, goals = self._ends(axis)
         if not starts or not goals:
             return None
-        self._explore(np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp))
-        best = self._best(starts, goals, lambda _: 0.0)
+        self._explore(starts)
+        last = self.field.shape[axis] - 1
+        best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
         return self._way_of(axis, *best) if best else None
 
     def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
@@ -287,8 +294,7 @@ class Lattice:
         starts, goals = (self._standing_at(*cell) for cell in cells)
         if not starts or not goals:
             return None
-        if self.best != "length":  # nearly all of it counts then, and is found faster in waves
-            self._explore(np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp))
+        self._explore(starts)
         best = self._best(starts, goals, self._distance_to(cells[1]))
         return self._driven_way(*best) if best else None
 
