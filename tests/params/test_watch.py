@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -90,3 +92,17 @@ def test_one_work_inside_another_has_a_bar_of_its_own(capsys: pytest.CaptureFixt
     assert steps[0] == "the whole"
     assert "a part" in steps
     assert set(steps) == {"the whole", "a part"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_a_terminal_that_does_not_know_its_size_has_a_bar(tmp_path: Path) -> None:
+    """As that of `script` or of a container: it says that it has 0 columns."""
+    import pty
+
+    command = [sys.executable, "-m", "rsegen", "generate", "--maps", "3", "-o", str(tmp_path / "maps")]
+    ours, theirs = pty.openpty()
+    with open(ours, "rb", buffering=0) as terminal:
+        done = subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=theirs)
+        os.close(theirs)
+        assert done.returncode == 0
+        assert b"3/3" in terminal.read(10_000)

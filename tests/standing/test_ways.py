@@ -67,7 +67,7 @@ def test_a_way_over_a_high_edge_tells_where_the_robot_falls() -> None:
     edge = 1.1 - 0.8
     assert way.drops
     assert all(edge < x < edge + BODIES["crawler"].length for x, _ in way.drops)
-    assert events(way)[0].startswith("falls at 0.")
+    assert events(way)[0].startswith("drops at 0.")
     flat = crossing(field_of(np.zeros((16, 8), int)), BODIES["crawler"], 0)
     assert (flat.drops, flat.slips, events(flat)) == ((), (), [])
 

@@ -271,7 +271,7 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
     yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
-    wide = " for this width" if found.reach else ""
+    wide = " for its width" if found.reach else ""
     ways = f"{written.said(opens.west_east)} west to east, {written.said(opens.south_north)} south to north"
     yield f"climb    that is needed to cross{wide}: {ways}"
     if found.reach:
@@ -358,7 +358,7 @@ def _way(found: Crossing | Way) -> str:
 
 
 def _events(found: Crossing | Way) -> Iterator[str]:
-    """Yield a line for the falls, and one for the slides, on the way of a robot; x, y of each."""
+    """Yield a line for the drops, and one for the slides, on the way of a robot; x, y of each."""
     if hasattr(found, "drops"):
         from rsegen.standing.ways import events
 

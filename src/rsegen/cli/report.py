@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -213,6 +214,9 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[_Bar | None]:
     elif how == "bar" and sys.stderr and sys.stderr.isatty():
         from tqdm import tqdm
 
+        # A terminal that does not know its size, as that of `script` or of a container, says 0: no bar would be drawn.
+        if not os.get_terminal_size(sys.stderr.fileno()).columns:
+            style |= {"ncols": 80, "nrows": 24}
         with tqdm(total=total, unit=unit, **style) as bar:
             yield bar
     else:

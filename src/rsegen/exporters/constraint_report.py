@@ -28,7 +28,8 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
         report["max_step"] = {"asked": recipe.max_step, "is": int(differences(scene.field).max(initial=0))}
     if (crosser := recipe.crosser) is not None:
         ways = zip(("west_east", "south_north"), (crosser.crossing(scene.field, axis) for axis in (0, 1)), strict=True)
-        report["crossable_by"] = _asked(recipe) | {name: _way(way) for name, way in ways}
+        lowered = {} if recipe.inventory else {"lowered": _lowered(scene)}
+        report["crossable_by"] = _asked(recipe) | {name: _way(way) for name, way in ways} | lowered
     if recipe.inventory is not None:
         report["inventory"] = _inventory(scene, recipe.inventory)
     return report
@@ -39,6 +40,22 @@ def _asked(recipe: Recipe) -> dict[str, Any]:
     if isinstance(recipe.crossable_by, str):
         return {"robot": recipe.crossable_by}
     return dict(zip(("climb_cm", "drop_cm", "width_cm"), recipe.crossable_by or (), strict=False))
+
+
+def _lowered(scene: Scene) -> dict[str, int]:
+    """Return how many blocks are lower than they would be if nothing had to get across, and how many of these are 0."""
+    free = build(replace(scene.recipe, crossable_by=None), scene.index)
+    lower = scene.field.levels < free.levels
+    return {"blocks": int(lower.sum()), "to_level_0": int((lower & (scene.field.levels == 0)).sum())}
+
+
+def _told_lowered(scene: Scene, blocks: int, to_level_0: int) -> str:
+    if not blocks:
+        return "no block is lower for that than it would be"
+    lower = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks are lower for that than they would be"
+    if to_level_0 < blocks:
+        return f"{lower}, {to_level_0:,} of these at level 0"
+    return f"{lower}, all of these at level 0, so its ways are flat; a max_step keeps them rough"
 
 
 def _way(way: Any) -> dict[str, Any]:
@@ -65,6 +82,8 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
             climb, drop, width = (written.said(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width"))
             what = f"a path of steps of {climb} up and {drop} down, {width} wide, leads"
         yield f"{what} across from {' and from '.join(paths)}"
+        if "lowered" in report["crossable_by"]:
+            yield _told_lowered(scene, **report["crossable_by"]["lowered"])
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
         nearness = _nearness(scene, scene.recipe.inventory or ())

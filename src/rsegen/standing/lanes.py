@@ -183,11 +183,17 @@ def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None
     The lanes a little to either side of it are driven too. middles: of the lanes, by default as of `straight`.
     """
     middles = across(field, axis) if middles is None else middles
-    passed = straight(field, body, axis, middles).passed
+    passed = surely_passed(straight(field, body, axis, middles), field, body, axis, middles)
+    return float(middles[passed.argmax()]) if passed.any() else None
+
+
+def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles: Array) -> Mask:
+    """Return which lanes at some places across, metres, are driven to their ends, and the ones beside them too."""
+    passed = lanes.passed
     for beside in (-_BESIDE, _BESIDE):
         if passed.any():
             passed[passed] = straight(field, body, axis, middles[passed] + beside).passed
-    return float(middles[passed.argmax()]) if passed.any() else None
+    return passed
 
 
 def middles_of(field: StepField, axis: int) -> Array:

@@ -23,7 +23,19 @@ from rsegen.field.metrics.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import tell
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import End, Lanes, across, drive, entry, lines_along, middles_of, origins, step_of, straight
+from rsegen.standing.lanes import (
+    End,
+    Lanes,
+    across,
+    drive,
+    entry,
+    lines_along,
+    middles_of,
+    origins,
+    step_of,
+    straight,
+    surely_passed,
+)
 from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, pose_statistics
 from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
 
@@ -486,11 +498,12 @@ _PLACES = 3
 
 
 def events(way: Any) -> list[str]:
-    """Return the falls on a way, and the slides, in words; way: what has `drops` and `slips`."""
+    """Return the drops on a way, and the slides, in words; way: what has `drops` and `slips`."""
     told = []
-    for verb, at in (("falls", way.drops), ("slides", way.slips)):
+    for verb, at in (("drops", way.drops), ("slides", way.slips)):
         named = "; ".join(f"{x:.2f}, {y:.2f}" for x, y in at[:_PLACES])
-        others = f" and {len(at) - _PLACES} other places" if len(at) > _PLACES else ""
+        more = len(at) - _PLACES
+        others = f" and {more} other place{'s' if more > 1 else ''}" if more > 0 else ""
         if at:
             told.append(f"{verb} at {named} m{others}")
     return told
@@ -545,11 +558,13 @@ def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> W
 
 def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:
     """Return the straight way with the least tilt; None if no lane is driven to its end."""
-    if not lanes.passed.any():
+    middles = across(field, axis)
+    passed = surely_passed(lanes, field, body, axis, middles)
+    if not passed.any():
         return None
-    best = int(np.where(lanes.passed, lanes.tilt, np.inf).argmin())
+    best = int(np.where(passed, lanes.tilt, np.inf).argmin())
     low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, (middle := across(field, axis)[best])), (high, middle)])
+    points = np.array([(low, middles[best]), (high, middles[best])])
     return Way(
         crosses=True,
         length=high - low,

@@ -151,12 +151,13 @@ class DriveResult:
 
     def report(self) -> Iterator[str]:
         """Yield the lines that `rsegen drive` prints: robots, their contacts, notes and warnings."""
-        yield f"{self.scene.name} in {self.simulator}, {self.route}, seed {self.seed}:"
+        seed = f", seed {self.seed}" if self.route == Wandering.name else ""
         if self.way:
-            yield f"  {_foreseen(self.way)}"
+            yield f"predicted for {self.scene.name}: {_foreseen(self.way)}"
+        yield f"{self.scene.name} in {self.simulator}, {self.route}{seed}:"
         for robot in self.robots:
             metrics = robot.metrics
-            crossed = "" if self.route == Wandering.name else _crossed(metrics)
+            crossed = "" if self.route == Wandering.name else _crossed(robot)
             tipped = f", tipped over {metrics.tipped}x" if metrics.tipped else ""
             driven = f"{metrics.distance:.2f} m in {metrics.seconds:g} s"
             incidents = "".join(f"; {incident}" for incident in metrics.incidents)
@@ -164,7 +165,7 @@ class DriveResult:
             if metrics.touched:
                 most = list(metrics.touched.items())[:_PARTS]
                 shares = ", ".join(f"{part} {share:.0%}" for part, share in most)
-                yield f"    parts on the ground (link::shape, share of the time): {shares}"
+                yield f"    parts on blocks or ground (link::shape, share of the time): {shares}"
         yield from (f"note: {line}" for line in self.notes)
         yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
 
@@ -196,10 +197,12 @@ def _foreseen(way: PlannedWay) -> str:
     return f"no way across for this robot: on the best straight lane it {way.reason} at {x:.2f}, {y:.2f} m"
 
 
-def _crossed(metrics: DriveMetrics) -> str:
-    return (
-        f", crossed the map after {metrics.crossed:g} s" if metrics.crossed is not None else ", did not cross the map"
-    )
+def _crossed(robot: DrivenRobot) -> str:
+    """Say when a robot was across, or where it was at the end."""
+    if robot.metrics.crossed is not None:
+        return f", crossed the map after {robot.metrics.crossed:g} s"
+    x, y = robot.trajectory.rows[-1, 1:3] if len(robot.trajectory.rows) else (robot.start.x, robot.start.y)
+    return f", did not cross the map: it is at x {x + 0:.2f}, y {y + 0:.2f} m at the end"
 
 
 def _encoded(lines: Iterable[str]) -> list[bytes]:
