@@ -10,7 +10,7 @@ import pytest
 from tests.crash.injection import missing
 from tests.crash.running import numbers, run
 
-FEW, ALL = 20, 120
+FEW, ALL = 20, 80
 """Trials of `make test` and of `make test-all`."""
 
 

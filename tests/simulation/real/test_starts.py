@@ -30,7 +30,7 @@ def test_robots_that_start_at_spots_stay_upright_in_a_random_drive(
 
 @pytest.mark.long(reason="a drive per robot, map and seed")
 def test_every_start_on_rough_maps_is_level_and_the_robot_stays_upright(gazebo: Installation) -> None:
-    found = list(starts(gazebo, ["turtlebot", "mixed-course"], seeds=(1, 2), routes=["random"]))
+    found = list(starts(gazebo, ["turtlebot", "mixed-course"], seeds=(1,), routes=["random"]))
     driven = [each for each in found if each.tilt is not None]
     assert [each for each in driven if not each.is_good] == []
     places = {(each.example, each.robot) for each in driven}
