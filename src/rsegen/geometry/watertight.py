@@ -25,7 +25,7 @@ decimation take a third each. Whole maps only: a tile of a closed mesh would hav
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence, Sized
 from math import prod
 from typing import Any, NamedTuple
 
@@ -72,33 +72,43 @@ class _Collapses(NamedTuple):
         return _Collapses(self.vertex[which], self.target[which])
 
 
-def decimated(pieces: Sequence[Faces], points: _Points, lattice: Lattice) -> tuple[Faces, Ints]:
-    """Return the triangles of all pieces without removable vertices, and the points of the vertices that are left.
+def decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Faces, Ints]:
+    """Return the triangles of all pieces without removable vertices, and which vertices are left.
 
-    pieces: corners (m, 3), indices of the points' vertices, all of which are used; in the result, indices of those
-    left, which are in order.
+    pieces: corners (m, 3), codes of vertices, all of which are used; in the result, indices of those left, which are in
+    order. ways: (v,), where each vertex may move.
     """
-    owner = np.repeat(np.arange(len(points.places), dtype=np.int32), 1 + points.pinched)  # the point of each vertex
-    ways = _ways(points, owner)
-    removable = ways != _NOWHERE
     # A triangle without a removable corner never gets one, so it is left out of all rounds, and so are its vertices.
-    takes_part = [_any(removable, piece.corners) for piece in pieces]
-    parts = [piece.rows(np.flatnonzero(part)) for piece, part in zip(pieces, takes_part, strict=True)]
-    corners, normals = (np.concatenate(column) for column in list(zip(*parts, strict=True))[:2])
-    used, corners = welded(corners, len(owner))
+    takes_part = [_are_removable(piece.corners) for piece in pieces]
+    rows = [np.flatnonzero(part) for part in takes_part]
+    corners = np.concatenate([piece.corners.take(part, axis=0) for piece, part in zip(pieces, rows, strict=True)])
+    normals = np.concatenate([piece.normals.take(part) for piece, part in zip(pieces, rows, strict=True)])
+    used, corners = welded(_vertices(corners), len(ways))
+    at = points.owner.take(used)
     vertices = np.empty((len(used), 3))
-    for axis, (line, at) in enumerate(zip(lattice.lines, points[1:4], strict=True)):
-        vertices[:, axis] = line.take(at.take(owner.take(used)))
-    place, kept = _collapsed(_Live(corners, normals, used, vertices, ways[used]), _FLAT * _least_area(lattice))
-    left = np.ones(len(owner), dtype=bool)
+    for axis, (line, place) in enumerate(zip(lattice.lines, points[1:4], strict=True)):
+        vertices[:, axis] = line.take(place.take(at))
+    place, kept = _collapsed(_Live(corners, normals, used, vertices, ways.take(used)), _FLAT * _least_area(lattice))
+    left = np.ones(len(ways), dtype=bool)
     left[used] = place == np.arange(len(used))
     number = np.cumsum(left, dtype=np.int32) - 1
     number[used] = number[used[place]]
-    gone = np.concatenate(takes_part)
-    gone[gone] = ~kept  # all others stay
-    pieces = [piece.rows(np.flatnonzero(~part)) for piece, part in zip(pieces, _split(gone, takes_part), strict=True)]
-    triangles = (piece._replace(corners=number.take(piece.corners)) for piece in pieces)
-    return Faces(*(np.concatenate(columns) for columns in zip(*triangles, strict=True))), owner[left]
+    triangles = []
+    for piece, part, row, stays in zip(pieces, takes_part, rows, _split(kept, rows), strict=True):
+        part[row] = ~stays  # from here on: is gone
+        piece = piece.rows(np.flatnonzero(~part))
+        triangles.append(piece._replace(corners=number.take(_vertices(piece.corners))))
+    return _by_material(triangles), left
+
+
+def _by_material(pieces: Sequence[Faces]) -> Faces:
+    """Return the faces of pieces, each of which is sorted by material, sorted by material, else in their order."""
+    runs: list[Faces] = []
+    for piece in pieces:
+        cuts = np.flatnonzero(np.diff(piece.materials)) + 1
+        runs += [Faces(*run) for run in zip(*(np.split(column, cuts) for column in piece), strict=True)]
+    runs.sort(key=lambda run: run.materials[:1].tolist())
+    return Faces(*(np.concatenate(columns) for columns in zip(*runs, strict=True)))
 
 
 class _Live(NamedTuple):
@@ -146,14 +156,35 @@ def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
     return place, kept
 
 
-def _pieces(array: NDArray[Any]) -> Sequence[NDArray[Any]]:
-    """Return an array in pieces of at most _PIECE rows."""
-    return np.array_split(array, 1 + len(array) // _PIECE)
+def _pieces(faces: Faces) -> Iterator[Faces]:
+    """Yield faces in pieces of at most _PIECE."""
+    for begin in range(0, max(len(faces.normals), 1), _PIECE):
+        yield Faces(*(column[begin : begin + _PIECE] for column in faces))
 
 
-def _split(mask: Mask, parts: Sequence[Mask]) -> list[Mask]:
-    """Return a mask in pieces of the lengths of others."""
-    return np.split(mask, np.cumsum([len(part) for part in parts])[:-1])
+def _split(column: NDArray[Any], parts: Sequence[Sized]) -> list[NDArray[Any]]:
+    """Return an array in pieces of the lengths of others."""
+    return np.split(column, np.cumsum([len(part) for part in parts])[:-1])
+
+
+def _code(removable: Mask) -> Ints:
+    """Return the code of each vertex: its number, or if it is removable the complement of that, which is negative.
+
+    So a triangle's corners say whether it has a removable one, and need not look it up.
+    """
+    number = np.arange(len(removable), dtype=np.int32)
+    return np.where(removable, ~number, number)
+
+
+def _vertices(codes: Ints) -> Ints:
+    """Return the numbers of vertices."""
+    return np.maximum(codes, ~codes)
+
+
+def _are_removable(codes: Ints) -> Mask:
+    """Return which triangles (m, 3) have a removable corner."""
+    a, b, c = codes.T
+    return np.asarray((a | b | c) < 0)
 
 
 def _any(mask: Mask, corners: Ints) -> Mask:
@@ -242,7 +273,8 @@ class _Points(NamedTuple):
 
     places, x, y, z: (n,), the number of the lattice point, and its indices; labels, ranks: (2, 2, n), of the cells
     before and beyond it along x and along y; pinched: (n,), whether two diagonally opposite blocks touch at the point
-    while the other two are lower; first: (n,), its vertex, or the first of the two vertices that it has if pinched.
+    while the other two are lower; first: (n,), its vertex, or the first of the two vertices that it has if pinched;
+    owner: (v,), the point of each vertex.
     """
 
     places: Ints
@@ -253,6 +285,7 @@ class _Points(NamedTuple):
     ranks: Ints
     pinched: Mask
     first: Ints
+    owner: Ints
 
     @classmethod
     def of(cls, places: Ints, grid: LabelGrid) -> _Points:
@@ -266,15 +299,17 @@ class _Points(NamedTuple):
         z = z.astype(small)
         (a, b), (c, d) = ranks >= np.maximum(z, 1)
         pinched = (a == d) & (b == c) & (a != b)
-        first = np.arange(len(places), dtype=np.int32) + np.cumsum(pinched, dtype=np.int32) - pinched
-        return cls(places, x, y, z, labels, ranks, pinched, first)
+        number = np.arange(len(places), dtype=np.int32)
+        first = number + np.cumsum(pinched, dtype=np.int32) - pinched
+        return cls(places, x, y, z, labels, ranks, pinched, first, np.repeat(number, 1 + pinched))
 
 
 def watertight(field: StepField) -> Mesh:
     """Return the watertight mesh of a field, in triangles; empty if every cell is at level 0."""
     grid = label_grid(field)
-    rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
-    large = rings.corners.size > LARGE
+    sides = [Faces.joined(parts) for parts in ([tops(grid), bottoms(grid)], [risers(grid, axis=0)], [risers(grid, axis=1)])]
+    corners = np.concatenate([rings.corners for rings in sides])
+    large = corners.size > LARGE
 
     def told(share: float) -> None:
         """Tell the share of the time that a map of a thousand cells to each side has taken by then."""
@@ -282,15 +317,19 @@ def watertight(field: StepField) -> Mesh:
             tell("a closed mesh", share)
 
     told(0.3)
-    places, corners = welded(rings.corners, prod(grid.lattice.shape))
-    rings = Faces(corners, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
+    places, corners = welded(corners, prod(grid.lattice.shape))
+    sides = [
+        Faces(corner, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
+        for corner, rings in zip(_split(corners, [rings.corners for rings in sides]), sides, strict=True)
+    ]
     points = _Points.of(places, grid)
+    ways = _ways(points)
     told(0.4)
-    triangles = _triangulated(rings, points, grid.lattice)
+    triangles = _triangulated(sides, points, _code(ways != _NOWHERE), grid.lattice)
     told(0.7)
-    faces, left = decimated(triangles, points, grid.lattice)
+    faces, left = decimated(triangles, points, ways, grid.lattice)
     told(1)
-    return grid.lattice.mesh(faces, places[left])
+    return grid.lattice.mesh(faces, places[points.owner[left]])
 
 
 def bottoms(grid: LabelGrid) -> Faces:
@@ -301,8 +340,8 @@ def bottoms(grid: LabelGrid) -> Faces:
     return Faces(ring, np.full(len(ring), 5), np.full(len(ring), material))
 
 
-def _ways(points: _Points, owner: Ints) -> Ints:
-    """Return where each vertex may move, (v,); owner: (v,), its point.
+def _ways(points: _Points) -> Ints:
+    """Return where each vertex may move, (v,).
 
     The labels around a point say so. A crease is a piece of the lattice's lines at which the surface turns or changes
     its material. A vertex at which none ends may move in its plane, and one at which just two end, both on one line,
@@ -320,7 +359,7 @@ def _ways(points: _Points, owner: Ints) -> Ints:
     for axis, own in enumerate(ends):
         way[(own == 2) & (creases == 2)] = axis
     way[creases == 0] = _ANYWHERE
-    ways = way[owner]
+    ways = way.take(points.owner)
     # A pinched point has an upright crease on each of its sheets, which ends where the sheet's block does.
     pinched = np.flatnonzero(points.pinched)
     for sheet in (0, 1):
@@ -346,38 +385,57 @@ def _least_area(lattice: Lattice) -> float:
     return float(min(gaps[:2]) * min(gaps))
 
 
-_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
-"""Corners of a face at which its block lies on the side of larger y, for each of NORMALS."""
+_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=np.int32)
+"""1 for the sides of a face at which its block lies on the side of larger y, for each of NORMALS."""
 
-_AXES = np.array([[1, 2, 1, 2], [0, 2, 0, 2], [0, 1, 0, 1]], dtype=np.int32)
-"""Axis of each side of a rectangle that is perpendicular to x, y and z."""
-
-_OPENING = np.array([1, 0, 1, 0])
+_OPENING = np.array([1, 0, 1, 0], dtype=np.int32)
 """How many edges of each side have no triangle of their own."""
 
 
-def _triangulated(rings: Faces, points: _Points, lattice: Lattice) -> list[Faces]:
+class _Orders(NamedTuple):
+    """The points in three orders, in each of which those on a line along an axis are consecutive.
+
+    code: (6 n,), the codes of vertices: for each axis, the first vertex of each point in the order along it, and then
+    the second if it has two, else again the first. along_x, along_y: (n,), where in `code` each point is; along z its
+    own number.
+    """
+
+    code: Ints
+    along_x: Ints
+    along_y: Ints
+
+    @classmethod
+    def of(cls, points: _Points, code: Ints, lattice: Lattice) -> _Orders:
+        # By number, points on one line along z are consecutive: (x, y, z). Sorted by z again, those on a line along y
+        # are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order of equals; of
+        # 16 bits they are radix sorts, which are linear.
+        small = np.uint16 if max(lattice.shape) <= 2**16 else np.int64
+        count = len(points.places)
+        by_y = np.argsort(points.z.astype(small), kind="stable")
+        by_x = by_y.take(np.argsort(points.y.astype(small).take(by_y), kind="stable"))
+        first, second = code.take(points.first), code.take(points.first + points.pinched)
+        codes = np.concatenate([own.take(order) if order is not None else own for order in (None, by_x, by_y) for own in (first, second)])
+        along_x, along_y = np.empty((2, count), dtype=np.int32)
+        along_x[by_x] = np.arange(2 * count, 3 * count, dtype=np.int32)
+        along_y[by_y] = np.arange(4 * count, 5 * count, dtype=np.int32)
+        return cls(codes, along_x, along_y)
+
+    def ranks(self, corners: Ints, axis: int) -> Ints:
+        """Return where in `code` points are, in the order along an axis."""
+        return corners if axis == 2 else self[1 + axis].take(corners)
+
+
+def _triangulated(sides: Sequence[Faces], points: _Points, code: Ints, lattice: Lattice) -> list[Faces]:
     """Return triangles of vertices for rectangles whose corners are points, in pieces."""
-    # Points in three orders. By number, those on one line along z are consecutive: (x, y, z). Sorted by z again, those
-    # on a line along y are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order
-    # of equals; of 16 bits they are radix sorts, which are linear.
-    small = np.uint16 if max(lattice.shape) <= 2**16 else np.int64
-    count = len(points.places)
-    along_y = np.argsort(points.z.astype(small), kind="stable")
-    along_x = along_y.take(np.argsort(points.y.astype(small).take(along_y), kind="stable"))
-    own = points.first * 2 + points.pinched
-    rank = np.empty((count, 3), dtype=np.int32)
-    for axis, order in enumerate((along_x, along_y, np.arange(count))):
-        rank[order, axis] = np.arange(axis * count, (axis + 1) * count, dtype=np.int32)
-    vertex = np.concatenate([own[along_x], own[along_y], own])
-    return [_fans(Faces(*piece), rank.ravel(), vertex) for piece in zip(*map(_pieces, rings), strict=True)]
+    orders = _Orders.of(points, code, lattice)
+    axes = (0, 1), (1, 2), (0, 2)
+    return [_fans(piece, own, orders) for own, rings in zip(axes, sides, strict=True) for piece in _pieces(rings)]
 
 
-def _fans(rings: Faces, rank: Ints, vertex: Ints) -> Faces:
+def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:
     """Return the triangles of rectangles, with all vertices on their sides.
 
-    rank: (3 n,), where each point is in turn in the orders of points along x, y and z, which follow one another;
-    vertex: (3 n,), 2 * the first vertex of the point in each place of these orders, plus 1 if it has two.
+    axes: along which their sides are, in turn.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.
@@ -385,21 +443,32 @@ def _fans(rings: Faces, rank: Ints, vertex: Ints) -> Faces:
     c0     .    c1
     """
     # A side is a slice, forward or backward, of the order along its axis. The sides of all rectangles are one list.
-    axis, corners = _AXES[rings.normals // 2], 3 * rings.corners
-    start, end = (rank.take(axis + ends).ravel() for ends in (corners, corners[:, [1, 2, 3, 0]]))
-    count, sign = np.abs(end - start), np.sign(end - start)
-    first = np.cumsum(count, dtype=np.int32) - count
-    at = np.repeat(sign, count)
-    at[first] = start - np.roll(end - sign, 1) * (first > 0)
-    point = vertex.take(np.cumsum(at, dtype=np.int32))
-    point = (point >> 1) + (point & np.repeat(_FAR[rings.normals], count))
-    first = first.reshape(-1, 4)
-    after = np.roll(point, -1)
-    after[np.roll(first[:, 0], -1) - 1] = point[first[:, 0]]
-    edge = np.ones(len(point), dtype=bool)
+    u, v = (orders.ranks(rings.corners, axis) for axis in axes)
+    start, end = np.empty((2, *u.shape), dtype=np.int32)
+    start[:, ::2], start[:, 1::2] = u[:, ::2], v[:, 1::2]
+    end[:, ::2], end[:, 1], end[:, 3] = u[:, 1::2], v[:, 2], v[:, 0]
+    end -= start
+    sign = np.sign(end)
+    count = np.abs(end)
+    start += (_FAR * (len(orders.code) // 6)).take(rings.normals, axis=0)
+    end += start
+    end -= sign
+    start.ravel()[1:] -= end.ravel()[:-1]
+    first = np.cumsum(count, dtype=np.int32).reshape(-1, 4)
+    total = int(first[-1, -1]) if len(first) else 0
+    first -= count
+    at = np.repeat(sign.ravel(), count.ravel())
+    at[first] = start
+    point = orders.code.take(np.cumsum(at, dtype=np.intp))
+    edge = np.ones(total, dtype=bool)
     edge[first[:, ::2]] = False
-    apexes = point.take(np.stack([first[:, 3], first[:, 2] + 1, first[:, 1], first[:, 0] + 1], axis=1))
-    edges = count.reshape(-1, 4) - _OPENING
-    triangles = edges.sum(axis=1)
-    corners = np.stack([point.compress(edge), after.compress(edge), np.repeat(apexes, edges.ravel())], axis=1)
+    edges = np.flatnonzero(edge)
+    triangles = np.diff(first[:, 0], append=total) - 2
+    apexes = point.take(first[:, [3, 2, 1, 0]] + _OPENING[::-1])
+    count -= _OPENING
+    corners = np.empty((len(edges), 3), dtype=np.int32)
+    corners[:, 0] = point.take(edges)
+    corners[:, 1] = point.take(edges + 1, mode="clip")
+    corners[np.cumsum(triangles) - 1, 1] = point.take(first[:, 0])
+    corners[:, 2] = np.repeat(apexes.ravel(), count.ravel())
     return Faces(corners, np.repeat(rings.normals, triangles), np.repeat(rings.materials, triangles))
