@@ -93,22 +93,27 @@ def decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lat
     left[used] = place == np.arange(len(used))
     number = np.cumsum(left, dtype=np.int32) - 1
     number[used] = number[used[place]]
-    triangles = []
-    for piece, part, row, stays in zip(pieces, takes_part, rows, _split(kept, rows), strict=True):
+    for part, row, stays in zip(takes_part, rows, _split(kept, rows), strict=True):
         part[row] = ~stays  # from here on: is gone
-        piece = piece.rows(np.flatnonzero(~part))
-        triangles.append(piece._replace(corners=number.take(_vertices(piece.corners))))
-    return _by_material(triangles), left
+    faces = _by_material([piece.rows(np.flatnonzero(~gone)) for piece, gone in zip(pieces, takes_part, strict=True)], number)
+    return faces, left
 
 
-def _by_material(pieces: Sequence[Faces]) -> Faces:
-    """Return the faces of pieces, each of which is sorted by material, sorted by material, else in their order."""
+def _by_material(pieces: Sequence[Faces], number: Ints) -> Faces:
+    """Return the faces of pieces, each of which is sorted by material, sorted by material, else in their order.
+
+    number: of the vertex of each code.
+    """
     runs: list[Faces] = []
     for piece in pieces:
         cuts = np.flatnonzero(np.diff(piece.materials)) + 1
         runs += [Faces(*run) for run in zip(*(np.split(column, cuts) for column in piece), strict=True)]
     runs.sort(key=lambda run: run.materials[:1].tolist())
-    return Faces(*(np.concatenate(columns) for columns in zip(*runs, strict=True)))
+    normals, materials = (np.concatenate(column) for column in list(zip(*runs, strict=True))[1:])
+    corners = np.empty((len(normals), 3), dtype=np.int32)
+    for run, part in zip(runs, _split(corners, [run.normals for run in runs])):
+        number.take(_vertices(run.corners), out=part, mode="clip")
+    return Faces(corners, normals, materials)
 
 
 class _Live(NamedTuple):
@@ -141,16 +146,19 @@ def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
         if not len(collapses.vertex):
             break
         place[collapses.vertex] = collapses.target
+        changed = np.flatnonzero(_any(_mask(collapses.vertex, len(place)), corners))
+        moved = place.take(corners.take(changed, axis=0))
         # A vertex that could not move can only do so once one of its triangles has changed.
-        before, corners = corners, place.take(corners)
-        tried = np.zeros(len(vertices), dtype=bool)
-        tried[possible.vertex] = True
-        tried[corners[np.not_equal(before, corners).any(axis=1)]] = True
+        tried = _mask(possible.vertex, len(place))
+        tried[moved] = True
         tried &= removable
-        distinct = _are_distinct(*corners.T)
-        kept[rows[~distinct]] = False
-        stays = np.flatnonzero(distinct & _any(removable, corners))
-        rows, corners, normals = rows.take(stays), corners.take(stays, axis=0), normals.take(stays)
+        distinct = _are_distinct(*moved.T)
+        kept[rows[changed[~distinct]]] = False
+        corners[changed] = moved
+        stays = np.ones(len(corners), dtype=bool)
+        stays[changed] = distinct & _any(removable, moved)
+        stay = np.flatnonzero(stays)
+        rows, corners, normals = rows.take(stay), corners.take(stay, axis=0), normals.take(stay)
     while (place != (further := place.take(place))).any():
         place = further  # a target may have been removed later
     return place, kept
@@ -185,6 +193,13 @@ def _are_removable(codes: Ints) -> Mask:
     """Return which triangles (m, 3) have a removable corner."""
     a, b, c = codes.T
     return np.asarray((a | b | c) < 0)
+
+
+def _mask(which: Ints, length: int) -> Mask:
+    """Return a mask that is true at these indices."""
+    mask = np.zeros(length, dtype=bool)
+    mask[which] = True
+    return mask
 
 
 def _any(mask: Mask, corners: Ints) -> Mask:
@@ -413,11 +428,15 @@ class _Orders(NamedTuple):
         count = len(points.places)
         by_y = np.argsort(points.z.astype(small), kind="stable")
         by_x = by_y.take(np.argsort(points.y.astype(small).take(by_y), kind="stable"))
-        first, second = code.take(points.first), code.take(points.first + points.pinched)
-        codes = np.concatenate([own.take(order) if order is not None else own for order in (None, by_x, by_y) for own in (first, second)])
         along_x, along_y = np.empty((2, count), dtype=np.int32)
         along_x[by_x] = np.arange(2 * count, 3 * count, dtype=np.int32)
         along_y[by_y] = np.arange(4 * count, 5 * count, dtype=np.int32)
+        first = code.take(points.first)
+        codes = np.concatenate([first, first, *2 * [first.take(by_x)], *2 * [first.take(by_y)]])
+        pinched = np.flatnonzero(points.pinched).astype(np.int32)
+        second = code.take(points.first.take(pinched) + 1)
+        for rank in (pinched, along_x.take(pinched), along_y.take(pinched)):
+            codes[rank + count] = second
         return cls(codes, along_x, along_y)
 
     def ranks(self, corners: Ints, axis: int) -> Ints:
