@@ -126,23 +126,49 @@ def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
     kept = np.ones(len(lengths), dtype=bool)
     rank = np.empty(len(lengths), dtype=np.int64)
     rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
-    shorter_a = rank[a] < rank[b]
-    a, b = np.where(shorter_a, a, b), np.where(shorter_a, b, a)
     while len(a):
-        met = np.bincount(a, minlength=len(lengths)) + np.bincount(b, minlength=len(lengths))
-        take_a, take_b = met.take(a) == 1, met.take(b) == 1
-        take_b &= ~take_a  # of two that meet each other alone, the shorter is kept
-        if not (take_a.any() or take_b.any()):
-            # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
-            worth = met * len(lengths) + rank
-            least = worth.copy()
-            np.minimum.at(least, a, worth[b])
-            np.minimum.at(least, b, worth[a])
-            take_a, take_b = least[a] == worth[a], least[b] == worth[b]
-        kept[b.compress(take_a)] = kept[a.compress(take_b)] = False
-        both = kept.take(a) & kept.take(b)
-        a, b = a.compress(both), b.compress(both)
+        _keep_ends(a, b, rank, kept)
+        # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
+        a, b = _of_kept(a, b, kept)
+        worth = (np.bincount(a, minlength=len(rank)) + np.bincount(b, minlength=len(rank))) * len(rank) + rank
+        least = worth.copy()
+        np.minimum.at(least, a, worth[b])
+        np.minimum.at(least, b, worth[a])
+        kept[b[least[a] == worth[a]]] = kept[a[least[b] == worth[b]]] = False
+        a, b = _of_kept(a, b, kept)
     return kept
+
+
+def _of_kept(a: Ints, b: Ints, kept: Mask) -> tuple[Ints, Ints]:
+    """Return the intersections of chords that are kept."""
+    both = kept.take(a) & kept.take(b)
+    return a.compress(both), b.compress(both)
+
+
+def _keep_ends(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
+    """Keep chords that intersect only one other, which is not kept, until there are none.
+
+    Most rounds keep few chords of many, so a round only looks at the neighbours of those that the last one took away.
+    """
+    chord, other = np.concatenate([a, b]), np.concatenate([b, a])
+    neighbours = other.take(np.argsort(chord))
+    count = np.bincount(chord, minlength=len(rank))
+    begin = np.cumsum(count) - count
+    met = count.copy()
+    total = np.bincount(chord, other, len(rank)).astype(np.int64)  # of the neighbours' numbers: the last one in the end
+    ends = np.flatnonzero(met == 1)
+    while len(ends):
+        last = total.take(ends)
+        # Of two that meet each other alone, the shorter is kept.
+        gone = np.unique(last[(met.take(last) > 1) | (rank.take(ends) < rank.take(last))])
+        kept[gone] = False
+        whose, place = ragged(count.take(gone))
+        near = neighbours.take(begin.take(gone).take(whose) + place)
+        whose, near = gone.take(whose)[kept.take(near)], near[kept.take(near)]
+        np.subtract.at(met, near, 1)
+        np.subtract.at(total, near, whose)
+        met[gone] = 0
+        ends = near[met.take(near) == 1]
 
 
 def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
