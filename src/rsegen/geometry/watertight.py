@@ -45,7 +45,7 @@ far, and rounding errors smaller."""
 _NOWHERE, _ANYWHERE = -1, 3
 """Where a vertex may move, besides along the axes 0, 1 and 2."""
 
-_PIECE = 2**14
+_PIECE = 2**13
 """Rows that are worked on at a time: their arrays fit into a processor's cache, which saves half the time and much
 memory."""
 
@@ -215,45 +215,49 @@ def _are_distinct(a: Ints, b: Ints, c: Ints) -> Mask:
 
 def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
     """Return the fans of triangles around removable vertices."""
-    corner = np.flatnonzero(removable.take(corners))
-    triangle, turn = np.divmod(corner.astype(np.int32), 3)
-    flat = corners.ravel()
-    vertex, second = flat.take(corner), flat.take(corner + 1 - 3 * (turn == 2))
+    columns, parts = corners.T, []
+    for turn, vertex in enumerate(columns):
+        rows = np.flatnonzero(removable.take(vertex))
+        parts.append([column.take(rows) for column in (*columns[turn:], *columns[:turn], normals)])
+    vertex, second, third, normal = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.argsort(vertex.astype(np.int64) * len(removable) + second)
-    third = flat.take(corner + 2 - 3 * (turn > 0))
-    return _Fan(*(column.take(order) for column in (vertex, second, third, normals.take(triangle))))
+    return _Fan(*(column.take(order) for column in (vertex, second, third, normal)))
 
 
-def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> _Collapses:
-    """Return all collapses of vertices onto neighbours to which they may move."""
+def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> Ints:
+    """Return the rows of a fan whose third vertex is one that the vertex may move onto."""
     # A triangle has one axis as its normal and may have the way as one side; the third then has to agree.
     way = ways.take(fan.vertex)
     third = (3 - way - fan.normal // 2) % 3
     along = vertices.take(3 * fan.third + third) == vertices.take(3 * fan.vertex + third)
-    may = along | (way == _ANYWHERE)
-    return _Collapses(fan.vertex[may], fan.third[may])
+    return np.flatnonzero(along | (way == _ANYWHERE))
 
 
-def _without_flips(collapses: _Collapses, fan: _Fan, vertices: Array, least: float) -> _Collapses:
-    """Return one collapse per vertex that flips no triangle, if it has one."""
+def _without_flips(rows: Ints, fan: _Fan, vertices: Array, least: float) -> _Collapses:
+    """Return one collapse per vertex that flips no triangle, if it has one; rows: those of the fan that may be it."""
     # The collapses of all vertices, one per vertex at a time, in the order of the fan, until one is good.
-    begins = np.flatnonzero(np.diff(fan.vertex, prepend=-1))
+    is_first = np.diff(fan.vertex, prepend=-1) != 0
+    begins = np.flatnonzero(is_first)
     counts = np.diff(begins, append=len(fan.vertex))
-    own = np.searchsorted(fan.vertex[begins], collapses.vertex)
-    found, waiting = [], np.flatnonzero(np.diff(collapses.vertex, prepend=-1))
+    own = (np.cumsum(is_first) - 1).take(rows)
+    found, waiting = [rows[:0]], np.flatnonzero(np.diff(own, prepend=-1))
     while len(waiting):
         trial, waiting = np.split(waiting, [_PIECE])
         # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
-        move, place = ragged(counts.take(own.take(trial)))
-        corner = begins.take(own.take(trial)).take(move) + place
-        moved = collapses.target.take(trial).take(move), fan.second.take(corner), fan.third.take(corner)
-        over = (_twice_areas(*moved, fan.normal.take(corner), vertices) < least) & _are_distinct(*moved)
-        good = np.bincount(move[over], minlength=len(trial)) == 0
-        found.append(trial[good])
-        following = trial[~good] + 1
+        fans = own.take(trial)
+        move, place = ragged(counts.take(fans))
+        corner = begins.take(fans).take(move) + place
+        moved = fan.third.take(rows.take(trial)).take(move), fan.second.take(corner), fan.third.take(corner)
+        stay = np.flatnonzero((moved[0] != moved[1]) & (moved[0] != moved[2]))
+        triangles = (column.take(stay) for column in (*moved, fan.normal.take(corner)))
+        over = move.take(stay)[_twice_areas(*triangles, vertices) < least]
+        is_good = np.bincount(over, minlength=len(trial)) == 0
+        found.append(trial[is_good])
+        following = trial[~is_good] + 1
         following = following[following < len(own)]
         waiting = np.concatenate([waiting, following[own[following] == own[following - 1]]])
-    return collapses.rows(np.sort(np.concatenate(found))) if found else collapses
+    good = rows.take(np.sort(np.concatenate(found)))
+    return _Collapses(fan.vertex.take(good), fan.third.take(good))
 
 
 def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) -> _Collapses:
@@ -273,14 +277,16 @@ def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) 
     return collapses.rows(~loses[collapses.vertex])
 
 
+_PLANES = np.array([[1, 1, 2, 2, 0, 0], [2, 2, 0, 0, 1, 1]], dtype=np.int32)
+"""Axes u and v that turn into that of each of NORMALS as x and y turn into z."""
+
+
 def _twice_areas(a: Ints, b: Ints, c: Ints, normals: Ints, vertices: Array) -> Array:
     """Return twice the signed area of triangles with corners a, b, c; negative if one has flipped."""
-    # In the plane of two axes, u and v, which turn into the third as x and y turn into z.
-    axis, back = np.divmod(normals, 2)
-    u, v = (axis + 1) % 3, (axis + 2) % 3
+    u, v = (plane.take(normals) for plane in _PLANES)
     (u_a, v_a), (u_b, v_b), (u_c, v_c) = ([vertices.take(3 * corner + at) for at in (u, v)] for corner in (a, b, c))
     twice = (u_b - u_a) * (v_c - v_a) - (v_b - v_a) * (u_c - u_a)
-    return np.asarray(np.where(back, -twice, twice))
+    return np.asarray(np.where(normals & 1, -twice, twice))
 
 
 class _Points(NamedTuple):
@@ -344,7 +350,8 @@ def watertight(field: StepField) -> Mesh:
     told(0.7)
     faces, left = decimated(triangles, points, ways, grid.lattice)
     told(1)
-    return grid.lattice.mesh(faces, places[points.owner[left]])
+    owner = points.owner.compress(left)
+    return grid.lattice.mesh(faces, [at.take(owner) for at in points[1:4]])
 
 
 def bottoms(grid: LabelGrid) -> Faces:
