@@ -53,7 +53,7 @@ class _Runs(NamedTuple):
 def ragged(counts: Ints) -> tuple[Ints, Ints]:
     """Return ragged indices: for [2, 3] the groups 0 0 1 1 1 and the positions within them 0 1 0 1 2."""
     whose = np.repeat(np.arange(len(counts)), counts)
-    return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return whose, np.arange(len(whose)) - (np.cumsum(counts) - counts).take(whose)
 
 
 def cuts_along_u(labels: Ints) -> Mask:
@@ -150,12 +150,12 @@ def _keep_ends(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
 
     Most rounds keep few chords of many, so a round only looks at the neighbours of those that the last one took away.
     """
-    chord, other = np.concatenate([a, b]), np.concatenate([b, a])
-    neighbours = other.take(np.argsort(chord))
-    count = np.bincount(chord, minlength=len(rank))
+    neighbours = np.concatenate([b, a.take(np.argsort(b))])
+    count = np.bincount(a, minlength=len(rank)) + np.bincount(b, minlength=len(rank))
     begin = np.cumsum(count) - count
     met = count.copy()
-    total = np.bincount(chord, other, len(rank)).astype(np.int64)  # of the neighbours' numbers: the last one in the end
+    total = np.bincount(a, b, len(rank)) + np.bincount(b, a, len(rank))  # of neighbours' numbers: in the end the last one
+    total = total.astype(np.int64)
     ends = np.flatnonzero(met == 1)
     while len(ends):
         last = total.take(ends)

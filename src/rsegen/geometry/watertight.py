@@ -483,18 +483,26 @@ def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:
     first = np.cumsum(count, dtype=np.int32).reshape(-1, 4)
     total = int(first[-1, -1]) if len(first) else 0
     first -= count
-    at = np.repeat(sign.ravel(), count.ravel())
-    at[first] = start
-    point = orders.code.take(np.cumsum(at, dtype=np.intp))
+    # Most sides are one edge; the other points of longer ones are set apart, as to repeat a value per side is slower.
+    is_inner = np.ones(total, dtype=bool)
+    is_inner[first] = False
+    inner = np.flatnonzero(is_inner)
+    long = np.flatnonzero(count > 1)
+    side = np.repeat(long, count.take(long) - 1)
+    at = np.empty(total, dtype=np.intp)
+    at[first], at[inner] = start, sign.take(side)
+    point = orders.code.take(np.cumsum(at, out=at))
+    apexes = point.take(first[:, [3, 2, 1, 0]] + _OPENING[::-1])
+    apex = np.empty(total, dtype=np.int32)
+    apex[first], apex[inner] = apexes, apexes.take(side)
     edge = np.ones(total, dtype=bool)
     edge[first[:, ::2]] = False
     edges = np.flatnonzero(edge)
     triangles = np.diff(first[:, 0], append=total) - 2
-    apexes = point.take(first[:, [3, 2, 1, 0]] + _OPENING[::-1])
-    count -= _OPENING
     corners = np.empty((len(edges), 3), dtype=np.int32)
     corners[:, 0] = point.take(edges)
-    corners[:, 1] = point.take(edges + 1, mode="clip")
+    corners[:, 2] = apex.take(edges)
+    edges += 1
+    corners[:, 1] = point.take(edges, mode="clip")
     corners[np.cumsum(triangles) - 1, 1] = point.take(first[:, 0])
-    corners[:, 2] = np.repeat(apexes.ravel(), count.ravel())
     return Faces(corners, np.repeat(rings.normals, triangles), np.repeat(rings.materials, triangles))
