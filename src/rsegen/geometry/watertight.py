@@ -26,6 +26,7 @@ decimation take a third each. Whole maps only: a tile of a closed mesh would hav
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence, Sized
+from itertools import pairwise
 from math import prod
 from typing import Any, NamedTuple
 
@@ -102,17 +103,19 @@ def decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lat
 def _by_material(pieces: Sequence[Faces], number: Ints) -> Faces:
     """Return the faces of pieces, each of which is sorted by material, sorted by material, else in their order.
 
-    number: of the vertex of each code.
+    number: (v,), the new number of each vertex.
     """
     runs: list[Faces] = []
     for piece in pieces:
         cuts = np.flatnonzero(np.diff(piece.materials)) + 1
-        runs += [Faces(*run) for run in zip(*(np.split(column, cuts) for column in piece), strict=True)]
+        bounds = pairwise([0, *cuts.tolist(), len(piece.materials)])
+        runs += [Faces(*(column[begin:end] for column in piece)) for begin, end in bounds]
     runs.sort(key=lambda run: run.materials[:1].tolist())
     normals, materials = (np.concatenate(column) for column in list(zip(*runs, strict=True))[1:])
     corners = np.empty((len(normals), 3), dtype=np.int32)
-    for run, part in zip(runs, _split(corners, [run.normals for run in runs])):
-        number.take(_vertices(run.corners), out=part, mode="clip")
+    number = np.concatenate([number, number[::-1]])  # a complement, -1 - v, is an index from the end
+    for run, part in zip(runs, _split(corners, [run.normals for run in runs]), strict=True):
+        number.take(run.corners, out=part, mode="wrap")
     return Faces(corners, normals, materials)
 
 
@@ -385,7 +388,8 @@ def _ways(points: _Points) -> Ints:
     # A pinched point has an upright crease on each of its sheets, which ends where the sheet's block does.
     pinched = np.flatnonzero(points.pinched)
     for sheet in (0, 1):
-        goes_on = (ranks[:, sheet, pinched].max(axis=0, initial=0) > z[pinched]) & (z[pinched] > 0)
+        top = np.maximum(*(rank.take(pinched) for rank in ranks[:, sheet]))
+        goes_on = (top > z[pinched]) & (z[pinched] > 0)
         ways[points.first[pinched] + sheet] = np.where(goes_on, 2, _NOWHERE)
     return ways
 
