@@ -13,8 +13,9 @@ Short seams leave large rectangles whole:
     |          |   -->  |          |   and not  | : :  : : |
     |__________|        |__________|            |_:_:__:_:_|
 
-Cost: linear in the squares, all in numpy; only the rounds of the greedy choice are a loop, of a few passes. The
-risers of a surface are a simpler case, `merge_hanging`: strips that hang from one height.
+Cost: linear in the squares, all in numpy; only the rounds of the greedy choice are a loop, of a few passes over the
+intersections and of short lists of chords. The risers of a surface are a simpler case, `merge_hanging`: strips that
+hang from one height.
 """
 
 from __future__ import annotations
@@ -118,16 +119,17 @@ def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_
 
 
 def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
-    """Return a large independent set of chords, of which a[k] and b[k] intersect.
+    """Return a large independent set of chords, of which a[k] and b[k] intersect; a is in order, and all below b.
 
     Keeping a chord that intersects only one other is always optimal; if there is none, a chord is kept that intersects
     fewer others than its neighbours do, or as many and is shorter.
     """
     kept = np.ones(len(lengths), dtype=bool)
     rank = np.empty(len(lengths), dtype=np.int64)
-    rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
+    small = lengths.astype(np.min_scalar_type(lengths.max()))  # of 16 bits it is a radix sort
+    rank[np.argsort(small, kind="stable")] = np.arange(len(lengths))
     while len(a):
-        _keep_ends(a, b, rank, kept)
+        _drop_neighbours(a, b, rank, kept)
         # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
         a, b = _of_kept(a, b, kept)
         worth = (np.bincount(a, minlength=len(rank)) + np.bincount(b, minlength=len(rank))) * len(rank) + rank
@@ -145,22 +147,26 @@ def _of_kept(a: Ints, b: Ints, kept: Mask) -> tuple[Ints, Ints]:
     return a.compress(both), b.compress(both)
 
 
-def _keep_ends(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
-    """Keep chords that intersect only one other, which is not kept, until there are none.
+def _drop_neighbours(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
+    """Drop the only neighbour of every chord that intersects no other, from `kept`, until there is no such chord.
 
-    Most rounds keep few chords of many, so a round only looks at the neighbours of those that the last one took away.
+    a: in order, and all below b, so that `neighbours` is sorted by chord. Most rounds drop few chords of many, so a
+    round looks only at the neighbours of those that the last one dropped.
     """
     neighbours = np.concatenate([b, a.take(np.argsort(b))])
     count = np.bincount(a, minlength=len(rank)) + np.bincount(b, minlength=len(rank))
     begin = np.cumsum(count) - count
     met = count.copy()
-    total = np.bincount(a, b, len(rank)) + np.bincount(b, a, len(rank))  # of neighbours' numbers: in the end the last one
-    total = total.astype(np.int64)
+    # The sum of the numbers of a chord's neighbours: of one that meets only one other, the number of that one.
+    total = (np.bincount(a, b, len(rank)) + np.bincount(b, a, len(rank))).astype(np.int64)
+    at = np.empty_like(met)
     ends = np.flatnonzero(met == 1)
     while len(ends):
         last = total.take(ends)
         # Of two that meet each other alone, the shorter is kept.
-        gone = np.unique(last[(met.take(last) > 1) | (rank.take(ends) < rank.take(last))])
+        gone = last[(met.take(last) > 1) | (rank.take(ends) < rank.take(last))]
+        at[gone] = order = np.arange(len(gone))
+        gone = gone[at.take(gone) == order]  # each once
         kept[gone] = False
         whose, place = ragged(count.take(gone))
         near = neighbours.take(begin.take(gone).take(whose) + place)

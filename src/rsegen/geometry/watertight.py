@@ -9,8 +9,9 @@ that do not change the surface:
      o-------o          o-------o       two triangles between them disappear
 
 Which vertices those are is known before there is a triangle, from the labels of the four cells around each (`_ways`):
-on random maps one in ten, so only one triangle in five takes part in the rounds of collapses. A vertex that could not
-move is tried again when one of its triangles has changed.
+on random maps one in ten, so only one triangle in five takes part in the rounds of collapses. In triangles such a
+vertex stands as the complement of its number, a negative one. A vertex that could not move is tried again when one of
+its triangles has changed.
 
 If two blocks touch only along a vertical edge, each has vertices of its own there, as an edge with four faces would not
 be manifold:
@@ -19,13 +20,14 @@ be manifold:
      |_a_|___        the block on the side of larger y takes the second
          |_b_|
 
-Cost: linear in the corners, and the sorting of fans; about six times the merged surface, of which triangulation and
-decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map (decision 7).
+Cost: linear in the corners, and the sorting of fans; on random maps about five times the merged surface, of which
+triangulation and decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map
+(decision 7).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence, Sized
+from collections.abc import Iterable, Iterator, Sequence, Sized
 from itertools import pairwise
 from math import prod
 from typing import Any, NamedTuple
@@ -95,12 +97,12 @@ def decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lat
     number = np.cumsum(left, dtype=np.int32) - 1
     number[used] = number[used[place]]
     for part, row, stays in zip(takes_part, rows, _split(kept, rows), strict=True):
-        part[row] = ~stays  # from here on: is gone
-    faces = _by_material([piece.rows(np.flatnonzero(~gone)) for piece, gone in zip(pieces, takes_part, strict=True)], number)
-    return faces, left
+        part[row] = ~stays  # all others stay
+    triangles = (piece.rows(np.flatnonzero(~gone)) for piece, gone in zip(pieces, takes_part, strict=True))
+    return _by_material(triangles, number), left
 
 
-def _by_material(pieces: Sequence[Faces], number: Ints) -> Faces:
+def _by_material(pieces: Iterable[Faces], number: Ints) -> Faces:
     """Return the faces of pieces, each of which is sorted by material, sorted by material, else in their order.
 
     number: (v,), the new number of each vertex.
@@ -188,7 +190,7 @@ def _code(removable: Mask) -> Ints:
 
 
 def _vertices(codes: Ints) -> Ints:
-    """Return the numbers of vertices."""
+    """Return the numbers of vertices of these codes."""
     return np.maximum(codes, ~codes)
 
 
@@ -245,15 +247,16 @@ def _without_flips(rows: Ints, fan: _Fan, vertices: Array, least: float) -> _Col
     own = (np.cumsum(is_first) - 1).take(rows)
     found, waiting = [rows[:0]], np.flatnonzero(np.diff(own, prepend=-1))
     while len(waiting):
-        trial, waiting = np.split(waiting, [_PIECE])
+        trial, waiting = waiting[:_PIECE], waiting[_PIECE:]
         # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
         fans = own.take(trial)
         move, place = ragged(counts.take(fans))
         corner = begins.take(fans).take(move) + place
-        moved = fan.third.take(rows.take(trial)).take(move), fan.second.take(corner), fan.third.take(corner)
-        stay = np.flatnonzero((moved[0] != moved[1]) & (moved[0] != moved[2]))
-        triangles = (column.take(stay) for column in (*moved, fan.normal.take(corner)))
-        over = move.take(stay)[_twice_areas(*triangles, vertices) < least]
+        target = fan.third.take(rows.take(trial)).take(move)
+        second, third = fan.second.take(corner), fan.third.take(corner)
+        stay = np.flatnonzero((target != second) & (target != third))
+        a, b, c = (column.take(stay) for column in (target, second, third))
+        over = move.take(stay)[_twice_areas(a, b, c, fan.normal.take(corner.take(stay)), vertices) < least]
         is_good = np.bincount(over, minlength=len(trial)) == 0
         found.append(trial[is_good])
         following = trial[~is_good] + 1
@@ -331,7 +334,8 @@ class _Points(NamedTuple):
 def watertight(field: StepField) -> Mesh:
     """Return the watertight mesh of a field, in triangles; empty if every cell is at level 0."""
     grid = label_grid(field)
-    sides = [Faces.joined(parts) for parts in ([tops(grid), bottoms(grid)], [risers(grid, axis=0)], [risers(grid, axis=1)])]
+    flat = [tops(grid), bottoms(grid)]
+    sides = [Faces.joined(parts) for parts in (flat, [risers(grid, axis=0)], [risers(grid, axis=1)])]
     corners = np.concatenate([rings.corners for rings in sides])
     large = corners.size > LARGE
 
@@ -414,8 +418,8 @@ def _least_area(lattice: Lattice) -> float:
 _FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=np.int32)
 """1 for the sides of a face at which its block lies on the side of larger y, for each of NORMALS."""
 
-_OPENING = np.array([1, 0, 1, 0], dtype=np.int32)
-"""How many edges of each side have no triangle of their own."""
+_APEXES = np.array([0, 1, 0, 1], dtype=np.int32)
+"""How far after the first point of the sides 3, 2, 1, 0 the point is to which the edges of the sides 0, 1, 2, 3 go."""
 
 
 class _Orders(NamedTuple):
@@ -465,14 +469,15 @@ def _triangulated(sides: Sequence[Faces], points: _Points, code: Ints, lattice: 
 def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:
     """Return the triangles of rectangles, with all vertices on their sides.
 
-    axes: along which their sides are, in turn.
+    axes: along which their sides are, in turn, from c0 on.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.
       |________|
     c0     .    c1
     """
-    # A side is a slice, forward or backward, of the order along its axis. The sides of all rectangles are one list.
+    # A side is a slice, forward or backward, of the order along its axis, from `start` up to but not including `end`.
+    # The sides of all rectangles are one list, in which they are found by steps: to the next point, or to a `start`.
     u, v = (orders.ranks(rings.corners, axis) for axis in axes)
     start, end = np.empty((2, *u.shape), dtype=np.int32)
     start[:, ::2], start[:, 1::2] = u[:, ::2], v[:, 1::2]
@@ -483,30 +488,25 @@ def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:
     start += (_FAR * (len(orders.code) // 6)).take(rings.normals, axis=0)
     end += start
     end -= sign
-    start.ravel()[1:] -= end.ravel()[:-1]
+    start.ravel()[1:] -= end.ravel()[:-1]  # from here on: the step from the last point of the side before
     first = np.cumsum(count, dtype=np.int32).reshape(-1, 4)
     total = int(first[-1, -1]) if len(first) else 0
     first -= count
     # Most sides are one edge; the other points of longer ones are set apart, as to repeat a value per side is slower.
-    is_inner = np.ones(total, dtype=bool)
-    is_inner[first] = False
-    inner = np.flatnonzero(is_inner)
+    inner = np.flatnonzero(~_mask(first, total))
     long = np.flatnonzero(count > 1)
     side = np.repeat(long, count.take(long) - 1)
-    at = np.empty(total, dtype=np.intp)
-    at[first], at[inner] = start, sign.take(side)
-    point = orders.code.take(np.cumsum(at, out=at))
-    apexes = point.take(first[:, [3, 2, 1, 0]] + _OPENING[::-1])
+    step = np.empty(total, dtype=np.intp)
+    step[first], step[inner] = start, sign.take(side)
+    point = orders.code.take(np.cumsum(step, out=step))
+    apexes = point.take(first[:, [3, 2, 1, 0]] + _APEXES)
     apex = np.empty(total, dtype=np.int32)
     apex[first], apex[inner] = apexes, apexes.take(side)
-    edge = np.ones(total, dtype=bool)
-    edge[first[:, ::2]] = False
-    edges = np.flatnonzero(edge)
+    edges = np.flatnonzero(~_mask(first[:, ::2], total))
     triangles = np.diff(first[:, 0], append=total) - 2
     corners = np.empty((len(edges), 3), dtype=np.int32)
     corners[:, 0] = point.take(edges)
     corners[:, 2] = apex.take(edges)
-    edges += 1
-    corners[:, 1] = point.take(edges, mode="clip")
-    corners[np.cumsum(triangles) - 1, 1] = point.take(first[:, 0])
+    corners[:, 1] = point.take(edges + 1, mode="clip")
+    corners[np.cumsum(triangles) - 1, 1] = point.take(first[:, 0])  # the last edge of a rectangle ends where it begins
     return Faces(corners, np.repeat(rings.normals, triangles), np.repeat(rings.materials, triangles))
