@@ -48,7 +48,7 @@ far, and rounding errors smaller."""
 _NOWHERE, _ANYWHERE = -1, 3
 """Where a vertex may move, besides along the axes 0, 1 and 2."""
 
-_PIECE = 2**13
+_PIECE = 2**14
 """Rows that are worked on at a time: their arrays fit into a processor's cache, which saves half the time and much
 memory."""
 
@@ -503,7 +503,7 @@ def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:
     apex = np.empty(total, dtype=np.int32)
     apex[first], apex[inner] = apexes, apexes.take(side)
     edges = np.flatnonzero(~_mask(first[:, ::2], total))
-    triangles = np.diff(first[:, 0], append=total) - 2
+    triangles = np.diff(first[:, 0], append=np.int32(total)) - 2
     corners = np.empty((len(edges), 3), dtype=np.int32)
     corners[:, 0] = point.take(edges)
     corners[:, 2] = apex.take(edges)
