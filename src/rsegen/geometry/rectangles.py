@@ -114,11 +114,11 @@ def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_
     at, a = along_u.corners(last=True)
     b = on[at]
     a, b = a[b >= 0], b[b >= 0] + len(along_u.start)
-    kept = _independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
+    kept = independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
     return along_u.rows(kept[: len(along_u.start)]), along_v.rows(kept[len(along_u.start) :])
 
 
-def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
+def independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
     """Return a large independent set of chords, of which a[k] and b[k] intersect; a is in order, and all below b.
 
     Keeping a chord that intersects only one other is always optimal; if there is none, a chord is kept that intersects
