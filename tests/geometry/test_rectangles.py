@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -13,7 +14,7 @@ from hypothesis.extra import numpy as arrays
 
 from rsegen.field.stepfield import StepField
 from rsegen.geometry import surface
-from rsegen.geometry.rectangles import Rectangles, merge, merge_hanging
+from rsegen.geometry.rectangles import Rectangles, independent_set, merge, merge_hanging
 from tests.geometry.grids import GRIDS
 from tests.geometry.minimum import counted, searched
 
@@ -46,6 +47,30 @@ def test_the_theorem_agrees_with_an_exhaustive_search(labels: np.ndarray) -> Non
 @settings(max_examples=200)
 def test_small_grids_are_cut_into_the_fewest(labels: np.ndarray) -> None:
     assert len(merge(labels).label) == counted(labels)
+
+
+@given(intersects=arrays.arrays(bool, st.tuples(st.integers(1, 9), st.integers(1, 9))), draw=st.data())
+def test_chords_are_chosen_as_by_rounds_over_all_intersections(intersects: np.ndarray, draw: st.DataObject) -> None:
+    along_u, along_v = intersects.shape
+    lengths = draw.draw(arrays.arrays(np.int64, along_u + along_v, elements=st.integers(1, 4)))
+    a, b = np.nonzero(intersects)
+    assert set(np.flatnonzero(independent_set(a, b + along_u, lengths))) == by_rounds(a, b + along_u, lengths)
+
+
+def by_rounds(a: np.ndarray, b: np.ndarray, lengths: np.ndarray) -> set[int]:
+    """Chords that are kept, if every round looks at every intersection."""
+    rank = np.argsort(np.argsort(lengths, kind="stable")).tolist()
+    kept, pairs = set(range(len(lengths))), list(zip(a.tolist(), b.tolist(), strict=True))
+    while pairs:
+        met = Counter(chord for pair in pairs for chord in pair)
+        both = pairs + [(y, x) for x, y in pairs]
+        gone = {y for x, y in both if met[x] == 1 and (met[y] > 1 or rank[x] < rank[y])}
+        if not gone:
+            worse = {x for x, y in both if (met[x], rank[x]) > (met[y], rank[y])}
+            gone = {y for x, y in both if x not in worse}
+        kept -= gone
+        pairs = [pair for pair in pairs if not gone.intersection(pair)]
+    return kept
 
 
 @pytest.mark.parametrize("kind", GRIDS)

@@ -8,7 +8,7 @@ All geometry of a field, or of a window of it, is made from a `LabelGrid`: integ
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from typing import NamedTuple
@@ -121,13 +121,13 @@ class Lattice:
     def weld(self, faces: Faces) -> Mesh:
         """Return the mesh of faces, with one vertex per lattice point that is used."""
         places, numbers = welded(faces.corners, prod(self.shape))
-        return self.mesh(faces._replace(corners=numbers), places)
+        return self.mesh(faces._replace(corners=numbers), self.unravelled(places))
 
-    def mesh(self, faces: Faces, places: Ints) -> Mesh:
-        """Return the mesh of faces whose corners are vertex indices, with the lattice point of each vertex."""
+    def mesh(self, faces: Faces, places: Sequence[Ints]) -> Mesh:
+        """Return the mesh of faces whose corners are vertex indices, with the indices x, y and z of each vertex."""
         return Mesh(
             lines=self.lines,
-            places=np.stack([at.astype(np.int32) for at in self.unravelled(places)], axis=-1),
+            places=np.stack([at.astype(np.int32, copy=False) for at in places], axis=-1),
             faces=faces.corners.astype(np.int32, copy=False),
             normals=faces.normals.astype(np.int8, copy=False),
             materials=faces.materials.astype(np.int16, copy=False),

@@ -13,8 +13,9 @@ Short seams leave large rectangles whole:
     |          |   -->  |          |   and not  | : :  : : |
     |__________|        |__________|            |_:_:__:_:_|
 
-Cost: linear in the squares, all in numpy; only the rounds of the greedy choice are a loop, of a few passes. The
-risers of a surface are a simpler case, `merge_hanging`: strips that hang from one height.
+Cost: linear in the squares, all in numpy; only the rounds of the greedy choice are a loop, of a few passes over the
+intersections and of short lists of chords. The risers of a surface are a simpler case, `merge_hanging`: strips that
+hang from one height.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class _Runs(NamedTuple):
 def ragged(counts: Ints) -> tuple[Ints, Ints]:
     """Return ragged indices: for [2, 3] the groups 0 0 1 1 1 and the positions within them 0 1 0 1 2."""
     whose = np.repeat(np.arange(len(counts)), counts)
-    return whose, np.arange(len(whose)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return whose, np.arange(len(whose)) - (np.cumsum(counts) - counts).take(whose)
 
 
 def cuts_along_u(labels: Ints) -> Mask:
@@ -113,36 +114,67 @@ def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_
     at, a = along_u.corners(last=True)
     b = on[at]
     a, b = a[b >= 0], b[b >= 0] + len(along_u.start)
-    kept = _independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
+    kept = independent_set(a, b, np.concatenate([along_u.length, along_v.length]))
     return along_u.rows(kept[: len(along_u.start)]), along_v.rows(kept[len(along_u.start) :])
 
 
-def _independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
-    """Return a large independent set of chords, of which a[k] and b[k] intersect.
+def independent_set(a: Ints, b: Ints, lengths: Ints) -> Mask:
+    """Return a large independent set of chords, of which a[k] and b[k] intersect; a is in order, and all below b.
 
     Keeping a chord that intersects only one other is always optimal; if there is none, a chord is kept that intersects
     fewer others than its neighbours do, or as many and is shorter.
     """
     kept = np.ones(len(lengths), dtype=bool)
     rank = np.empty(len(lengths), dtype=np.int64)
-    rank[np.argsort(lengths, kind="stable")] = np.arange(len(lengths))
-    shorter_a = rank[a] < rank[b]
-    a, b = np.where(shorter_a, a, b), np.where(shorter_a, b, a)
+    small = lengths.astype(np.min_scalar_type(lengths.max()))  # of 16 bits it is a radix sort
+    rank[np.argsort(small, kind="stable")] = np.arange(len(lengths))
     while len(a):
-        met = np.bincount(a, minlength=len(lengths)) + np.bincount(b, minlength=len(lengths))
-        take_a, take_b = met.take(a) == 1, met.take(b) == 1
-        take_b &= ~take_a  # of two that meet each other alone, the shorter is kept
-        if not (take_a.any() or take_b.any()):
-            # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
-            worth = met * len(lengths) + rank
-            least = worth.copy()
-            np.minimum.at(least, a, worth[b])
-            np.minimum.at(least, b, worth[a])
-            take_a, take_b = least[a] == worth[a], least[b] == worth[b]
-        kept[b.compress(take_a)] = kept[a.compress(take_b)] = False
-        both = kept.take(a) & kept.take(b)
-        a, b = a.compress(both), b.compress(both)
+        _drop_neighbours(a, b, rank, kept)
+        # Local minima of (intersections, length) are no neighbours of one another, so all are kept at once.
+        a, b = _of_kept(a, b, kept)
+        worth = (np.bincount(a, minlength=len(rank)) + np.bincount(b, minlength=len(rank))) * len(rank) + rank
+        least = worth.copy()
+        np.minimum.at(least, a, worth[b])
+        np.minimum.at(least, b, worth[a])
+        kept[b[least[a] == worth[a]]] = kept[a[least[b] == worth[b]]] = False
+        a, b = _of_kept(a, b, kept)
     return kept
+
+
+def _of_kept(a: Ints, b: Ints, kept: Mask) -> tuple[Ints, Ints]:
+    """Return the intersections of chords that are kept."""
+    both = kept.take(a) & kept.take(b)
+    return a.compress(both), b.compress(both)
+
+
+def _drop_neighbours(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
+    """Drop the only neighbour of every chord that intersects no other, from `kept`, until there is no such chord.
+
+    a: in order, and all below b, so that `neighbours` is sorted by chord. Most rounds drop few chords of many, so a
+    round looks only at the neighbours of those that the last one dropped.
+    """
+    neighbours = np.concatenate([b, a.take(np.argsort(b))])
+    count = np.bincount(a, minlength=len(rank)) + np.bincount(b, minlength=len(rank))
+    begin = np.cumsum(count) - count
+    met = count.copy()
+    # The sum of the numbers of a chord's neighbours: of one that meets only one other, the number of that one.
+    total = (np.bincount(a, b, len(rank)) + np.bincount(b, a, len(rank))).astype(np.int64)
+    at = np.empty_like(met)
+    ends = np.flatnonzero(met == 1)
+    while len(ends):
+        last = total.take(ends)
+        # Of two that meet each other alone, the shorter is kept.
+        gone = last[(met.take(last) > 1) | (rank.take(ends) < rank.take(last))]
+        at[gone] = order = np.arange(len(gone))
+        gone = gone[at.take(gone) == order]  # each once
+        kept[gone] = False
+        whose, place = ragged(count.take(gone))
+        near = neighbours.take(begin.take(gone).take(whose) + place)
+        whose, near = gone.take(whose)[kept.take(near)], near[kept.take(near)]
+        np.subtract.at(met, near, 1)
+        np.subtract.at(total, near, whose)
+        met[gone] = 0
+        ends = near[met.take(near) == 1]
 
 
 def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:

@@ -9,8 +9,9 @@ that do not change the surface:
      o-------o          o-------o       two triangles between them disappear
 
 Which vertices those are is known before there is a triangle, from the labels of the four cells around each (`_ways`):
-on random maps one in ten, so only one triangle in five takes part in the rounds of collapses. A vertex that could not
-move is tried again when one of its triangles has changed.
+on random maps one in ten, so only one triangle in five takes part in the rounds of collapses. In triangles such a
+vertex stands as the complement of its number, a negative one. A vertex that could not move is tried again when one of
+its triangles has changed.
 
 If two blocks touch only along a vertical edge, each has vertices of its own there, as an edge with four faces would not
 be manifold:
@@ -19,13 +20,15 @@ be manifold:
      |_a_|___        the block on the side of larger y takes the second
          |_b_|
 
-Cost: linear in the corners, and the sorting of fans; about six times the merged surface, of which triangulation and
-decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map (decision 7).
+Cost: linear in the corners, and the sorting of fans; on random maps about five times the merged surface, of which
+triangulation and decimation take a third each. Whole maps only: a tile of a closed mesh would have walls inside the map
+(decision 7).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence, Sized
+from itertools import pairwise
 from math import prod
 from typing import Any, NamedTuple
 
@@ -72,33 +75,50 @@ class _Collapses(NamedTuple):
         return _Collapses(self.vertex[which], self.target[which])
 
 
-def decimated(pieces: Sequence[Faces], points: _Points, lattice: Lattice) -> tuple[Faces, Ints]:
-    """Return the triangles of all pieces without removable vertices, and the points of the vertices that are left.
+def decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Faces, Ints]:
+    """Return the triangles of all pieces without removable vertices, and which vertices are left.
 
-    pieces: corners (m, 3), indices of the points' vertices, all of which are used; in the result, indices of those
-    left, which are in order.
+    pieces: corners (m, 3), codes of vertices, all of which are used; in the result, indices of those left, which are in
+    order. ways: (v,), where each vertex may move.
     """
-    owner = np.repeat(np.arange(len(points.places), dtype=np.int32), 1 + points.pinched)  # the point of each vertex
-    ways = _ways(points, owner)
-    removable = ways != _NOWHERE
     # A triangle without a removable corner never gets one, so it is left out of all rounds, and so are its vertices.
-    takes_part = [_any(removable, piece.corners) for piece in pieces]
-    parts = [piece.rows(np.flatnonzero(part)) for piece, part in zip(pieces, takes_part, strict=True)]
-    corners, normals = (np.concatenate(column) for column in list(zip(*parts, strict=True))[:2])
-    used, corners = welded(corners, len(owner))
+    takes_part = [_are_removable(piece.corners) for piece in pieces]
+    rows = [np.flatnonzero(part) for part in takes_part]
+    corners = np.concatenate([piece.corners.take(part, axis=0) for piece, part in zip(pieces, rows, strict=True)])
+    normals = np.concatenate([piece.normals.take(part) for piece, part in zip(pieces, rows, strict=True)])
+    used, corners = welded(_vertices(corners), len(ways))
+    at = points.owner.take(used)
     vertices = np.empty((len(used), 3))
-    for axis, (line, at) in enumerate(zip(lattice.lines, points[1:4], strict=True)):
-        vertices[:, axis] = line.take(at.take(owner.take(used)))
-    place, kept = _collapsed(_Live(corners, normals, used, vertices, ways[used]), _FLAT * _least_area(lattice))
-    left = np.ones(len(owner), dtype=bool)
+    for axis, (line, place) in enumerate(zip(lattice.lines, points[1:4], strict=True)):
+        vertices[:, axis] = line.take(place.take(at))
+    place, kept = _collapsed(_Live(corners, normals, used, vertices, ways.take(used)), _FLAT * _least_area(lattice))
+    left = np.ones(len(ways), dtype=bool)
     left[used] = place == np.arange(len(used))
     number = np.cumsum(left, dtype=np.int32) - 1
     number[used] = number[used[place]]
-    gone = np.concatenate(takes_part)
-    gone[gone] = ~kept  # all others stay
-    pieces = [piece.rows(np.flatnonzero(~part)) for piece, part in zip(pieces, _split(gone, takes_part), strict=True)]
-    triangles = (piece._replace(corners=number.take(piece.corners)) for piece in pieces)
-    return Faces(*(np.concatenate(columns) for columns in zip(*triangles, strict=True))), owner[left]
+    for part, row, stays in zip(takes_part, rows, _split(kept, rows), strict=True):
+        part[row] = ~stays  # all others stay
+    triangles = (piece.rows(np.flatnonzero(~gone)) for piece, gone in zip(pieces, takes_part, strict=True))
+    return _by_material(triangles, number), left
+
+
+def _by_material(pieces: Iterable[Faces], number: Ints) -> Faces:
+    """Return the faces of pieces, each of which is sorted by material, sorted by material, else in their order.
+
+    number: (v,), the new number of each vertex.
+    """
+    runs: list[Faces] = []
+    for piece in pieces:
+        cuts = np.flatnonzero(np.diff(piece.materials)) + 1
+        bounds = pairwise([0, *cuts.tolist(), len(piece.materials)])
+        runs += [Faces(*(column[begin:end] for column in piece)) for begin, end in bounds]
+    runs.sort(key=lambda run: run.materials[:1].tolist())
+    normals, materials = (np.concatenate(column) for column in list(zip(*runs, strict=True))[1:])
+    corners = np.empty((len(normals), 3), dtype=np.int32)
+    number = np.concatenate([number, number[::-1]])  # a complement, -1 - v, is an index from the end
+    for run, part in zip(runs, _split(corners, [run.normals for run in runs]), strict=True):
+        number.take(run.corners, out=part, mode="wrap")
+    return Faces(corners, normals, materials)
 
 
 class _Live(NamedTuple):
@@ -131,29 +151,60 @@ def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
         if not len(collapses.vertex):
             break
         place[collapses.vertex] = collapses.target
+        changed = np.flatnonzero(_any(_mask(collapses.vertex, len(place)), corners))
+        moved = place.take(corners.take(changed, axis=0))
         # A vertex that could not move can only do so once one of its triangles has changed.
-        before, corners = corners, place.take(corners)
-        tried = np.zeros(len(vertices), dtype=bool)
-        tried[possible.vertex] = True
-        tried[corners[np.not_equal(before, corners).any(axis=1)]] = True
+        tried = _mask(possible.vertex, len(place))
+        tried[moved] = True
         tried &= removable
-        distinct = _are_distinct(*corners.T)
-        kept[rows[~distinct]] = False
-        stays = np.flatnonzero(distinct & _any(removable, corners))
-        rows, corners, normals = rows.take(stays), corners.take(stays, axis=0), normals.take(stays)
+        distinct = _are_distinct(*moved.T)
+        kept[rows[changed[~distinct]]] = False
+        corners[changed] = moved
+        stays = np.ones(len(corners), dtype=bool)
+        stays[changed] = distinct & _any(removable, moved)
+        stay = np.flatnonzero(stays)
+        rows, corners, normals = rows.take(stay), corners.take(stay, axis=0), normals.take(stay)
     while (place != (further := place.take(place))).any():
         place = further  # a target may have been removed later
     return place, kept
 
 
-def _pieces(array: NDArray[Any]) -> Sequence[NDArray[Any]]:
-    """Return an array in pieces of at most _PIECE rows."""
-    return np.array_split(array, 1 + len(array) // _PIECE)
+def _pieces(faces: Faces) -> Iterator[Faces]:
+    """Yield faces in pieces of at most _PIECE."""
+    for begin in range(0, max(len(faces.normals), 1), _PIECE):
+        yield Faces(*(column[begin : begin + _PIECE] for column in faces))
 
 
-def _split(mask: Mask, parts: Sequence[Mask]) -> list[Mask]:
-    """Return a mask in pieces of the lengths of others."""
-    return np.split(mask, np.cumsum([len(part) for part in parts])[:-1])
+def _split(column: NDArray[Any], parts: Sequence[Sized]) -> list[NDArray[Any]]:
+    """Return an array in pieces of the lengths of others."""
+    return np.split(column, np.cumsum([len(part) for part in parts])[:-1])
+
+
+def _code(removable: Mask) -> Ints:
+    """Return the code of each vertex: its number, or if it is removable the complement of that, which is negative.
+
+    So a triangle's corners say whether it has a removable one, and need not look it up.
+    """
+    number = np.arange(len(removable), dtype=np.int32)
+    return np.where(removable, ~number, number)
+
+
+def _vertices(codes: Ints) -> Ints:
+    """Return the numbers of vertices of these codes."""
+    return np.maximum(codes, ~codes)
+
+
+def _are_removable(codes: Ints) -> Mask:
+    """Return which triangles (m, 3) have a removable corner."""
+    a, b, c = codes.T
+    return np.asarray((a | b | c) < 0)
+
+
+def _mask(which: Ints, length: int) -> Mask:
+    """Return a mask that is true at these indices."""
+    mask = np.zeros(length, dtype=bool)
+    mask[which] = True
+    return mask
 
 
 def _any(mask: Mask, corners: Ints) -> Mask:
@@ -169,45 +220,50 @@ def _are_distinct(a: Ints, b: Ints, c: Ints) -> Mask:
 
 def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
     """Return the fans of triangles around removable vertices."""
-    corner = np.flatnonzero(removable.take(corners))
-    triangle, turn = np.divmod(corner.astype(np.int32), 3)
-    flat = corners.ravel()
-    vertex, second = flat.take(corner), flat.take(corner + 1 - 3 * (turn == 2))
+    columns, parts = corners.T, []
+    for turn, vertex in enumerate(columns):
+        rows = np.flatnonzero(removable.take(vertex))
+        parts.append([column.take(rows) for column in (*columns[turn:], *columns[:turn], normals)])
+    vertex, second, third, normal = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.argsort(vertex.astype(np.int64) * len(removable) + second)
-    third = flat.take(corner + 2 - 3 * (turn > 0))
-    return _Fan(*(column.take(order) for column in (vertex, second, third, normals.take(triangle))))
+    return _Fan(*(column.take(order) for column in (vertex, second, third, normal)))
 
 
-def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> _Collapses:
-    """Return all collapses of vertices onto neighbours to which they may move."""
+def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> Ints:
+    """Return the rows of a fan whose third vertex is one that the vertex may move onto."""
     # A triangle has one axis as its normal and may have the way as one side; the third then has to agree.
     way = ways.take(fan.vertex)
     third = (3 - way - fan.normal // 2) % 3
     along = vertices.take(3 * fan.third + third) == vertices.take(3 * fan.vertex + third)
-    may = along | (way == _ANYWHERE)
-    return _Collapses(fan.vertex[may], fan.third[may])
+    return np.flatnonzero(along | (way == _ANYWHERE))
 
 
-def _without_flips(collapses: _Collapses, fan: _Fan, vertices: Array, least: float) -> _Collapses:
-    """Return one collapse per vertex that flips no triangle, if it has one."""
+def _without_flips(rows: Ints, fan: _Fan, vertices: Array, least: float) -> _Collapses:
+    """Return one collapse per vertex that flips no triangle, if it has one; rows: those of the fan that may be it."""
     # The collapses of all vertices, one per vertex at a time, in the order of the fan, until one is good.
-    begins = np.flatnonzero(np.diff(fan.vertex, prepend=-1))
+    is_first = np.diff(fan.vertex, prepend=-1) != 0
+    begins = np.flatnonzero(is_first)
     counts = np.diff(begins, append=len(fan.vertex))
-    own = np.searchsorted(fan.vertex[begins], collapses.vertex)
-    found, waiting = [], np.flatnonzero(np.diff(collapses.vertex, prepend=-1))
+    own = (np.cumsum(is_first) - 1).take(rows)
+    found, waiting = [rows[:0]], np.flatnonzero(np.diff(own, prepend=-1))
     while len(waiting):
-        trial, waiting = np.split(waiting, [_PIECE])
+        trial, waiting = waiting[:_PIECE], waiting[_PIECE:]
         # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
-        move, place = ragged(counts.take(own.take(trial)))
-        corner = begins.take(own.take(trial)).take(move) + place
-        moved = collapses.target.take(trial).take(move), fan.second.take(corner), fan.third.take(corner)
-        over = (_twice_areas(*moved, fan.normal.take(corner), vertices) < least) & _are_distinct(*moved)
-        good = np.bincount(move[over], minlength=len(trial)) == 0
-        found.append(trial[good])
-        following = trial[~good] + 1
+        fans = own.take(trial)
+        move, place = ragged(counts.take(fans))
+        corner = begins.take(fans).take(move) + place
+        target = fan.third.take(rows.take(trial)).take(move)
+        second, third = fan.second.take(corner), fan.third.take(corner)
+        stay = np.flatnonzero((target != second) & (target != third))
+        a, b, c = (column.take(stay) for column in (target, second, third))
+        over = move.take(stay)[_twice_areas(a, b, c, fan.normal.take(corner.take(stay)), vertices) < least]
+        is_good = np.bincount(over, minlength=len(trial)) == 0
+        found.append(trial[is_good])
+        following = trial[~is_good] + 1
         following = following[following < len(own)]
         waiting = np.concatenate([waiting, following[own[following] == own[following - 1]]])
-    return collapses.rows(np.sort(np.concatenate(found))) if found else collapses
+    good = rows.take(np.sort(np.concatenate(found)))
+    return _Collapses(fan.vertex.take(good), fan.third.take(good))
 
 
 def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) -> _Collapses:
@@ -227,14 +283,16 @@ def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) 
     return collapses.rows(~loses[collapses.vertex])
 
 
+_PLANES = np.array([[1, 1, 2, 2, 0, 0], [2, 2, 0, 0, 1, 1]], dtype=np.int32)
+"""Axes u and v that turn into that of each of NORMALS as x and y turn into z."""
+
+
 def _twice_areas(a: Ints, b: Ints, c: Ints, normals: Ints, vertices: Array) -> Array:
     """Return twice the signed area of triangles with corners a, b, c; negative if one has flipped."""
-    # In the plane of two axes, u and v, which turn into the third as x and y turn into z.
-    axis, back = np.divmod(normals, 2)
-    u, v = (axis + 1) % 3, (axis + 2) % 3
+    u, v = (plane.take(normals) for plane in _PLANES)
     (u_a, v_a), (u_b, v_b), (u_c, v_c) = ([vertices.take(3 * corner + at) for at in (u, v)] for corner in (a, b, c))
     twice = (u_b - u_a) * (v_c - v_a) - (v_b - v_a) * (u_c - u_a)
-    return np.asarray(np.where(back, -twice, twice))
+    return np.asarray(np.where(normals & 1, -twice, twice))
 
 
 class _Points(NamedTuple):
@@ -242,7 +300,8 @@ class _Points(NamedTuple):
 
     places, x, y, z: (n,), the number of the lattice point, and its indices; labels, ranks: (2, 2, n), of the cells
     before and beyond it along x and along y; pinched: (n,), whether two diagonally opposite blocks touch at the point
-    while the other two are lower; first: (n,), its vertex, or the first of the two vertices that it has if pinched.
+    while the other two are lower; first: (n,), its vertex, or the first of the two vertices that it has if pinched;
+    owner: (v,), the point of each vertex.
     """
 
     places: Ints
@@ -253,6 +312,7 @@ class _Points(NamedTuple):
     ranks: Ints
     pinched: Mask
     first: Ints
+    owner: Ints
 
     @classmethod
     def of(cls, places: Ints, grid: LabelGrid) -> _Points:
@@ -266,15 +326,18 @@ class _Points(NamedTuple):
         z = z.astype(small)
         (a, b), (c, d) = ranks >= np.maximum(z, 1)
         pinched = (a == d) & (b == c) & (a != b)
-        first = np.arange(len(places), dtype=np.int32) + np.cumsum(pinched, dtype=np.int32) - pinched
-        return cls(places, x, y, z, labels, ranks, pinched, first)
+        number = np.arange(len(places), dtype=np.int32)
+        first = number + np.cumsum(pinched, dtype=np.int32) - pinched
+        return cls(places, x, y, z, labels, ranks, pinched, first, np.repeat(number, 1 + pinched))
 
 
 def watertight(field: StepField) -> Mesh:
     """Return the watertight mesh of a field, in triangles; empty if every cell is at level 0."""
     grid = label_grid(field)
-    rings = Faces.joined([tops(grid), bottoms(grid), risers(grid, axis=0), risers(grid, axis=1)])
-    large = rings.corners.size > LARGE
+    flat = [tops(grid), bottoms(grid)]
+    sides = [Faces.joined(parts) for parts in (flat, [risers(grid, axis=0)], [risers(grid, axis=1)])]
+    corners = np.concatenate([rings.corners for rings in sides])
+    large = corners.size > LARGE
 
     def told(share: float) -> None:
         """Tell the share of the time that a map of a thousand cells to each side has taken by then."""
@@ -282,15 +345,20 @@ def watertight(field: StepField) -> Mesh:
             tell("a closed mesh", share)
 
     told(0.3)
-    places, corners = welded(rings.corners, prod(grid.lattice.shape))
-    rings = Faces(corners, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
+    places, corners = welded(corners, prod(grid.lattice.shape))
+    sides = [
+        Faces(corner, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
+        for corner, rings in zip(_split(corners, [rings.corners for rings in sides]), sides, strict=True)
+    ]
     points = _Points.of(places, grid)
+    ways = _ways(points)
     told(0.4)
-    triangles = _triangulated(rings, points, grid.lattice)
+    triangles = _triangulated(sides, points, _code(ways != _NOWHERE), grid.lattice)
     told(0.7)
-    faces, left = decimated(triangles, points, grid.lattice)
+    faces, left = decimated(triangles, points, ways, grid.lattice)
     told(1)
-    return grid.lattice.mesh(faces, places[left])
+    owner = points.owner.compress(left)
+    return grid.lattice.mesh(faces, [at.take(owner) for at in points[1:4]])
 
 
 def bottoms(grid: LabelGrid) -> Faces:
@@ -301,8 +369,8 @@ def bottoms(grid: LabelGrid) -> Faces:
     return Faces(ring, np.full(len(ring), 5), np.full(len(ring), material))
 
 
-def _ways(points: _Points, owner: Ints) -> Ints:
-    """Return where each vertex may move, (v,); owner: (v,), its point.
+def _ways(points: _Points) -> Ints:
+    """Return where each vertex may move, (v,).
 
     The labels around a point say so. A crease is a piece of the lattice's lines at which the surface turns or changes
     its material. A vertex at which none ends may move in its plane, and one at which just two end, both on one line,
@@ -320,11 +388,12 @@ def _ways(points: _Points, owner: Ints) -> Ints:
     for axis, own in enumerate(ends):
         way[(own == 2) & (creases == 2)] = axis
     way[creases == 0] = _ANYWHERE
-    ways = way[owner]
+    ways = way.take(points.owner)
     # A pinched point has an upright crease on each of its sheets, which ends where the sheet's block does.
     pinched = np.flatnonzero(points.pinched)
     for sheet in (0, 1):
-        goes_on = (ranks[:, sheet, pinched].max(axis=0, initial=0) > z[pinched]) & (z[pinched] > 0)
+        top = np.maximum(*(rank.take(pinched) for rank in ranks[:, sheet]))
+        goes_on = (top > z[pinched]) & (z[pinched] > 0)
         ways[points.first[pinched] + sheet] = np.where(goes_on, 2, _NOWHERE)
     return ways
 
@@ -346,60 +415,98 @@ def _least_area(lattice: Lattice) -> float:
     return float(min(gaps[:2]) * min(gaps))
 
 
-_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=bool)
-"""Corners of a face at which its block lies on the side of larger y, for each of NORMALS."""
+_FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=np.int32)
+"""1 for the sides of a face at which its block lies on the side of larger y, for each of NORMALS."""
 
-_AXES = np.array([[1, 2, 1, 2], [0, 2, 0, 2], [0, 1, 0, 1]], dtype=np.int32)
-"""Axis of each side of a rectangle that is perpendicular to x, y and z."""
-
-_OPENING = np.array([1, 0, 1, 0])
-"""How many edges of each side have no triangle of their own."""
+_APEXES = np.array([0, 1, 0, 1], dtype=np.int32)
+"""How far after the first point of the sides 3, 2, 1, 0 the point is to which the edges of the sides 0, 1, 2, 3 go."""
 
 
-def _triangulated(rings: Faces, points: _Points, lattice: Lattice) -> list[Faces]:
+class _Orders(NamedTuple):
+    """The points in three orders, in each of which those on a line along an axis are consecutive.
+
+    code: (6 n,), the codes of vertices: for each axis, the first vertex of each point in the order along it, and then
+    the second if it has two, else again the first. along_x, along_y: (n,), where in `code` each point is; along z its
+    own number.
+    """
+
+    code: Ints
+    along_x: Ints
+    along_y: Ints
+
+    @classmethod
+    def of(cls, points: _Points, code: Ints, lattice: Lattice) -> _Orders:
+        # By number, points on one line along z are consecutive: (x, y, z). Sorted by z again, those on a line along y
+        # are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order of equals; of
+        # 16 bits they are radix sorts, which are linear.
+        small = np.uint16 if max(lattice.shape) <= 2**16 else np.int64
+        count = len(points.places)
+        by_y = np.argsort(points.z.astype(small), kind="stable")
+        by_x = by_y.take(np.argsort(points.y.astype(small).take(by_y), kind="stable"))
+        along_x, along_y = np.empty((2, count), dtype=np.int32)
+        along_x[by_x] = np.arange(2 * count, 3 * count, dtype=np.int32)
+        along_y[by_y] = np.arange(4 * count, 5 * count, dtype=np.int32)
+        first = code.take(points.first)
+        codes = np.concatenate([first, first, *2 * [first.take(by_x)], *2 * [first.take(by_y)]])
+        pinched = np.flatnonzero(points.pinched).astype(np.int32)
+        second = code.take(points.first.take(pinched) + 1)
+        for rank in (pinched, along_x.take(pinched), along_y.take(pinched)):
+            codes[rank + count] = second
+        return cls(codes, along_x, along_y)
+
+    def ranks(self, corners: Ints, axis: int) -> Ints:
+        """Return where in `code` points are, in the order along an axis."""
+        return corners if axis == 2 else self[1 + axis].take(corners)
+
+
+def _triangulated(sides: Sequence[Faces], points: _Points, code: Ints, lattice: Lattice) -> list[Faces]:
     """Return triangles of vertices for rectangles whose corners are points, in pieces."""
-    # Points in three orders. By number, those on one line along z are consecutive: (x, y, z). Sorted by z again, those
-    # on a line along y are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order
-    # of equals; of 16 bits they are radix sorts, which are linear.
-    small = np.uint16 if max(lattice.shape) <= 2**16 else np.int64
-    count = len(points.places)
-    along_y = np.argsort(points.z.astype(small), kind="stable")
-    along_x = along_y.take(np.argsort(points.y.astype(small).take(along_y), kind="stable"))
-    own = points.first * 2 + points.pinched
-    rank = np.empty((count, 3), dtype=np.int32)
-    for axis, order in enumerate((along_x, along_y, np.arange(count))):
-        rank[order, axis] = np.arange(axis * count, (axis + 1) * count, dtype=np.int32)
-    vertex = np.concatenate([own[along_x], own[along_y], own])
-    return [_fans(Faces(*piece), rank.ravel(), vertex) for piece in zip(*map(_pieces, rings), strict=True)]
+    orders = _Orders.of(points, code, lattice)
+    axes = (0, 1), (1, 2), (0, 2)
+    return [_fans(piece, own, orders) for own, rings in zip(axes, sides, strict=True) for piece in _pieces(rings)]
 
 
-def _fans(rings: Faces, rank: Ints, vertex: Ints) -> Faces:
+def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:
     """Return the triangles of rectangles, with all vertices on their sides.
 
-    rank: (3 n,), where each point is in turn in the orders of points along x, y and z, which follow one another;
-    vertex: (3 n,), 2 * the first vertex of the point in each place of these orders, plus 1 if it has two.
+    axes: along which their sides are, in turn, from c0 on.
 
     c3 ____.____ c2    The edges of each side and one point: on the left the first after c0, on the right the first
       |        |       after c2; below, without the first edge, c3; above, without the first edge, c1.
       |________|
     c0     .    c1
     """
-    # A side is a slice, forward or backward, of the order along its axis. The sides of all rectangles are one list.
-    axis, corners = _AXES[rings.normals // 2], 3 * rings.corners
-    start, end = (rank.take(axis + ends).ravel() for ends in (corners, corners[:, [1, 2, 3, 0]]))
-    count, sign = np.abs(end - start), np.sign(end - start)
-    first = np.cumsum(count, dtype=np.int32) - count
-    at = np.repeat(sign, count)
-    at[first] = start - np.roll(end - sign, 1) * (first > 0)
-    point = vertex.take(np.cumsum(at, dtype=np.int32))
-    point = (point >> 1) + (point & np.repeat(_FAR[rings.normals], count))
-    first = first.reshape(-1, 4)
-    after = np.roll(point, -1)
-    after[np.roll(first[:, 0], -1) - 1] = point[first[:, 0]]
-    edge = np.ones(len(point), dtype=bool)
-    edge[first[:, ::2]] = False
-    apexes = point.take(np.stack([first[:, 3], first[:, 2] + 1, first[:, 1], first[:, 0] + 1], axis=1))
-    edges = count.reshape(-1, 4) - _OPENING
-    triangles = edges.sum(axis=1)
-    corners = np.stack([point.compress(edge), after.compress(edge), np.repeat(apexes, edges.ravel())], axis=1)
+    # A side is a slice, forward or backward, of the order along its axis, from `start` up to but not including `end`.
+    # The sides of all rectangles are one list, in which they are found by steps: to the next point, or to a `start`.
+    u, v = (orders.ranks(rings.corners, axis) for axis in axes)
+    start, end = np.empty((2, *u.shape), dtype=np.int32)
+    start[:, ::2], start[:, 1::2] = u[:, ::2], v[:, 1::2]
+    end[:, ::2], end[:, 1], end[:, 3] = u[:, 1::2], v[:, 2], v[:, 0]
+    end -= start
+    sign = np.sign(end)
+    count = np.abs(end)
+    start += (_FAR * (len(orders.code) // 6)).take(rings.normals, axis=0)
+    end += start
+    end -= sign
+    start.ravel()[1:] -= end.ravel()[:-1]  # from here on: the step from the last point of the side before
+    first = np.cumsum(count, dtype=np.int32).reshape(-1, 4)
+    total = int(first[-1, -1]) if len(first) else 0
+    first -= count
+    # Most sides are one edge; the other points of longer ones are set apart, as to repeat a value per side is slower.
+    inner = np.flatnonzero(~_mask(first, total))
+    long = np.flatnonzero(count > 1)
+    side = np.repeat(long, count.take(long) - 1)
+    step = np.empty(total, dtype=np.intp)
+    step[first], step[inner] = start, sign.take(side)
+    point = orders.code.take(np.cumsum(step, out=step))
+    apexes = point.take(first[:, [3, 2, 1, 0]] + _APEXES)
+    apex = np.empty(total, dtype=np.int32)
+    apex[first], apex[inner] = apexes, apexes.take(side)
+    edges = np.flatnonzero(~_mask(first[:, ::2], total))
+    triangles = np.diff(first[:, 0], append=np.int32(total)) - 2
+    corners = np.empty((len(edges), 3), dtype=np.int32)
+    corners[:, 0] = point.take(edges)
+    corners[:, 2] = apex.take(edges)
+    corners[:, 1] = point.take(edges + 1, mode="clip")
+    corners[np.cumsum(triangles) - 1, 1] = point.take(first[:, 0])  # the last edge of a rectangle ends where it begins
     return Faces(corners, np.repeat(rings.normals, triangles), np.repeat(rings.materials, triangles))
