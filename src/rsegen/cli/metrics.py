@@ -8,7 +8,7 @@ import io
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
-from math import degrees, radians
+from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
@@ -16,7 +16,7 @@ from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds, shar
 from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.exporters.numbers import Lengths, lengths_in
+from rsegen.exporters.numbers import Lengths, lengths_in, whole_degrees
 from rsegen.field.limits import StepLimits
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.sorts import FilePath, Float, Reference
@@ -340,7 +340,7 @@ def _reach(found: Traversability | Reach, crosser: str, written: Lengths) -> Ite
 def _poses(found: PoseStatistics, written: Lengths) -> Iterator[str]:
     yield f"poses    at all blocks, in eight headings: it stands in {found.stands:.1%} of them"
     if found.tilt_median is not None and found.tilt_p90 is not None:
-        half, most = (f"{degrees(tilt):.0f} degrees" for tilt in (found.tilt_median, found.tilt_p90))
+        half, most = (whole_degrees(tilt) for tilt in (found.tilt_median, found.tilt_p90))
         yield f"         tilt {half} or less in half of these, {most} or less in 90 %"
     if found.clearance_median is not None and found.clearance_least is not None:
         half, least = written.said(found.clearance_median), written.said(found.clearance_least)
@@ -354,7 +354,7 @@ def _way(found: Crossing | Way) -> str:
     straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
     if isinstance(cost := getattr(found, "cost", None), float):
         return f"{straight}; with rises {cost:.2f} m, {getattr(found, 'cost_ratio', 0):.2f} x"
-    return f"{straight}, tilts up to {degrees(getattr(found, 'tilt', 0.0)):.0f} degrees"
+    return f"{straight}, tilts up to {whole_degrees(getattr(found, 'tilt', 0.0))}"
 
 
 def _events(found: Crossing | Way) -> Iterator[str]:

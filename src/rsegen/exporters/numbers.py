@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from math import degrees
 
 from rsegen.params.lumber import DRESSED
 from rsegen.params.sorts import NANOMETRE_DIGITS
@@ -20,6 +21,12 @@ def decimal(value: float) -> str:
     """Return a plain decimal to the nanometre, without trailing zeros: 0.3, -1.25, 0."""
     text = f"{value:.{NANOMETRE_DIGITS}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
+
+
+def whole_degrees(angle: float) -> str:
+    """Return an angle in radians as people say it: 1 degree, 2 degrees."""
+    number = f"{degrees(angle):.0f}"
+    return f"{number} degree{'' if number == '1' else 's'}"
 
 
 _POUND = 0.45359237

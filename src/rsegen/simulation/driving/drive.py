@@ -9,12 +9,12 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from math import degrees
 from pathlib import Path, PurePosixPath
 
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
+from rsegen.exporters.numbers import whole_degrees
 from rsegen.exporters.pictures.plan import draw_plan
 from rsegen.exporters.pictures.preview import encoded
 from rsegen.exporters.scene import Scene
@@ -190,8 +190,8 @@ class DriveResult:
 def _foreseen(way: PlannedWay) -> str:
     """Return the forecast for the way that the robots follow."""
     if way.length is not None:
-        tilt, margin = (degrees(angle or 0.0) for angle in (way.tilt, way.margin))
-        steepest = f"tilts by up to {tilt:.0f} degrees, {margin:.0f} degrees from tipping over"
+        tilt, margin = (whole_degrees(angle or 0.0) for angle in (way.tilt, way.margin))
+        steepest = f"tilts by up to {tilt}, {margin} from tipping over"
         return f"the way across is {way.length:.2f} m long, and the robot on it {', '.join([steepest, *events(way)])}"
     x, y = way.at or (0.0, 0.0)
     return f"no way across for this robot: on the best straight lane it {way.reason} at {x:.2f}, {y:.2f} m"
