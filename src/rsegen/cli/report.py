@@ -11,7 +11,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
@@ -215,8 +215,9 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[_Bar | None]:
         from tqdm import tqdm
 
         # A terminal that does not know its size, as that of `script` or of a container, says 0: no bar would be drawn.
-        if not os.get_terminal_size(sys.stderr.fileno()).columns:
-            style |= {"ncols": 80, "nrows": 24}
+        with suppress(OSError):
+            if not os.get_terminal_size(sys.stderr.fileno()).columns:
+                style |= {"ncols": 80, "nrows": 24}
         with tqdm(total=total, unit=unit, **style) as bar:
             yield bar
     else:

@@ -46,7 +46,7 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
         assert words in page
     for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "96.0%"):
         assert words in page
-    assert "climb    that is needed to cross for this width: 10 cm west to east" in page
+    assert "climb    that is needed to cross for its width: 10 cm west to east" in page
     assert max(map(len, page.splitlines())) <= 120
 
 

@@ -201,8 +201,10 @@ def _crossed(robot: DrivenRobot) -> str:
     """Say when a robot was across, or where it was at the end."""
     if robot.metrics.crossed is not None:
         return f", crossed the map after {robot.metrics.crossed:g} s"
-    x, y = robot.trajectory.rows[-1, 1:3] if len(robot.trajectory.rows) else (robot.start.x, robot.start.y)
-    return f", did not cross the map: it is at x {x + 0:.2f}, y {y + 0:.2f} m at the end"
+    if robot.metrics.incidents or not len(robot.trajectory.rows):
+        return ", did not cross the map"
+    x, y = robot.trajectory.rows[-1, 1:3] + 0.0
+    return f", did not cross the map: it is at x {x:.2f}, y {y:.2f} m at the end"
 
 
 def _encoded(lines: Iterable[str]) -> list[bytes]:
