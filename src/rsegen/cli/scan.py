@@ -101,6 +101,11 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
                 f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
                 "give --size, or cut them out of the cloud"
             )
+    for side in scan.open_sides:
+        yield (
+            f"warning: hardly a cell next to the {side} side was seen: if the field goes on there, give --size, "
+            "or a scan that shows the floor next to it"
+        )
     errors = np.abs(scan.errors[scan.seen])
     mean, most = (written.said(float(error)) for error in (errors.mean(), errors.max()))
     yield f"tops are {mean} from their levels in the mean, {most} at most"

@@ -2,7 +2,9 @@
 
 Three cases. Nothing is known: the rectangle around the largest group of raised cells. The size is known: the rectangle
 of that size with the most raised cells. The map is known: the place and the quarter turn at which most heights agree.
-Then chunk sizes are tried until all cells of their frames have one height:
+A side is open if hardly a cell next to it was seen, neither of the floor nor of a block: the field may go on there, so
+the rectangle may be a row larger if that makes frames complete. Chunk sizes are tried until all cells of their frames
+have one height:
 
      # # # # # # #
      # . . # . . #      side 2: the cells # are equally high, so they are frames; for any other side, blocks of
@@ -16,8 +18,10 @@ given.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
@@ -68,6 +72,29 @@ def extent_of(reading: Reading, unit: float, shape: Cell | None = None) -> tuple
     best = np.argwhere(inside == inside.max())
     middle = best[len(best) // 2] - shape
     return (int(middle[0]), int(middle[1])), shape
+
+
+_FEW_SEEN = 0.5
+"""Share of the cells next to a side below which it is open: of more, some raised ones would have been seen."""
+
+
+def open_sides(reading: Reading, corner: Cell, shape: Cell) -> tuple[str, ...]:
+    """Return the sides of a rectangle next to which so few cells were seen that the field may go on there."""
+    seen = reading.part((corner[0] - 1, corner[1] - 1), (shape[0] + 2, shape[1] + 2)).seen
+    next_to = {"west": seen[0, 1:-1], "east": seen[-1, 1:-1], "south": seen[1:-1, 0], "north": seen[1:-1, -1]}
+    return tuple(side for side, cells in next_to.items() if cells.mean() < _FEW_SEEN)
+
+
+def with_open_rows(reading: Reading, corner: Cell, shape: Cell) -> Iterator[tuple[Cell, Cell]]:
+    """Yield corner and shape of a rectangle, and then of it with a row more on some of its open sides, on few first."""
+    sides = open_sides(reading, corner, shape)
+    for count in range(len(sides) + 1):
+        for more in combinations(sides, count):
+            (i, j), (n_x, n_y) = corner, shape
+            yield (
+                (i - ("west" in more), j - ("south" in more)),
+                (n_x + ("west" in more) + ("east" in more), n_y + ("south" in more) + ("north" in more)),
+            )
 
 
 def _counts_within(cells: Mask, shape: Cell) -> Ints:

@@ -24,7 +24,15 @@ from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.params.lumber import rounded
 from rsegen.params.sorts import Cell
-from rsegen.scanning.extent import FrameLayout, KnownFrameLayout, best_fit, extent_of, frames_of
+from rsegen.scanning.extent import (
+    FrameLayout,
+    KnownFrameLayout,
+    best_fit,
+    extent_of,
+    frames_of,
+    open_sides,
+    with_open_rows,
+)
 from rsegen.scanning.grid import CloudGrid, find_grid, flat_heights, on_tops, pixel_size, rasterized, refined
 from rsegen.scanning.ground import GroundFrame, level_frame, sample
 from rsegen.scanning.levels import Reading, board_below, find_unit, levelled, read_cells, units_per_level
@@ -33,8 +41,8 @@ from rsegen.scanning.scan import Scan, ScanSettings, Transform
 _FEWEST_POINTS = 500
 """Points of a cloud, at the least: five, which a height needs (levels.py), for each of 10 x 10 cells."""
 
-_FEWEST_TOPS = 300
-"""Flat pixels from which the unit is read; from fewer, as in a sparse cloud, all pixels are better."""
+_FEWEST_TOPS = 20
+"""Raised flat pixels from which the unit is read; from fewer, as in a sparse cloud, all pixels are better."""
 
 _SMALLEST = 0.05
 _LARGEST = 200.0
@@ -205,11 +213,11 @@ def _unit_and_grid(
     """Find the height of a unit from flat pixels, then the grid; return both, and the side of the pixels [m]."""
     few = sample(upright)
     extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
-    # A pixel is at most a fifth of a block, so that a top has flat pixels; of an unknown block 1/60 of the cloud.
-    pixel = pixel_size(few, width / 5 if width else extent / 60)
+    # A pixel is at most a fifth of a block, so that a top has flat pixels; of an unknown block 1/100 of the cloud.
+    pixel = pixel_size(few, width / 5 if width else extent / 100)
     raster = rasterized(few, pixel)
     tops = flat_heights(raster, max(3 * ground.noise, 0.003))  # three deviations; 3 mm without noise
-    if len(tops) < _FEWEST_TOPS:  # of a sparse cloud
+    if (tops > max(3 * ground.noise, 0.005)).sum() < _FEWEST_TOPS:
         tops = raster.heights[np.isfinite(raster.heights)]
     unit = find_unit(tops, ground.noise, unit)
     grid = find_grid(upright, unit, ground.noise, pixel, width)
@@ -223,16 +231,19 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
     # With frames if one of the wanted layouts has them at one height; else without.
     for wanted in _wanted(settings):
         corner, shape = extent_of(grid.reading, grid.unit, wanted.shape if settings.blocks else None)
-        part = grid.reading.part(corner, shape)
-        frames = frames_of(part, grid.unit, wanted.boundary or None, wanted.side)
-        if frames and settings.blocks in (None, frames.blocks):
-            return grid.scan(part, frames, grid.transform.moved(corner, shape))
+        places = [(corner, shape)] if settings.blocks else with_open_rows(grid.reading, corner, shape)
+        for corner, shape in places:
+            part = grid.reading.part(corner, shape)
+            frames = frames_of(part, grid.unit, wanted.boundary or None, wanted.side)
+            if frames and settings.blocks in (None, frames.blocks):
+                return grid.scan(part, frames, grid.transform.moved(corner, shape))
     if boundary not in (None, "none"):
         raise ScanError(f"no {boundary} frames of one height stand round the blocks; give boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
     _refuse_larger(grid, corner, shape)
     none = FrameLayout(boundary="none", side=settings.chunk_size, blocks=shape)
-    return grid.scan(grid.reading.part(corner, shape), none, grid.transform.moved(corner, shape))
+    scan = grid.scan(grid.reading.part(corner, shape), none, grid.transform.moved(corner, shape))
+    return scan if settings.blocks else replace(scan, open_sides=open_sides(grid.reading, corner, shape))
 
 
 def _wanted(settings: ScanSettings) -> Iterator[FrameLayout]:

@@ -2,21 +2,28 @@
 
 1. Raster: the cloud from above as pixels of some six points each, with the median of their heights. Neighbouring pixels
    whose heights differ by half a unit are edges; flat pixels are tops.
-2. Heading: edges of blocks lie on few lines, so the histogram of edges across the right heading has few, high bins:
-   the sum of their squares is largest.
-3. Width: edges at s across the lines have the power |mean exp(2 pi i s / w)|^2, which is 1 for a width w of which all
-   distances are whole multiples. Halves and thirds of the true width have as much, so the widest counts.
+2. Heading: across the right heading edges recur at every width of a block. Edges at s across a heading have the power
+   |sum exp(2 pi i s / w)|^2 at a period w; where few periods have much of it, the sum of its squares is largest.
+3. Widths: the periods at which this power has peaks. Halves of the true width have as much of it, and parts of a large
+   field, in which edges are more or fewer, nearly as much: no threshold tells which peak is that of the blocks.
 4. Least squares: every edge belongs to the nearest line; both origins, the width and the heading follow together.
-5. Refinement: edges of noisy clouds are off by a pixel or more, tops are not. Hill climbing moves the grid until
+5. Choice: the grid with which the points are told in the fewest words (minimum description length; Rissanen 1978): a
+   level for each cell that is raised, and one for each point that is at another level than its cell.
+
+       blocks   | 2 | 0 | 1 | 2 |     3 raised cells, no point is off
+       half     |2|2|0|0|1|1|2|2|     6 raised cells, no point is off
+       twice    |   2   |   1   |     2 raised cells, but every second point is off
+
+6. Refinement: edges of noisy clouds are off by a pixel or more, tops are not. Hill climbing moves the grid until
    as many points as possible are at the most frequent level of their cell.
 
-Cost: linear in the points, of which at most 200,000 are used; the refinement counts 60,000 points some 170 times.
-It fails without steps in both directions, and if most edges are those of something else.
+Cost: linear in the points, of which at most 200,000 are used; the choice counts 6,000 points some 70 times for each of
+ten widths, the refinement 60,000 points some 170 times. It fails without steps in both directions, if most edges are
+those of something else, and with fewer than three points in a typical cell.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import cos, pi, sin
 
@@ -30,12 +37,19 @@ _POINTS_PER_PIXEL = 6
 """Points in the pixel of a typical point. With 3 outliers move the median, with 10 pixels are too coarse: 5 and 4 of
 nine fields are found, instead of 7."""
 
+_SPARSE = 2
+"""The same for a cloud that has six points in coarse pixels only: with 6 of them a pixel is as large as half a block,
+and of 36 clouds of 6,000 to 15,000 points none is found, instead of 33; with 1 most pixels have no neighbours."""
+
 _FEWEST_POINTS = 3
 """Points in a pixel of a dense cloud, at the least: single points in the air are outliers. With 2 and 5 of them, 5 and
 6 of nine fields are found, instead of 7."""
 
 _FINEST = 0.002
 """Smallest side of a pixel in metres: a fiftieth of a block of 10 cm, finer than any cloud shows an edge."""
+
+_NARROWEST = 2
+"""Pixels across a block, at the least: with fewer, edges of neighbouring lines are in the same pixels."""
 
 _MOST_PIXELS = 4_000_000
 """Pixels of a raster, at the most: 32 MB of heights."""
@@ -58,14 +72,15 @@ class Raster:
 
 
 def pixel_size(points: Array, coarsest: float) -> float:
-    """Return the side of a pixel that has some six points [m], or the coarsest that is allowed."""
+    """Return the side of a pixel that has some six points [m], or else two, or the coarsest that is allowed."""
     extent = np.ptp(points[:, :2], axis=0).max()
-    pixel = max(_FINEST, float(extent) / float(np.sqrt(_MOST_PIXELS)))
-    while pixel < coarsest:
-        _, counts = np.unique(_keys(points, pixel)[0], return_counts=True)
-        if np.median(np.repeat(counts, counts)) >= _POINTS_PER_PIXEL:
-            return pixel
-        pixel *= 1.3  # in small steps, so that it is at most a third coarser than needed
+    for enough in (_POINTS_PER_PIXEL, _SPARSE):
+        pixel = max(_FINEST, float(extent) / float(np.sqrt(_MOST_PIXELS)))
+        while pixel < coarsest:
+            _, counts = np.unique(_keys(points, pixel)[0], return_counts=True)
+            if np.median(np.repeat(counts, counts)) >= enough:
+                return pixel
+            pixel *= 1.3  # in small steps, so that it is at most a third coarser than needed
     return pixel
 
 
@@ -128,13 +143,11 @@ _FEWEST_EDGES = 40
 _OFF = 0.06
 """Share by which blocks of a given width may be wider or narrower in the cloud, by gaps between them and by scale."""
 
-_SPLIT = 0.75
-"""Share of the power of the best width that makes a wider grid preferable.
+_FEWEST_BLOCKS = 3
+"""Blocks along a side of a field, at the least: wider periods are those of the whole field."""
 
-Half the true width explains every edge as well as the true one, and noise may make it the better of the two: with a
-share near 1 it is taken. Edges on every line cancel out at twice the width, but not quite, as some lines have more of
-them than others: with half the share 3 of nine fields are found, instead of 7.
-"""
+_MOST_WIDTHS = 10
+"""Widths that are tried, those of the most power: of 145 clouds each had that of its blocks among the first X."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -174,32 +187,44 @@ def find_grid(points: Array, unit: float, noise: float, pixel: float, width: flo
     lines = [edge_pixels(raster, least, axis)[:, [axis, 1 - axis]] for axis in (0, 1)]
     if min(len(line) for line in lines) < _FEWEST_EDGES / 4:
         raise ScanError("no grid of blocks: the steps in the cloud all run in one direction")
-    return _fitted(lines, heading, _width([line[:, 0] for line in lines], pixel, width))
+    widths = _widths([line[:, 0] for line in lines], pixel, width)
+    grids = [grid for width in widths if (grid := _fitted(lines, heading, float(width)))]
+    if not grids:
+        raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
+    tops = _Tops.of(points, unit, _DESCRIBED)
+    return min((_climbed(grid, tops, _COARSE_HALVINGS) for grid in grids), key=tops.words)
 
 
 def _heading(edges: Array, pixel: float) -> float:
-    """Return the direction, within a quarter turn, along which edges lie on the fewest lines [radians].
+    """Return the direction, within a quarter turn, across which edges recur most regularly [radians].
 
     Half a degree over 2 m is 17 mm, about two pixels, so the first search cannot step over the peak; a tenth of a
     degree is 3 mm, less than a pixel, and the least squares fit finds the rest.
     """
     few = sample(edges, 8_000)
-    few = few - np.median(few, axis=0)
+    # The centres of pixels lie on lines themselves, those of the raster; spread over their pixels they do not.
+    few = few - np.median(few, axis=0) + pixel * (np.random.default_rng(0).random(few.shape) - 0.5)
     coarse = np.radians(np.arange(0, 90, 0.5))
-    best = float(coarse[int(np.argmax([_concentration(few, angle, 2 * pixel) for angle in coarse]))])
+    best = float(coarse[int(np.argmax([_regularity(few, angle, pixel) for angle in coarse]))])
     fine = best + np.radians(np.arange(-0.6, 0.61, 0.1))
-    best = float(fine[int(np.argmax([_concentration(few, angle, pixel) for angle in fine]))])
+    best = float(fine[int(np.argmax([_regularity(few, angle, pixel) for angle in fine]))])
     return (best + pi / 4) % (pi / 2) - pi / 4
 
 
-def _concentration(edges: Array, angle: float, slice_: float) -> float:
-    """Return the sum of squares of the numbers of edges per slice, across and along a direction."""
+def _regularity(edges: Array, angle: float, pixel: float) -> float:
+    """Return the sum of squares of the power of edges at all periods of blocks, across and along a direction."""
     c, s = cos(angle), sin(angle)
-    total = 0.0
+    power: Array | float = 0.0
+    reach = float(np.quantile(np.hypot(*edges.T), 0.98))  # of the middle of the field
+    # Slices of half a pixel, and at least as many more without edges, in which the ends of the field cannot meet.
+    count = 1 << int(np.ceil(np.log2(8 * reach / pixel)))
     for along in (edges @ (c, s), edges @ (-s, c)):
-        slices = np.floor((along - along.min()) / slice_).astype(np.int64)
-        total += float((np.bincount(slices) ** 2.0).sum())
-    return total
+        slices = np.floor((along + reach) / pixel * 2).astype(np.int64)
+        inside = slices[(slices >= 0) & (slices < count)]
+        power = power + np.abs(np.fft.rfft(np.bincount(inside, minlength=count))) ** 2
+    periods = np.fft.rfftfreq(count, pixel / 2)
+    own = (periods >= _FEWEST_BLOCKS / (2 * reach)) & (periods <= 1 / (_NARROWEST * pixel))
+    return float((np.asarray(power)[own] ** 2).sum())
 
 
 def _turned_raster(points: Array, heading: float, pixel: float) -> Raster:
@@ -210,19 +235,18 @@ def _turned_raster(points: Array, heading: float, pixel: float) -> Raster:
     return rasterized(turned, pixel)
 
 
-def _width(lines: list[Array], pixel: float, given: float | None) -> float:
-    """Return the distance of neighbouring lines [m], from the places of edges across them."""
-    widest = max(float(np.ptp(np.quantile(line, [0.02, 0.98]))) for line in lines if len(line))
+def _widths(lines: list[Array], pixel: float, given: float | None) -> Array:
+    """Return widths of blocks [m] that the places of edges across their lines suggest, the most powerful first."""
     if given is not None:
         own = given * np.linspace(1 - _OFF, 1 + _OFF, 241)  # in steps of half a thousandth
-        return float(own[int(_power(lines, own).argmax())])
-    # Evenly spaced in 1 / width, in which peaks are equally broad: six samples per peak, from the whole extent down to
-    # blocks of four pixels, below which tops have no flat pixel.
-    widths = 1 / np.linspace(1 / widest, 1 / (4 * pixel), max(64, min(6000, int(6 * widest / pixel))))
+        return own[[int(_power(lines, own).argmax())]]
+    extent = max(float(np.ptp(np.quantile(line, [0.02, 0.98]))) for line in lines if len(line))
+    # Evenly spaced in 1 / width, in which peaks are equally broad: six samples per peak.
+    count = max(64, min(6000, int(6 * extent / pixel)))
+    widths = 1 / np.linspace(_FEWEST_BLOCKS / extent, 1 / (_NARROWEST * pixel), count)
     power = _power(lines, widths)
-    first = int(np.argmax(power >= _SPLIT * power.max()))  # the widest
-    end = first + int(np.argmax(np.append(power[first:] < _SPLIT * power.max(), True)))
-    return float(widths[first + int(power[first:end].argmax())])
+    peaks = np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
+    return np.asarray(widths[peaks[np.argsort(-power[peaks], kind="stable")[:_MOST_WIDTHS]]])
 
 
 def _power(lines: list[Array], widths: Array) -> Array:
@@ -236,8 +260,10 @@ def _power(lines: list[Array], widths: Array) -> Array:
     return total / sum(len(line) for line in lines)
 
 
-def _fitted(lines: list[Array], heading: float, width: float) -> CloudGrid:
+def _fitted(lines: list[Array], heading: float, width: float) -> CloudGrid | None:
     """Return the grid through the edges by least squares: both origins, the width and the heading together.
+
+    None if the edges are not on evenly spaced lines of about this width.
 
     An edge at s across and t along its line is on line i: s = origin + i width + slope t; slope is the heading's rest.
     """
@@ -260,7 +286,7 @@ def _fitted(lines: list[Array], heading: float, width: float) -> CloudGrid:
             values.append(line[near, 0])
         solved = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=None)[0]
         if not 0.7 * width < solved[2] < 1.4 * width:  # it ran away to another multiple of the width
-            raise ScanError("no grid of blocks: the steps in the cloud are not on evenly spaced lines")
+            return None
         origin, width, slope = solved[:2], float(solved[2]), float(solved[3])
     turn = -float(np.arctan(slope))
     return CloudGrid(heading=heading + turn, width=width * cos(turn), origin=origin * cos(turn))
@@ -278,6 +304,10 @@ def _phase(across: Array, width: float) -> float:
 _MOST_POINTS = 60_000
 """Points of the refinement: 600 per cell of 10 x 10, of which it needs a few dozen; its time is in proportion."""
 
+_DESCRIBED = 6_000
+"""Points by which grids are chosen: 20 or 30 per block. With many more the points at edges, which have an error in
+common, count for more than the cells, and halves of blocks are taken."""
+
 _NEAR_LEVEL = 0.3
 """Share of a unit: points farther from any level are of sides, and tell nothing here."""
 
@@ -294,6 +324,9 @@ _HIGHEST = 30
 _HALVINGS = 7
 """Halvings of the steps of the climb: the last are 0.08 / 2^6, about a thousandth of a width."""
 
+_COARSE_HALVINGS = 3
+"""The same for the choice: the last are 2 % of a width."""
+
 _MOST_LEFT = 0.6
 """Share of the points off their cell's level in a grid half a block away that may be left in the best grid.
 
@@ -309,37 +342,30 @@ def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
     points at the most frequent level of their cell. Raises a ScanError if a grid half a block away does nearly as well:
     then the edges of the cloud are not those of blocks.
     """
-    levels, places = _tops(points, unit)
-    if len(levels) < 100:  # fewer than one per cell of 10 x 10
-        raise ScanError("hardly a point is on top of a block; give a scan from above, or another unit_cm")
-    # The crossing nearest to the middle of the field stays in place while the grid is turned and stretched.
-    middle = np.rint((np.median(places[levels > 0], axis=0) @ grid.rotation.T - grid.origin) / grid.width)
-    pivot = (grid.origin + middle * grid.width) @ grid.rotation
-
-    def alike(change: Array) -> int:
-        return _one_level(places, levels, _moved(grid, pivot, change))
-
-    best = _climbed(alike)
-    away = np.array([*best[:2], *(best[2:] + 0.5)])
-    if len(levels) - alike(best) > _MOST_LEFT * (len(levels) - alike(away)):
+    tops = _Tops.of(points, unit, _MOST_POINTS)
+    best = _climbed(grid, tops, _HALVINGS)
+    if tops.off(best) > _MOST_LEFT * tops.off(replace(best, origin=best.origin + best.width / 2)):
         raise ScanError(
             "no grid of blocks fits the cloud; give block_width_cm and unit_cm, a closer scan, "
             "or cut everything but the field and some floor out of it"
         )
-    return _moved(grid, pivot, best)
-
-
-def _climbed(alike: Callable[[Array], int]) -> Array:
-    """Return the correction (heading, width, x, y) that puts most points at the most frequent level of their cell."""
-    steps = np.array([0.01, 0.01, 0.08, 0.08])  # of a radian, of the width, of a width along x and y
-    best, most = np.zeros(4), alike(np.zeros(4))
-    for _ in range(_HALVINGS):
-        for change in np.concatenate([np.diag(steps), -np.diag(steps)] * 3):  # each direction three times
-            count = alike(best + change)
-            if count > most:
-                best, most = best + change, count
-        steps = steps / 2
     return best
+
+
+def _climbed(grid: CloudGrid, tops: _Tops, halvings: int) -> CloudGrid:
+    """Return the grid near a given one that puts most points at the most frequent level of their cell."""
+    # The crossing nearest to the middle of the field stays in place while the grid is turned and stretched.
+    middle = np.rint((np.median(tops.places[tops.levels > 0], axis=0) @ grid.rotation.T - grid.origin) / grid.width)
+    pivot = (grid.origin + middle * grid.width) @ grid.rotation
+    steps = np.array([0.01, 0.01, 0.08, 0.08])  # of a radian, of the width, of a width along x and y
+    best, least = np.zeros(4), tops.off(grid)
+    for _ in range(halvings):
+        for change in np.concatenate([np.diag(steps), -np.diag(steps)] * 3):  # each direction three times
+            off = tops.off(_moved(grid, pivot, best + change))
+            if off < least:
+                best, least = best + change, off
+        steps = steps / 2
+    return _moved(grid, pivot, best)
 
 
 def on_tops(points: Array, unit: float, noise: float, pixel: float) -> Mask:
@@ -360,29 +386,47 @@ def on_tops(points: Array, unit: float, noise: float, pixel: float) -> Mask:
     return flat_point
 
 
-def _tops(points: Array, unit: float) -> tuple[Ints, Array]:
-    """Return level and place (x, y) of points near a level, in and around the part of the cloud that is raised."""
-    raised = points[(points[:, 2] > unit / 2) & (points[:, 2] < (_HIGHEST + 0.5) * unit)]
-    low, high = np.quantile(raised[:, :2], 0.02, axis=0), np.quantile(raised[:, :2], 0.98, axis=0)
-    reach = 0.15 * (high - low)  # some floor around the field: two or three of 10 cells
-    inside = ((points[:, :2] > low - reach) & (points[:, :2] < high + reach)).all(axis=1)
-    few = sample(points[inside], _MOST_POINTS)
-    levels = np.rint(few[:, 2] / unit)
-    near = (np.abs(few[:, 2] - levels * unit) < _NEAR_LEVEL * unit) & (levels >= 0) & (levels <= _HIGHEST)
-    return levels[near].astype(np.int64), few[near, :2]
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class _Tops:
+    """Points near a level, in and around the part of a cloud that is raised: levels (n,) and places (n, 2) [m]."""
+
+    levels: Ints
+    places: Array
+
+    @classmethod
+    def of(cls, points: Array, unit: float, most: int) -> _Tops:
+        """Return at most `most` points of a cloud (n, 3) in whose heights a unit is known [m]."""
+        raised = points[(points[:, 2] > unit / 2) & (points[:, 2] < (_HIGHEST + 0.5) * unit)]
+        low, high = np.quantile(raised[:, :2], 0.02, axis=0), np.quantile(raised[:, :2], 0.98, axis=0)
+        reach = 0.15 * (high - low)  # some floor around the field: two or three of 10 cells
+        inside = ((points[:, :2] > low - reach) & (points[:, :2] < high + reach)).all(axis=1)
+        few = sample(points[inside], most)
+        levels = np.rint(few[:, 2] / unit)
+        near = (np.abs(few[:, 2] - levels * unit) < _NEAR_LEVEL * unit) & (levels >= 0) & (levels <= _HIGHEST)
+        if near.sum() < 100:  # fewer than one per cell of 10 x 10
+            raise ScanError("hardly a point is on top of a block; give a scan from above, or another unit_cm")
+        return cls(levels=levels[near].astype(np.int64), places=few[near, :2])
+
+    def off(self, grid: CloudGrid) -> int:
+        """Return the number of points at another level than the most frequent one of their cell."""
+        return len(self.levels) - int(self._counts(grid).max(axis=1).sum())
+
+    def words(self, grid: CloudGrid) -> int:
+        """Return the number of levels that tell all points: one per raised cell, and one per point that is off."""
+        counts = self._counts(grid)
+        return len(self.levels) - int(counts.max(axis=1).sum()) + int((counts.argmax(axis=1) > 0).sum())
+
+    def _counts(self, grid: CloudGrid) -> Ints:
+        """Return the number of points by cell and level, by one histogram of both."""
+        cells = np.floor((self.places @ grid.rotation.T - grid.origin) / grid.width).astype(np.int64)
+        cells -= cells.min(axis=0)
+        keys = (cells[:, 0] * (int(cells[:, 1].max()) + 1) + cells[:, 1]) * (_HIGHEST + 1) + self.levels
+        counts = np.bincount(keys)
+        counts = np.append(counts, np.zeros(-len(counts) % (_HIGHEST + 1), dtype=counts.dtype))
+        return np.asarray(counts.reshape(-1, _HIGHEST + 1))
 
 
 def _moved(grid: CloudGrid, pivot: Array, change: Array) -> CloudGrid:
     """Return a grid that is turned and stretched about a point (x, y) of the cloud, and moved."""
     turned = replace(grid, heading=grid.heading + change[0], width=grid.width * (1 + change[1]))
     return replace(turned, origin=turned.rotation @ pivot + change[2:] * grid.width)
-
-
-def _one_level(places: Array, levels: Ints, grid: CloudGrid) -> int:
-    """Return the number of points at the most frequent level of their cell, by one histogram of (cell, level)."""
-    cells = np.floor((places @ grid.rotation.T - grid.origin) / grid.width).astype(np.int64)
-    cells -= cells.min(axis=0)
-    keys = (cells[:, 0] * (int(cells[:, 1].max()) + 1) + cells[:, 1]) * (_HIGHEST + 1) + levels
-    counts = np.bincount(keys)
-    counts = np.append(counts, np.zeros(-len(counts) % (_HIGHEST + 1), dtype=counts.dtype))
-    return int(counts.reshape(-1, _HIGHEST + 1).max(axis=1).sum())

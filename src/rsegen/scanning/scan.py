@@ -53,6 +53,7 @@ class Scan:
     confidence: the probability that a level is right, 0 where not seen; counts: points of each cell's top.
     block_width, unit: as given, or found and rounded [m]; measured_width, measured_unit: as found [m].
     frame_height: metres; noise: standard deviation of a point's height [m]; base: thickness of the board below [m].
+    open_sides: sides next to which hardly a cell was seen, so that the field may be larger; none with frames or a size.
     rotation (3, 3), translation (3,): `rotation @ point + translation` is the point in the map's frame [m].
     """
 
@@ -72,6 +73,7 @@ class Scan:
     base: float
     rotation: Array
     translation: Array
+    open_sides: tuple[str, ...] = ()
 
     @property
     def seen(self) -> Mask:
