@@ -88,15 +88,16 @@ class Reading:
         """Return the probability that each level is right, 0 where a cell was not seen.
 
         The error of a height is normal. Its variance is that of the mean of its points, of independent noise; plus
-        the mean square by which all heights are off their levels; plus the square of the slope, as points that a camera
-        has smoothed are wrong together, however many there are. Few cells have something else on top, at any height: a
+        the mean square by which all heights are off their levels; plus the square of half the height over which sloping
+        points spread, as the top may be at either end of it, however many there are. Few cells have something else on top, at any height: a
         height that is unusual for a block, as far as the others are off, is more likely one of these (Bayes).
         """
         off = (self.heights - self.levels(unit) * unit)[self.seen]
         if not off.size:
             return np.zeros(self.heights.shape)
         shared = float(np.sqrt(np.mean(np.minimum(np.abs(off), unit / 2) ** 2)))
-        error = np.sqrt(self.spread**2 / np.maximum(self.counts, 1) + shared**2 + self.slopes**2)[self.seen]
+        slopes = sqrt(3) * self.slopes  # half the range of heights that are spread evenly
+        error = np.sqrt(self.spread**2 / np.maximum(self.counts, 1) + shared**2 + slopes**2)[self.seen]
         error = np.maximum(error, 1e-6 * unit)  # of a cloud without errors
         below = np.array([erf(x) for x in (unit / 2 - off) / error / sqrt(2)])
         above = np.array([erf(x) for x in (unit / 2 + off) / error / sqrt(2)])
