@@ -41,7 +41,7 @@ from rsegen.scanning.scan import Scan, ScanSettings, Transform
 _FEWEST_POINTS = 500
 """Points of a cloud, at the least: five, which a height needs (levels.py), for each of 10 x 10 cells."""
 
-_FEWEST_TOPS = 20
+_FEWEST_TOPS = 100
 """Raised flat pixels from which the unit is read; from fewer, as in a sparse cloud, all pixels are better."""
 
 _SMALLEST = 0.05

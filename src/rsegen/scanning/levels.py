@@ -310,7 +310,7 @@ def _raised(heights: Array, noise: float, given: float | None) -> tuple[Array, A
         raise ScanError("nothing is above the ground plane; is there a field in the cloud, and is it not upside down?")
     top = float(np.quantile(above, 0.995))
     counts, edges = np.histogram(above, bins=400, range=(0, top * 1.02))
-    kept = counts > 0
+    kept = counts > 1  # single ones of a sparse cloud are outliers
     return ((edges[:-1] + edges[1:]) / 2)[kept], np.sqrt(counts[kept])
 
 
