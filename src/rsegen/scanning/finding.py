@@ -213,8 +213,8 @@ def _unit_and_grid(
     """Find the height of a unit from flat pixels, then the grid; return both, and the side of the pixels [m]."""
     few = sample(upright)
     extent = float(np.ptp(np.quantile(few[:, :2], [0.02, 0.98], axis=0), axis=0).max())
-    # A pixel is at most a fifth of a block, so that a top has flat pixels; of an unknown block 1/100 of the cloud.
-    pixel = pixel_size(few, width / 5 if width else extent / 100)
+    # A pixel is at most a third of a block, so that a top has flat pixels; of an unknown block 1/60 of the cloud.
+    pixel = pixel_size(few, width / 3 if width else extent / 60)
     raster = rasterized(few, pixel)
     tops = flat_heights(raster, max(3 * ground.noise, 0.003))  # three deviations; 3 mm without noise
     if (tops > max(3 * ground.noise, 0.005)).sum() < _FEWEST_TOPS:

@@ -38,8 +38,11 @@ _POINTS_PER_PIXEL = 6
 nine fields are found, instead of 7."""
 
 _SPARSE = 2
-"""The same for a cloud that has six points in coarse pixels only: with 6 of them a pixel is as large as half a block,
+"""Points in the pixel of a cloud that has six points in coarse pixels only: with 6 of them a pixel is as large as half a block,
 and of 36 clouds of 6,000 to 15,000 points none is found, instead of 33; with 1 most pixels have no neighbours."""
+
+_DENSE = 0.6
+"""Share of the coarsest pixel up to which a cloud counts as dense: a fifth of a block instead of a third."""
 
 _FEWEST_POINTS = 3
 """Points in a pixel of a dense cloud, at the least: single points in the air are outliers. With 2 and 5 of them, 5 and
@@ -74,9 +77,9 @@ class Raster:
 def pixel_size(points: Array, coarsest: float) -> float:
     """Return the side of a pixel that has some six points [m], or else two, or the coarsest that is allowed."""
     extent = np.ptp(points[:, :2], axis=0).max()
-    for enough in (_POINTS_PER_PIXEL, _SPARSE):
+    for enough, most in ((_POINTS_PER_PIXEL, _DENSE * coarsest), (_SPARSE, coarsest)):
         pixel = max(_FINEST, float(extent) / float(np.sqrt(_MOST_PIXELS)))
-        while pixel < coarsest:
+        while pixel < most:
             _, counts = np.unique(_keys(points, pixel)[0], return_counts=True)
             if np.median(np.repeat(counts, counts)) >= enough:
                 return pixel
