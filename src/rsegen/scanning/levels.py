@@ -89,8 +89,9 @@ class Reading:
 
         The error of a height is normal. Its variance is that of the mean of its points, of independent noise; plus
         the mean square by which all heights are off their levels; plus the square of half the height over which sloping
-        points spread, as the top may be at either end of it, however many there are. Few cells have something else on top, at any height: a
-        height that is unusual for a block, as far as the others are off, is more likely one of these (Bayes).
+        points spread, as the top may be at either end of it, however many there are. Few cells have something else on
+        top, at any height: a height that is unusual for a block, as far as the others are off, is more likely one of
+        these (Bayes).
         """
         off = (self.heights - self.levels(unit) * unit)[self.seen]
         if not off.size:
@@ -181,9 +182,9 @@ def _agreed(keys: Ints, heights: Array, tops: Mask, cells: int, within: float) -
     means = np.where(seen, sums / np.maximum(counts, 1), np.nan)
     off = (heights - means[keys])[near & seen[keys]]
     spread = 1.4826 * float(np.median(np.abs(off))) if off.size else 0.0  # robust standard deviation, as in ground.py
-    variance = np.bincount(keys[near], weights=(heights - means[keys])[near] ** 2, minlength=cells) / np.maximum(
-        counts, 1
-    )
+    # A few points of a side may be close together by chance: squares over n - 3 are the variance of Student's t.
+    squares = np.bincount(keys[near], weights=(heights - means[keys])[near] ** 2, minlength=cells)
+    variance = squares / np.maximum(counts - 3, 1)
     slopes = np.sqrt(np.maximum(np.nan_to_num(variance) - _NOISE**2 * spread**2, 0))
     return means, counts, slopes, spread
 
