@@ -38,8 +38,8 @@ _POINTS_PER_PIXEL = 6
 nine fields are found, instead of 7."""
 
 _SPARSE = 2
-"""Points in the pixel of a cloud that has six points in coarse pixels only: with 6 of them a pixel is as large as half a block,
-and of 36 clouds of 6,000 to 15,000 points none is found, instead of 33; with 1 most pixels have no neighbours."""
+"""Points in the pixel of a cloud that has six points in coarse pixels only: these are as large as half a block, so that
+of 36 clouds of 6,000 to 15,000 points none was found; with 1 most pixels have no neighbours."""
 
 _DENSE = 0.6
 """Share of the coarsest pixel up to which a cloud counts as dense: a fifth of a block instead of a third."""
