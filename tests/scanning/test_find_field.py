@@ -217,8 +217,10 @@ ASIDE = DepthCamera(place=(1.0, -0.6, 1.9), columns=400, rows=300, focal=330)
 def hiding(boundary: str) -> tuple[StepField, Array]:
     """A field whose farthest row is hidden by the one before it, which is four units high, and what is seen of it."""
     levels = field_of(2, boundary="none").blocks.copy()
-    levels[0 if boundary == "outer" else 1, :] = 4
-    levels[0, :] = np.minimum(levels[0, :], 1 if boundary == "none" else 4)
+    if boundary == "outer":
+        levels[0] = 4
+    else:
+        levels[:2] = [[1], [4]]
     field = rsegen.build(Recipe(seed=1, boundary=boundary, obstacles=(Matrix.of(levels),)), 0)
     rng = np.random.default_rng(2)
     return field, turned(scanned(field, [ASIDE], Flaws(noise=0.005, missing=0.2, outliers=0.02), rng), rng, 0.3)
@@ -231,7 +233,7 @@ def test_a_frame_of_which_a_side_is_hidden_is_found() -> None:
     assert scan.boundary == "outer"
     assert scan.open_sides == ()
     right_turn(scan, field)
-    assert not scan.seen[scan.frame].all()
+    assert (~scan.seen[scan.frame]).sum() > 8  # of the frame's 12 in a row
 
 
 @pytest.mark.slow
