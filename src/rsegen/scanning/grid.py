@@ -17,8 +17,8 @@
 6. Refinement: edges of noisy clouds are off by a pixel or more, tops are not. Hill climbing moves the grid until
    as many points as possible are at the most frequent level of their cell.
 
-Cost: linear in the points, of which at most 200,000 are used; the choice counts 6,000 points some 70 times for each of
-ten widths, the refinement 60,000 points some 170 times. It fails without steps in both directions, if most edges are
+Cost: linear in the points, of which at most 200,000 are used; the choice counts 6,000 points some 150 times for each of
+six widths, the refinement 60,000 points some 170 times. It fails without steps in both directions, if most edges are
 those of something else, and with fewer than three points in a typical cell.
 """
 
@@ -34,8 +34,8 @@ from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.scanning.ground import sample
 
 _POINTS_PER_PIXEL = 6
-"""Points in the pixel of a typical point. With 3 outliers move the median, with 10 pixels are too coarse: 5 and 4 of
-nine fields are found, instead of 7."""
+"""Points in the pixel of a typical point. With 3 outliers move the median: 5 of nine fields are found,
+instead of all."""
 
 _SPARSE = 2
 """Points in the pixel of a cloud that has six points in coarse pixels only: these are as large as half a block, so that
@@ -45,8 +45,8 @@ _DENSE = 0.6
 """Share of the coarsest pixel up to which a cloud counts as dense: a fifth of a block instead of a third."""
 
 _FEWEST_POINTS = 3
-"""Points in a pixel of a dense cloud, at the least: single points in the air are outliers. With 2 and 5 of them, 5 and
-6 of nine fields are found, instead of 7."""
+"""Points in a pixel of a dense cloud, at the least: single points in the air are outliers. With 5 of them 7 of nine
+fields are found, instead of all."""
 
 _FINEST = 0.002
 """Smallest side of a pixel in metres: a fiftieth of a block of 10 cm, finer than any cloud shows an edge."""
@@ -154,7 +154,7 @@ _NARROWER = 0.02
 1 to 4 % too far apart, and hill climbing may stop there."""
 
 _MOST_WIDTHS = 6
-"""Widths that are tried, those of the most power: of 145 clouds each had that of its blocks among the first X."""
+"""Widths that are tried, those of the most power: that of the blocks was among the first three of ten clouds."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -220,7 +220,11 @@ def _heading(edges: Array, pixel: float) -> float:
 
 
 def _regularity(edges: Array, angle: float, pixel: float) -> float:
-    """Return the sum of squares of the power of edges at all periods of blocks, across and along a direction."""
+    """Return the sum of squares of the power of edges at all widths that blocks may have, across and along a direction.
+
+    Without the squares it would be the number of pairs of edges that are in one slice (Parseval), in which the noise of
+    all periods hides that of the blocks.
+    """
     c, s = cos(angle), sin(angle)
     power: Array | float = 0.0
     reach = float(np.quantile(np.hypot(*edges.T), 0.98))  # of the middle of the field
@@ -230,8 +234,8 @@ def _regularity(edges: Array, angle: float, pixel: float) -> float:
         slices = np.floor((along + reach) / pixel * 2).astype(np.int64)
         inside = slices[(slices >= 0) & (slices < count)]
         power = power + np.abs(np.fft.rfft(np.bincount(inside, minlength=count))) ** 2
-    periods = np.fft.rfftfreq(count, pixel / 2)
-    own = (periods >= _FEWEST_BLOCKS / (2 * reach)) & (periods <= 1 / (_NARROWEST * pixel))
+    frequencies = np.fft.rfftfreq(count, pixel / 2)
+    own = (frequencies >= _FEWEST_BLOCKS / (2 * reach)) & (frequencies <= 1 / (_NARROWEST * pixel))
     return float((np.asarray(power)[own] ** 2).sum())
 
 
@@ -339,7 +343,7 @@ _MOST_LEFT = 0.6
 """Share of the points off their cell's level in a grid half a block away that may be left in the best grid.
 
 In a cloud of blocks most points of the shifted grid are off, and few of the true one; if there is hardly a difference,
-the edges are not those of blocks. With half the share 4 of 7 true grids are refused, as noise puts points off too.
+the edges are not those of blocks. With half the share 8 of 9 true grids are refused, as noise puts points off too.
 """
 
 
