@@ -154,7 +154,8 @@ _NARROWER = 0.02
 1 to 4 % too far apart, and hill climbing may stop there."""
 
 _MOST_WIDTHS = 6
-"""Widths that are tried, those of the most power: that of the blocks was among the first three of ten clouds."""
+"""Widths that are tried, those of the most power: of 113 clouds 110 had that of their blocks among these, 95 as the
+first."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
