@@ -10,7 +10,7 @@ the cloud is mostly something else, or if edges of other things lie on a grid; d
 
 Numbers of these modules were halved, and raised by 60 %, on nine clouds as of benchmarks/scan (three kinds of fields;
 one camera above with 10 mm of noise, two with 15 mm, one aside with 5 mm): _POINTS_PER_PIXEL, _FEWEST_POINTS,
-_MOST_WIDTHS and _MOST_LEFT of grid.py with the choice of the grid as it is now, which finds all nine; those of the other
+_MOST_WIDTHS and _MOST_LEFT of grid.py with the choice of the grid as it is now, which finds all nine; those of other
 modules before it. Where nothing else is said, the result stays the same. Other numbers of grid.py were not varied.
 """
 
