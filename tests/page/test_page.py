@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -21,6 +22,7 @@ from rsegen.exporters.browser.page import ShownMap
 from rsegen.exporters.browser.page import page as frozen_page
 from rsegen.exporters.scene import compose
 from rsegen.io.recipe_file import load
+from rsegen.page import scenes
 from rsegen.page.host import Host
 from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
@@ -504,6 +506,33 @@ def test_an_address_with_a_drive_plays_it(chrome: Chrome, address: str, folder: 
     page = Page(chrome, f"{address}&play=watched", "watched")
     until(lambda: page.js("return state.second.value > 0"))
     assert page.js("return state.playbacks.value.length") == 1
+
+
+_FRAMES = "let n = 30; const [done] = arguments; (function next() { n-- ? requestAnimationFrame(next) : done(); })();"
+"""Thirty pictures of the page: a clock that runs would have moved."""
+
+
+def test_a_drive_waits_for_a_map_that_is_slow_to_build_and_can_be_played_again(
+    page: Page, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorded(folder / "late", [[second, 0.4 * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 1.0, 2.0)])
+    save(load(EXAMPLES["peak"]), folder / "late" / "recipe.json")
+    is_built = Event()
+    monkeypatch.setattr(scenes, "compose", lambda *which: compose(*which) if is_built.wait(60) else None)
+    try:
+        page.open_file("late")
+        until(lambda: page.js("return state.playbacks.value.length === 1"))
+        page.chrome.execute_async_script(_FRAMES)
+        assert page.js("return [state.scene.value, state.second.value]") == [None, 0]
+        assert page.chrome.find_element(By.CSS_SELECTOR, ".timeline [role=status]").text == "waiting for the map …"
+    finally:
+        is_built.set()
+    until(lambda: page.js("return state.second.value > 0"))
+    assert page.js("return window.rsegen.solid.player.robots.length") == 1
+    assert page.chrome.find_element(By.CSS_SELECTOR, ".timeline [role=status]").text == "field_0000, straight"
+    until(lambda: page.js("return state.second.value") == 2)
+    page.button("Play again").click()
+    until(lambda: 0 < page.js("return state.second.value") < 2)
 
 
 def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(page: Page) -> None:

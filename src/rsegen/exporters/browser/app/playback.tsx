@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 import { Button, Select } from "./controls";
 import type { Playback, RobotDrawing } from "./protocol";
 import { call } from "./server";
-import { attempt, playbacks, second } from "./state";
+import { attempt, playbacks, scene, second } from "./state";
 
 export const drawings = signal<Map<string, RobotDrawing>>(new Map());
 const plays = signal(false);
@@ -23,33 +23,40 @@ export async function play(path: string, beside = false): Promise<void> {
   plays.value = true;
 }
 
+/* A frame moves the clock by no more than this, in seconds: the first one with a map, and the first one of a page that
+   was hidden, come late, and what they skip nobody has seen. */
+const LONGEST_FRAME = 0.25;
+
 const clock = (seconds: number) => `${Math.floor(seconds / 60)}:${(seconds % 60).toFixed(1).padStart(4, "0")}`;
 
 export function Timeline() {
   const shown = playbacks.value;
   const duration = Math.max(0, ...shown.map((drive) => drive.duration));
+  const hasMap = scene.value !== null;
+  const isOver = duration > 0 && second.value >= duration;
   useEffect(() => {
-    if (!plays.value || !duration) return;
+    if (!plays.value || !duration || !hasMap) return;
     let [last, frame] = [performance.now(), 0];
     const tick = (now: number) => {
       if (!plays.peek()) return; // paused since the last frame
-      second.value = Math.min(duration, second.value + ((now - last) / 1000) * Number(speed.value));
+      const passed = Math.min(LONGEST_FRAME, (now - last) / 1000);
+      second.value = Math.min(duration, second.value + passed * Number(speed.value));
       last = now;
       if (second.value >= duration) plays.value = false;
       else frame = requestAnimationFrame(tick);
     };
     frame = requestAnimationFrame(tick);
     return () => cancelAnimationFrame(frame);
-  }, [plays.value, duration, shown]);
+  }, [plays.value, duration, shown, hasMap]);
   if (!shown.length) return null;
   const events = shown.flatMap((drive) => drive.robots.flatMap((robot) => robot.events.map((each) => ({ ...each, who: robot.name }))));
   const toggle = () => {
-    if (second.value >= duration) second.value = 0;
+    if (isOver) second.value = 0;
     plays.value = !plays.value;
   };
   return (
     <section class="timeline" aria-label="Drive">
-      <Button icon={plays.value ? "pause" : "play"} class="primary" title={plays.value ? "Pause" : "Play"} onClick={toggle} />
+      <Button icon={plays.value ? "pause" : "play"} class="primary" title={plays.value ? "Pause" : isOver ? "Play again from the start" : "Play"} onClick={toggle}>{isOver && "Play again"}</Button>
       <output>{clock(second.value)}</output>
       <div class="track">
         <input type="range" aria-label="Time" min={0} max={duration} step={0.01} value={second.value} style={{ "--part": second.value / (duration || 1) }}
@@ -61,7 +68,7 @@ export function Timeline() {
       </div>
       <output>{clock(duration)}</output>
       <Select name="Speed" value={speed.value} choices={[["0.25", "¼ ×"], ["1", "1 ×"], ["4", "4 ×"]]} onChange={(next) => (speed.value = next)} />
-      <span class="name">{shown.map((drive) => drive.title).join(" | ")}</span>
+      <span class="name" role="status">{hasMap ? shown.map((drive) => drive.title).join(" | ") : "waiting for the map …"}</span>
       <Button icon="close" class="quiet" title="End the playback" onClick={() => { plays.value = false; playbacks.value = []; }} />
     </section>
   );

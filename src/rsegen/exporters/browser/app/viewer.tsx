@@ -51,8 +51,9 @@ function follow(view: View, player: number): () => void {
     effect(() => view.poseMap(poseMap.value, mapShown.value)),
     effect(() => view.reach(reach.value)),
     effect(() => view.way(way.value, wayStart.value)),
-    effect(() => view.play(playbacks.value[player] ?? null, drawings.value)),
-    effect(() => { if (playbacks.value[player]) view.at(second.value); }),
+    // A drive is on its map: without one there is nothing to drive on, and the sizes of its marks are those of cells.
+    effect(() => view.play((scene.value && playbacks.value[player]) ?? null, drawings.value)),
+    effect(() => { if (scene.value && playbacks.value[player]) view.at(second.value); }),
   ];
   return () => {
     ends.forEach((end) => end());
