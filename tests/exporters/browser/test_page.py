@@ -17,6 +17,7 @@ import rsegen
 from rsegen import Random, Recipe, StepField
 from rsegen.exporters.browser.page import ShownMap, editor_page, page
 from rsegen.exporters.colours import height_colour
+from rsegen.exporters.pictures.plan import cell_colours
 from rsegen.exporters.scene import fingerprint
 from rsegen.recipe.examples import EXAMPLES
 from tests.exporters.browser.pages import Tags, addresses, cells_of, heights_of, maps_of
@@ -135,6 +136,15 @@ def test_the_surface_has_the_colours_of_the_look_and_heights_have_their_own(look
         for name, wanted in (("colour", colour), ("surface", scene.surface_colour(entry["level"] or 0))):
             parts = [int(entry[name][at : at + 2], 16) for at in (1, 3, 5)]
             assert parts == [round(255 * part) for part in wanted]
+
+
+@given(recipes())
+def test_cells_have_the_colours_of_plans(recipe: Recipe) -> None:
+    scene = rsegen.compose(recipe, 0)
+    (shown,) = maps_of(rsegen.view(scene).html)
+    palette = [[int(entry["colour"][at : at + 2], 16) for at in (1, 3, 5)] for entry in shown["palette"]]
+    planned = cell_colours(scene.plan_colour, scene.field)
+    assert np.array_equal(np.array(palette)[cells_of(shown)], np.rint(255 * planned))
 
 
 def test_a_field_that_is_all_frame_is_shown() -> None:

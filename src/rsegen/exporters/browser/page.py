@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from rsegen import __version__
-from rsegen.exporters.colours import Colour, height_colour
+from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
 from rsegen.exporters.pictures.preview import ColouredField
@@ -59,7 +59,7 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
 
 
 _GROUND: Colour = (GROUND_GREY, GROUND_GREY, GROUND_GREY)
-"""The surface of cells without a block, as in previews."""
+"""The colour and the surface of cells without a block, as in plans and previews."""
 
 _FRAME = -1
 """The material of frame cells; of other cells it is their level."""
@@ -148,8 +148,10 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
     for material, count in zip(materials.tolist(), counts.tolist(), strict=True):
         is_frame = material == _FRAME
         height = round(field.frame_height if is_frame else material * field.unit, 9)
-        surface = shown.drawn.surface_colour(0 if is_frame else material) if material else _GROUND
-        colour = shown.drawn.plan_colour(0 if is_frame else material) if material else height_colour(0)
+        colour = surface = _GROUND
+        if material:
+            number = 0 if is_frame else material
+            colour, surface = shown.drawn.plan_colour(number), shown.drawn.surface_colour(number)
         yield {
             "level": None if is_frame else material,
             "height": height,
