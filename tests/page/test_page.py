@@ -497,6 +497,9 @@ def test_a_drive_of_a_folder_is_played_over_its_own_map(page: Page, folder: Path
     assert page.js("return state.scene.value.name") == "crossed_0000"
     until(lambda: page.chrome.title == "crossed_0000 \N{EN DASH} rsegen")
     assert page.js("return window.rsegen.solid.player.robots.length") == 1
+    page.js("state.tab.value = 'robot'")
+    chosen = Select(page.chrome.find_element(By.CSS_SELECTOR, '[data-field="Robot"] select'))
+    assert chosen.first_selected_option.get_attribute("value") == "crawler"
 
 
 def test_an_address_with_a_drive_plays_it(chrome: Chrome, address: str, folder: Path) -> None:

@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 import { Button, Select } from "./controls";
 import type { Playback, RobotDrawing } from "./protocol";
 import { call } from "./server";
-import { attempt, playbacks, scene, second } from "./state";
+import { attempt, drawing, forgetRobot, hello, playbacks, robot, scene, second } from "./state";
 
 export const drawings = signal<Map<string, RobotDrawing>>(new Map());
 const plays = signal(false);
@@ -19,8 +19,18 @@ export async function play(path: string, beside = false): Promise<void> {
   const made = await Promise.all(missing.map((robot) => attempt(() => call<RobotDrawing>("robot", { robot }))));
   drawings.value = new Map([...drawings.value, ...missing.flatMap((name, at) => (made[at] ? [[name, made[at]] as const] : []))]);
   playbacks.value = beside && playbacks.value.length ? [playbacks.value[0]!, drive] : [drive];
+  if (playbacks.value.length === 1) choose(drive);
   second.value = 0;
   plays.value = true;
+}
+
+/* Choose the robot of a drive, which the panel of robots then names and measures; the mouse keeps its tool. */
+function choose(drive: Playback): void {
+  const isKnown = (kind: string) => drawings.value.has(kind) && hello.value?.robots.some(({ name }) => name === kind);
+  const kind = drive.robots.map((each) => each.robot).find(isKnown);
+  if (!kind || kind === robot.value) return;
+  forgetRobot();
+  [robot.value, drawing.value] = [kind, drawings.value.get(kind)!];
 }
 
 /* A frame moves the clock by no more than this, in seconds: the first one with a map, and the first one of a page that
