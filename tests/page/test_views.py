@@ -474,6 +474,23 @@ def test_played_robot_is_between_the_samples(browser: Chrome, solid: str) -> Non
     _run(browser, solid, "view.play(null, new Map())")
 
 
+def test_drive_is_seen_from_its_start_to_its_end_with_the_map(browser: Chrome, solid: str) -> None:
+    ends = [[-1.1, -0.3, 0.1, 0, 0, 0], [0.9, 0.6, 0.1, 0, 0, 0], [0.9, 0.6, -99, 0, 0, 0]]  # then it falls off
+    track = {"name": "one", "robot": "box", "seconds": [0, 1, 2], "poses": ends, "events": []}
+    playback = {"title": "", "simulator": "", "robots": [track], "duration": 2}
+    pixels = "return arguments[0].map((point) => view.pixel(point))"
+    points = [pose[:3] for pose in ends[:2]] + [[x, y, 0] for x in (-0.5, 0.5) for y in (-0.4, 0.4)]
+    assert not _are_seen(_run(browser, solid, pixels, points)), "without a drive the camera is nearer to the map"
+    _run(browser, solid, "view.play(arguments[0], new Map([['box', arguments[1]]]))", playback, _robot())
+    assert _are_seen(_run(browser, solid, pixels, points))
+    _run(browser, solid, "view.play(null, new Map()); view.look('oblique')")
+    assert not _are_seen(_run(browser, solid, pixels, points))
+
+
+def _are_seen(pixels: list[list[float]]) -> bool:
+    return bool(np.all((np.array(pixels) > 0) & (np.array(pixels) < (620, 600))))
+
+
 @pytest.mark.parametrize("shown", ["tilt", "margin", "reason"])
 def test_map_of_poses_colours_tops(browser: Chrome, view: str, shown: str) -> None:
     _run(browser, view, "view.look('above'); view.set({ look: 'heights', grid: false })")

@@ -1,7 +1,7 @@
 /* Robots in the 3D view: their parts, how they rest on blocks, and drives that are played again. */
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DoubleSide, Euler, Group,
+  Box3, BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DoubleSide, Euler, Group,
   Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, SRGBColorSpace, SphereGeometry, Sprite,
   SpriteMaterial, Vector3, type Object3D,
 } from "three";
@@ -191,6 +191,14 @@ export class Player {
       trail.geometry.instanceCount = Math.max(0, before(seconds, second));
       for (const [when, mark] of marks) (mark.material as MeshBasicMaterial).opacity = when <= second ? 1 : 0.35;
     }
+  }
+
+  /* Around where each robot is at any time, whichever way it looks. */
+  get boxes(): Box3[] {
+    return this.tracks.map(({ robot, poses }) => {
+      const reach = robot ? Math.max(...boundsOf(robot.drawing).map(Math.abs)) : 0;
+      return poses.reduce((box, [x, y, z]) => box.expandByPoint(new Vector3(x, y, z)), new Box3()).expandByScalar(reach);
+    });
   }
 
   /* Where the robots are now. */

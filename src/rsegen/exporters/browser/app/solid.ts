@@ -39,6 +39,7 @@ export class Solid implements View, Board {
   private shownPoses: Overlay | null = null;
   private shownRobot: Robot | null = null;
   private player: Player | null = null;
+  private playback: Playback | null = null; // that of the player
   private readonly parts = new Map<string, Object3D>(); // what is drawn besides the map, by what it is
   private ends: Point[] = [];
   private marked: Spot | null = null;
@@ -195,6 +196,9 @@ export class Solid implements View, Board {
   play(playback: Playback | null, drawings: Map<string, RobotDrawing>): void {
     this.player = playback && new Player(playback, drawings, 0.1 * (this.field?.width ?? 0.1));
     this.part("play", this.player ? [this.player.group] : []);
+    this.stage.drives = this.player?.boxes ?? [];
+    if (playback && playback !== this.playback) this.look(this.from);
+    this.playback = playback;
     this.castShadows();
   }
 

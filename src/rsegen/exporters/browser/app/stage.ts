@@ -29,6 +29,7 @@ export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(30, 1, 0.01, 1000);
   readonly target = new Vector3(); // that the camera looks at
+  drives: Box3[] = []; // around where each robot drives: they are looked at with the map
   field: Field | null = null;
   radius = 1;
   private readonly shared = uniforms();
@@ -120,16 +121,21 @@ export class Stage {
     renderer.render(this.scene, this.camera);
   }
 
-  /* Look at the whole map from a direction, from as near as it is seen whole. */
+  /* Look at the whole map and a whole drive from a direction, from as near as both are seen whole. */
   look(from: From): number {
     const { field, camera, target } = this;
     if (!field) return 1;
-    target.set(0, 0, 0.35 * field.highest);
+    const map = new Box3(new Vector3(field.x(0), field.y(0), 0), new Vector3(field.x(field.nX), field.y(field.nY), field.highest));
+    // A robot that fell off, or that a simulator threw away, does not make the map small.
+    const around = map.clone().expandByScalar(this.radius);
+    const boxes = [map, ...this.drives.map((box) => box.clone().intersect(around)).filter((box) => !box.isEmpty())];
+    const { x, y } = boxes.reduce((all, box) => all.union(box), new Box3()).getCenter(new Vector3());
+    target.set(x, y, 0.35 * field.highest);
     Object.assign(camera, { near: this.radius / 200, far: 80 * this.radius });
     camera.updateProjectionMatrix();
-    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map(
-      (k) => new Vector3(field.x(k & 1 ? field.nX : 0), field.y(k & 2 ? field.nY : 0), k & 4 ? field.highest : 0),
-    );
+    const corners = boxes.flatMap(({ min, max }) => [0, 1, 2, 3, 4, 5, 6, 7].map(
+      (k) => new Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : Math.max(0, min.z)),
+    ));
     const isWhole = (away: number) => {
       camera.position.set(...DIRECTIONS[from]).setLength(away).add(target);
       camera.lookAt(target);
