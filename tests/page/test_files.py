@@ -78,11 +78,11 @@ def test_a_drive_is_played_as_it_was_recorded(host: Host, tmp_path: Path) -> Non
     assert told["title"] == "field_0000, straight"
     assert np.array_equal(np.column_stack([robot["seconds"], robot["poses"]]), rows)
     assert told["duration"] == rows[-1, 0]
-    assert [(round(event["second"], 2), event["text"]) for event in robot["events"]] == [
-        (0.8, "belly touches field"),
-        (0.8, "falls by 20 cm"),
-        (2.0, "tips over"),
-        (2.5, "has crossed the map"),
+    assert [(round(event["second"], 2), event["text"], event["kind"]) for event in robot["events"]] == [
+        (0.8, "belly touches field", "contact"),
+        (0.8, "falls by 20 cm", "trouble"),
+        (2.0, "tips over", "trouble"),
+        (2.5, "has crossed the map", "success"),
     ]
 
 
@@ -107,6 +107,15 @@ def test_a_part_that_bounces_is_marked_once_and_again_after_a_pause(host: Host, 
         (6.0, "arm touches field"),
         (7.0, "belly touches field"),
     ]
+
+
+def test_an_outcome_is_marked_however_many_contacts_come_before_it(
+    host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(playback, "_EVENTS", 3)
+    touching = [(second, part) for second in (1.0, 4.0, 7.0) for part in ("arm", "belly")]
+    found = marks(host, tmp_path, touching, 0.1 * np.arange(41), crossed=9.5)
+    assert found == [(1.0, "arm touches field"), (1.0, "belly touches field"), (9.5, "has crossed the map")]
 
 
 def test_a_robot_that_stays_where_it_is_hangs_up_on_what_touches_there(host: Host, tmp_path: Path) -> None:

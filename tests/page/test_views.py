@@ -465,7 +465,7 @@ def test_played_robot_is_between_the_samples(browser: Chrome, solid: str) -> Non
         "robot": "box",
         "seconds": [0, 2],
         "poses": poses,
-        "events": [{"second": 1, "text": "slip"}],
+        "events": [{"second": 1, "text": "slip", "kind": "trouble"}],
     }
     playback = {"title": "", "simulator": "", "robots": [track], "duration": 2}
     _run(browser, solid, "view.play(arguments[0], new Map([['box', arguments[1]]])); view.at(1)", playback, _robot())

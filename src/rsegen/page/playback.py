@@ -7,6 +7,8 @@ A folder of `rsegen drive` has a trajectory and the contacts of each robot. A ma
     hang-up   it stays at its place for two seconds or more, upright and before it has crossed the map
     tip, end  it tips over; it has crossed the map
 
+A contact is a small mark, an outcome (trouble, or the success at the end) a large one.
+
 A body that scrapes along, or bounces, is one mark, not one for each sample. What breaks it: a wheel that is in the air
 for more than half of the drive counts as a part that seldom touches. The folder may come from anybody.
 """
@@ -35,7 +37,7 @@ _MIB = 32
 """The largest file of a drive that is read, MiB: an hour of one robot's trajectory is 4."""
 
 _ROBOTS, _EVENTS = 100, 300
-"""Robots of a drive, and events of a robot, at most."""
+"""Robots of a drive, and events of a robot, at most: if there are more, contacts are left out first."""
 
 _SELDOM = 0.5
 """Share of the samples up to which the contacts of a part are news: wheels and tracks have more."""
@@ -83,15 +85,18 @@ def _robot(folder: Path, robot: Mapping[str, Any]) -> dict[str, Any]:
     name = robot["name"]
     trajectory = _trajectory(Places(folder).inside(f"{name}.csv"))
     touches = list(_touches(folder, robot))
-    events = sorted(
-        [*_contacts(touches), *_falls(trajectory), *_hang_ups(robot, trajectory, touches), *_marks(robot, trajectory)]
-    )
+    outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *_tips(trajectory)]
+    events = [
+        *((second, text, "success") for second, text in _crossing(robot)),
+        *((second, text, "trouble") for second, text in outcome),
+        *((second, text, "contact") for second, text in _contacts(touches)),
+    ]
     return {
         "name": name,
         "robot": robot["kind"],
         "seconds": trajectory.rows[:, 0].tolist(),
         "poses": trajectory.rows[:, 1:].tolist(),
-        "events": [{"second": second, "text": text} for second, text in events[:_EVENTS]],
+        "events": [{"second": second, "text": text, "kind": kind} for second, text, kind in sorted(events[:_EVENTS])],
     }
 
 
@@ -182,8 +187,12 @@ def _crossed(robot: Mapping[str, Any]) -> float:
     return float(crossed) if isinstance(crossed, int | float) and not isinstance(crossed, bool) else inf
 
 
-def _marks(robot: Mapping[str, Any], trajectory: Trajectory) -> Iterator[tuple[float, str]]:
-    """Yield when a robot tips over, and when it has crossed the map."""
+def _tips(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
+    """Yield when a robot tips over."""
     yield from ((float(trajectory.rows[at, 0]), "tips over") for at in _begins(trajectory.tilt > TIPPED))
+
+
+def _crossing(robot: Mapping[str, Any]) -> Iterator[tuple[float, str]]:
+    """Yield when a robot has crossed the map."""
     if (crossed := _crossed(robot)) < inf:
         yield crossed, "has crossed the map"

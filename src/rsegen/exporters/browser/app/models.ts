@@ -8,7 +8,7 @@ import {
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
-import { BAD, GOOD, TRAILS } from "./colours";
+import { BAD, GOOD, MARKS, TRAILS } from "./colours";
 import { lettered, type Point } from "./field";
 import type { Playback, Pose, RobotDrawing } from "./protocol";
 
@@ -172,9 +172,9 @@ export class Player {
       const robot = drawing ? new Robot(drawing) : null;
       const whole = linesOf(pairs(points), { colour, width: 1.5, opacity: 0.35, hidden: true });
       const trail = linesOf(pairs(points), { colour, width: 3.5, hidden: true });
-      const marks = events.map(({ second }): [number, Mesh] => {
+      const marks = events.map(({ second, kind }): [number, Mesh] => {
         const { position } = poseAt(seconds, poses, second);
-        return [second, dot([position.x, position.y, position.z], 1.6 * size, BAD, 0.35)];
+        return [second, dot([position.x, position.y, position.z], (kind === "contact" ? 0.8 : 1.6) * size, MARKS[kind], 0.35)];
       });
       this.group.add(whole, trail, ...marks.map(([, mark]) => mark));
       if (robot) this.group.add(robot.group);

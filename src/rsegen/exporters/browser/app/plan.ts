@@ -1,6 +1,6 @@
 /* The plan: north up; cells are counted below and on the left, metres above and on the right. Tools work as in 3D. */
 
-import { ACCENT, BAD, GOOD, START, TRAILS, TROUBLE } from "./colours";
+import { ACCENT, BAD, GOOD, MARKS, START, TRAILS, TROUBLE } from "./colours";
 import { Field, rgb, type Place, type Point } from "./field";
 import { Ink, LEGIBLE, type Box, type Pixel } from "./ink";
 import { poseAt } from "./models";
@@ -395,9 +395,9 @@ export class Plan implements View, Board {
       ink.line(poses, colour, 1.5);
       ink.pen.globalAlpha = 1;
       ink.line(poses.filter((_, n) => seconds[n] <= now), colour, 3);
-      for (const { second } of events) {
+      for (const { second, kind } of events) {
         ink.pen.globalAlpha = second <= now ? 1 : 0.4;
-        ink.disc(poseAt(seconds, poses, second).position.toArray(), 4, BAD);
+        ink.disc(poseAt(seconds, poses, second).position.toArray(), kind === "contact" ? 2.5 : 4, MARKS[kind]);
       }
       ink.pen.globalAlpha = 1;
       const { position, rotation: { x, y, z, w } } = poseAt(seconds, poses, now);

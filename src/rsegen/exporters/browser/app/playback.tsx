@@ -72,7 +72,7 @@ export function Timeline() {
         <input type="range" aria-label="Time" min={0} max={duration} step={0.01} value={second.value} style={{ "--part": second.value / (duration || 1) }}
           onInput={(event) => { plays.value = false; second.value = Number(event.currentTarget.value); }} />
         {events.map((event, at) => (
-          <button type="button" key={at} class="event" style={{ left: `${(100 * event.second) / (duration || 1)}%` }} title={`${clock(event.second)} ${event.who}: ${event.text}`}
+          <button type="button" key={at} class={`event ${event.kind}`} style={{ left: `${(100 * event.second) / (duration || 1)}%` }} title={`${clock(event.second)} ${event.who}: ${event.text}`}
             aria-label={`${clock(event.second)} ${event.who}: ${event.text}`} onClick={() => { plays.value = false; second.value = event.second; }} />
         ))}
       </div>

@@ -209,7 +209,7 @@ export interface Job {
 export interface Playback {
   title: string; simulator: string;
   robots: { name: string; robot: string; seconds: number[]; poses: number[][]; // x y z roll pitch yaw
-            events: { second: number; text: string }[] }[];
+            events: { second: number; text: string; kind: "contact" | "trouble" | "success" }[] }[]; // in order of time
   duration: number;
 }
 
