@@ -487,6 +487,23 @@ def test_drive_is_seen_from_its_start_to_its_end_with_the_map(browser: Chrome, s
     assert not _are_seen(_run(browser, solid, pixels, points))
 
 
+def test_ground_is_seen_from_afar_and_not_the_floor_through_it(browser: Chrome, solid: str) -> None:
+    levels, frame = np.zeros((9, 9), dtype=np.int16), np.zeros((9, 9), dtype=bool)
+    flat = StepField(levels=levels, frame=frame, unit=UNIT, block_width=WIDTH, frame_height=0.08)
+    away = """view.show(arguments[0]); view.set({ look: 'heights', grid: false, axes: false, dark: true });
+    view.look('oblique');
+    view.stage.camera.position.sub(view.stage.target).multiplyScalar(4).add(view.stage.target);
+    view.controls.update();
+    return [[-0.4, 0], [0.4, 0]].map(([x, y]) => view.pixel([x, y, 0]))"""
+    (left, y0), (right, y1) = _run(browser, solid, away, content(ShownMap.of_field(flat)))
+    picture = _picture(browser, solid, 620, 600).mean(axis=2)
+    along = np.linspace(0, 1, 100)
+    line = picture[np.rint(y0 + along * (y1 - y0)).astype(int), np.rint(left + along * (right - left)).astype(int)]
+    assert line.min() > 0.9 * line.max()
+    assert line.min() > 2 * picture[-1].max(), "the floor is darker"
+    _run(browser, solid, "view.set({ axes: true })")
+
+
 def _are_seen(pixels: list[list[float]]) -> bool:
     return bool(np.all((np.array(pixels) > 0) & (np.array(pixels) < (620, 600))))
 

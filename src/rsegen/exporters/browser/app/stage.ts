@@ -117,6 +117,10 @@ export class Stage {
 
   render(renderer: WebGLRenderer): void {
     if (!this.sun.castShadow) this.sun.position.copy(SUN_AT).multiplyScalar(this.radius).add(this.sun.target.position);
+    // 24 bits of depth tell points at a distance d apart if they are d² / (2²⁴ near): with a near plane that goes along, the floor
+    // and tops of height 0 from everywhere.
+    this.camera.near = this.camera.position.distanceTo(this.target) / 50;
+    this.camera.updateProjectionMatrix();
     renderer.shadowMap.needsUpdate = this.sun.castShadow;
     renderer.render(this.scene, this.camera);
   }
@@ -131,7 +135,7 @@ export class Stage {
     const boxes = [map, ...this.drives.map((box) => box.clone().intersect(around)).filter((box) => !box.isEmpty())];
     const { x, y } = boxes.reduce((all, box) => all.union(box), new Box3()).getCenter(new Vector3());
     target.set(x, y, 0.35 * field.highest);
-    Object.assign(camera, { near: this.radius / 200, far: 80 * this.radius });
+    camera.far = 80 * this.radius;
     camera.updateProjectionMatrix();
     const corners = boxes.flatMap(({ min, max }) => [0, 1, 2, 3, 4, 5, 6, 7].map(
       (k) => new Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : Math.max(0, min.z)),
