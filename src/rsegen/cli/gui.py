@@ -98,9 +98,8 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
     if arguments.json:
         print(json.dumps({"url": url}), flush=True)
     else:
-        print(
-            f"{url}\nThe page edits files in {service.host.folder}; Ctrl-C ends it, and so does closing it.", flush=True
-        )
+        end = "Ctrl-C ends it" if arguments.keep else "Ctrl-C ends it, and so does closing it"
+        print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
     if service.is_open_to_others:
         print(
             "warning: others can read what is sent, with the token in it; better: ssh -L", file=sys.stderr, flush=True
