@@ -8,7 +8,7 @@ from itertools import chain
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds, seconds_bar
-from rsegen.cli.targets import add_target, target_of
+from rsegen.cli.targets import add_target, target_of, which_map
 from rsegen.commands.drive import drive
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
 
@@ -35,4 +35,5 @@ def run(arguments: argparse.Namespace) -> Report:
         result = call(drive, arguments, target, progress=progress)
     folder = given(drive, arguments).get("output")
     played = [f"to see it drive: rsegen gui {shlex.quote(str(folder))}"] if folder else []
-    return Report(lines=chain(result.report(), played), content=result.as_json)
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=chain(result.report(), played), content=result.as_json, notes=notes)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
+from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of, which_map
 from rsegen.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -32,7 +32,8 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.exporters.map_summary import map_summary
 
     summary = map_summary(scene_of(arguments))
-    return Report(lines=_lines(summary), content=_content(summary))
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=_lines(summary), content=_content(summary), notes=notes)
 
 
 def _verified(arguments: argparse.Namespace) -> Report:
