@@ -18,7 +18,10 @@ _OWN = ("simulator",)
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    epilog = "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+    epilog = (
+        "The burger, which drives by default, gets over no frame; the crawler does, and --boundary none leaves frames out. "
+        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+    )
     command = add_command(commands, "drive", drive, epilog=epilog + robot_kinds())
     add_target(command, "WORLD-or-DIR-or-RECIPE", "a world made by rsegen, its folder, or a recipe")
     add_flags(command.add_argument_group("drive"), drive)
