@@ -273,7 +273,8 @@ def test_info_lists_obstacles_and_constraints(tmp_path: Path, capsys: pytest.Cap
     assert many.count("\nobstacle peak") == 10
     assert "\n         and 2 more\n" in many
     rsegen.save(
-        rsegen.Recipe(seed=7, obstacles=[rsegen.Matrix(rows=["0 1 " * 50] * 100)], chunks=10), tmp_path / "m.yaml"
+        rsegen.Recipe(seed=7, obstacles=[rsegen.Matrix(rows=("0 1 " * 50,) * 100)], chunks=(10, 10)),
+        tmp_path / "m.yaml",
     )
     (long,) = (line for line in printed(capsys, "info", tmp_path / "m.yaml").splitlines() if "obstacle" in line)
     assert long.startswith("obstacle matrix levels=2 rows=0,1,0,1")
