@@ -19,7 +19,7 @@ _OWN = ("simulator",)
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     epilog = (
-        "The burger, which drives by default, gets over no frame; the crawler does, and --boundary none makes no frames. "
+        "The burger, which drives by default, gets over no frame; the crawler does; --boundary none leaves them out. "
         "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
     )
     command = add_command(commands, "drive", drive, epilog=epilog + robot_kinds())
