@@ -29,7 +29,10 @@ LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10
 .PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
-	for recipe in src/rsegen/recipe/examples/*.yaml; do $(BIN)/rsegen generate $$recipe -o worlds --preview --force || exit; done
+	@for recipe in src/rsegen/recipe/examples/*.yaml; do \
+		echo "$$recipe"; $(BIN)/rsegen generate $$recipe -o worlds --preview --force --quiet || exit; \
+	done
+	@echo "the worlds are in worlds/; look at one, and change it: $(BIN)/rsegen gui mixed-course"
 
 test: $(VENV)/tester classic screen browser npm compiler
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not long" $(ARGS)
@@ -135,6 +138,7 @@ npm:
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
+	@echo "downloading rsegen's requirements (numpy, matplotlib and a few more, about 45 MB) into $(VENV)"
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 

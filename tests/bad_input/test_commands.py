@@ -43,7 +43,18 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["generate", "-o", "out", "--force", "--resume"],
         ["--resume and --force exclude each other"],
     ),
-    "a recipe that is not there": (["generate", "no.yaml", "-o", "out"], ["no.yaml: No such file"]),
+    "an obstacle without quotes": (
+        ["generate", "--obstacle", "peak", "levels=5", "-o", "out"],
+        ["put quotes around the obstacle: --obstacle 'peak levels=5' ("],
+    ),
+    "an obstacle of many words without quotes": (
+        ["generate", "-o", "out", "--obstacle=peak", "levels=5", "first=2,2"],
+        ["put quotes around the obstacle: --obstacle 'peak levels=5 first=2,2' ("],
+    ),
+    "a recipe that is not there": (
+        ["generate", "no.yaml", "-o", "out"],
+        ["no.yaml: No such file or directory in /", "/test_a_command_line"],
+    ),
     "a recipe in a file": (["generate", "file/r.yaml", "-o", "out"], ["file/r.yaml: Not a directory"]),
     "a recipe of too long a name": (["generate", "n" * 300, "-o", "out"], ["nnn: File name too long"]),
     "a folder without a recipe": (
@@ -51,10 +62,10 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["folder: ", "recipe.json", "give a recipe file"],
     ),
     "a link to itself": (["info", "loop"], ["loop: Too many levels of symbolic links"]),
-    "a target that is not there": (["info", "no.yaml"], ["no.yaml: No such file"]),
+    "a target that is not there": (["info", "no.yaml"], ["no.yaml: No such file or directory in /"]),
     "a target without maps": (["info", "folder"], ["folder: no map in it"]),
     "a target of another sort": (["info", "file"], ["file: 'not a recipe' is not a recipe"]),
-    "a world that is not there": (["open", "no.world"], ["no.world: there is no such world"]),
+    "a world that is not there": (["open", "no.world"], ["no.world: No such file or directory in /"]),
     "a world that is a recipe": (["open", "no.yaml"], ["no.yaml: No such file"]),
     "a simulator of another name": (
         ["open", "two.yaml", "--simulator", "clasic"],

@@ -239,7 +239,8 @@ def test_info_agrees_with_generated_maps(tmp_path: Path, capsys: pytest.CaptureF
     assert told["bytes"] == sum(path.stat().st_size for path in files)
     assert {key: told[key] for key in one.keys() & told.keys()} == {key: one[key] for key in one.keys() & told.keys()}
     assert set(told) - set(one) == {
-        *("seed", "unit_cm", "fingerprint", "mesh_type", "models", "collisions", "faces", "bytes")
+        *("seed", "unit_cm", "fingerprint", "obstacles", "constraints"),
+        *("mesh_type", "models", "collisions", "faces", "bytes"),
     }
 
 
@@ -249,13 +250,46 @@ def test_info_for_people_says_size_levels_and_cost(recipe_file: Path, capsys: py
     assert "4 x 4 blocks (6 x 6 cells with frames), 0.6 x 0.6 m" in out
     assert "16 in levels of 10 cm" in out
     assert "1 model, " in out
+    assert "\nobstacle peak levels=3" in out
+
+
+def test_info_lists_obstacles_and_constraints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row = "random levels=3 weights=4,2,1 first=1,1 last=8,8 key=rough"
+    off = "peak levels=3 key=off enabled=no"
+    demand = ["--max-step", "1", "--crossable-by", "10,10,20", "--boundary", "none", "--seed", "7"]
+    words = ["info", "--obstacle", row, "--obstacle", off, *demand]
+    lines = printed(capsys, *words).splitlines()
+    assert lines[lines.index(f"obstacle {row}") :] == [
+        f"obstacle {row}",
+        "demand   max_step 1",
+        "demand   crossable_by 10,10,20",
+        "off      obstacles[1]: peak",
+        *(line for line in lines if line.startswith("warning: ")),
+    ]
+    told = read(capsys, *words)
+    assert told["constraints"] == {"max_step": 1, "crossable_by": [10, 10, 20]}
+    assert [entry["key"] for entry in told["obstacles"]] == ["rough"]
+    many = printed(capsys, "info", "--seed", "7", *["--obstacle", "peak levels=3"] * 12)
+    assert many.count("\nobstacle peak") == 10
+    assert "\n         and 2 more\n" in many
+    rsegen.save(
+        rsegen.Recipe(seed=7, obstacles=[rsegen.Matrix(rows=("0 1 " * 50,) * 100)], chunks=(10, 10)),
+        tmp_path / "m.yaml",
+    )
+    (long,) = (line for line in printed(capsys, "info", tmp_path / "m.yaml").splitlines() if "obstacle" in line)
+    assert long.startswith("obstacle matrix levels=2 rows=0,1,0,1")
+    assert long.endswith("...")
+    assert len(long) < 120
 
 
 def test_a_target_is_a_recipe_a_map_or_a_folder_of_maps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert generated(COURSE, "-o", tmp_path) == 0
     first, last = (read(capsys, "info", tmp_path / f"mixed-course_000{index}") for index in (0, 2))
     assert first != last
-    assert read(capsys, "info", COURSE) == read(capsys, "info", tmp_path) == first
+    assert main(["info", str(tmp_path), "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert read(capsys, "info", COURSE) == json.loads(out) == first
+    assert err == f"note: mixed-course_0000 is the first of 3 maps in {tmp_path}; --map takes another\n"
     for which in ("2", "0002", "mixed-course_0002"):
         assert read(capsys, "info", COURSE, "--map", which) == last
         assert read(capsys, "info", tmp_path, "--map", which) == last

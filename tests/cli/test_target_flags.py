@@ -5,19 +5,25 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import rsegen
 import rsegen.cli.drive
+import rsegen.cli.open
 import rsegen.cli.spawn
 from rsegen.cli import main
 from rsegen.cli.commands import parser
 from rsegen.cli.targets import target_of
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.simulation.open_world import OpenedWorld, OpenResult
+from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.spawning.spawn import SpawnResult
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
@@ -76,6 +82,52 @@ def test_a_map_of_flags_is_chosen_by_its_index(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().out.startswith("rse_0002, seed 3\n")
     assert exit_code("info", *RANDOM, "--map", "2") == 2
     assert "there is no map '2' in the recipe of the flags" in the_line(capsys.readouterr().err)
+
+
+def without_a_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the commands that need a simulator return at once, as if they had found one."""
+
+    @wraps(rsegen.drive)
+    def drive(*_: object, **__: object) -> SimpleNamespace:
+        return SimpleNamespace(report=lambda: iter(["driven"]), as_json={})
+
+    @wraps(rsegen.open)
+    def open_world(*_: object, on_start: Callable[[OpenedWorld], None], **__: object) -> OpenResult:
+        world = OpenedWorld(simulator="Gazebo", file=Path("a.world"), address=())
+        on_start(world)
+        return OpenResult(world=world, exit_code=0, errors=())
+
+    @wraps(rsegen.spawn)
+    def spawn(*_: object, **__: object) -> SpawnResult:
+        return SpawnResult(name="model", simulator="sim", at=Pose(x=0, y=0, z=0))
+
+    monkeypatch.setattr(rsegen.cli.drive, "drive", drive)
+    monkeypatch.setattr(rsegen.cli.open, "open_world", open_world)
+    monkeypatch.setattr(rsegen.cli.spawn, "spawn", spawn)
+
+
+@pytest.mark.parametrize("command", ["info", "preview", "sheet", "spots", "compare", "open", "drive", "spawn"])
+def test_the_first_map_of_a_folder_is_taken_with_a_note(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    without_a_simulator(monkeypatch)
+    for folder, maps in (("own", 3), ("alone", 1)):
+        rsegen.generate(rsegen.Recipe(seed=8, maps=maps, chunk_size=4), folder)
+    words = [*COMMANDS.get(command, [command]), *(["alone"] if command == "compare" else [])]
+    words += ["--force"] if "-o" in words else []
+
+    def noted(*target: str) -> str:
+        capsys.readouterr()
+        assert main([*words, *target]) == 0
+        printed = capsys.readouterr()
+        lines = (printed.err if "--json" in words else printed.out).splitlines()
+        return "; ".join(line for line in lines if "note:" in line)
+
+    assert noted("own") == "note: rse_0000 is the first of 3 maps in own; --map takes another"
+    assert noted("own/rse_0001") == noted("alone") == ""
+    if command != "compare":  # of which --map is a map of both
+        assert noted("own", "--map", "1") == ""
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -140,6 +192,30 @@ def test_the_page_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch, capsy
     assert main(["gui", "--no-browser", "--port", "0", *RANDOM]) == 0
     assert opened == [RECIPE]
     assert "&doc=d1" in capsys.readouterr().out
+
+
+def test_the_page_of_a_folder_of_maps_says_how_to_open_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from rsegen.page.service import Service
+
+    monkeypatch.setattr(Service, "run", Service.close)
+    monkeypatch.chdir(tmp_path)
+    rsegen.generate(rsegen.Recipe(seed=8, maps=12, chunk_size=1), "my maps")
+
+    def printed(*words: str) -> list[str]:
+        assert main(["gui", *words, "--no-browser", "--port", "0"]) == 0
+        return capsys.readouterr().out.splitlines()[1:]
+
+    home, title, first, *others = printed("my maps")
+    assert home.endswith("/my maps; Ctrl-C ends it, and so does closing it.")
+    assert (title, first, others[-1]) == (
+        "No map is open. Maps in my maps:",
+        "  rsegen gui 'my maps/rse_0000'",
+        "  and 2 more",
+    )
+    assert len(printed("my maps/rse_0000")) == 1
+    assert printed("--keep") == [f"The page edits files in {tmp_path}; Ctrl-C ends it."]
 
 
 def test_the_page_plays_the_drive_of_a_folder(

@@ -111,6 +111,7 @@ def test_canonical_forms() -> None:
     assert Size2D().check("", [2, 3]) == (2, 3)
     assert CellRef().check("", "random") == ANYWHERE
     assert CellRef().check("", [2.0, "random"]) == (2, "random")
+    assert CellRef().parse("(2,3)") == CellRef().parse("[2,3]") == CellRef().parse("2,3") == [2, 3]
     assert ListOf(Integer(0)).check("", 4) == (4,)
     assert Rows().check("", [[0, None], "1,  2"]) == ("0 .", "1 2")
     assert Flag().parse("yes") is True

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import map_of_flags, picture_path
+from rsegen.cli.targets import map_of_flags, picture_path, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, lengths_in
@@ -78,7 +78,8 @@ def run(arguments: argparse.Namespace) -> Report:
         write_file([compared.picture(image_format(picture))], picture, force=bool(arguments.force))
     comparison = compared.comparison
     lines = [summary(comparison), *_lines(comparison, lengths_in(recipe.units))]
-    return Report(lines=lines, content=_content(comparison), code=0 if comparison.is_equal else 1)
+    notes = [line for path in dict.fromkeys(arguments.paths) for line in which_map(path, arguments.map)]
+    return Report(lines=lines, content=_content(comparison), notes=notes, code=0 if comparison.is_equal else 1)
 
 
 def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:

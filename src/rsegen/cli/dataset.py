@@ -95,7 +95,8 @@ def _described(dataset: Dataset) -> str:
     n_x, n_y = dataset.layout.grid_shape
     seeds = [f"{recipe.maps:,} of {recipe.name} (seed {recipe.seed})" for recipe in dataset.recipes]
     said = ", ".join(seeds) if len(seeds) > 1 else f"seed {dataset.recipe.seed}"
+    maps, shards = len(dataset), len(dataset.shards)
     return (
-        f"{len(dataset):,} maps of {n_x} x {n_y} blocks, {said}: "
-        f"{dataset.bytes:,} bytes in {len(dataset.shards)} shards in {dataset.folder}"
+        f"{maps:,} map{'s'[: maps != 1]} of {n_x} x {n_y} blocks, {said}: "
+        f"{dataset.bytes:,} bytes in {shards} shard{'s'[: shards != 1]} in {dataset.folder}"
     )

@@ -8,7 +8,7 @@ from itertools import chain
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds, seconds_bar
-from rsegen.cli.targets import add_target, target_of
+from rsegen.cli.targets import add_target, target_of, which_map
 from rsegen.commands.drive import drive
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
 
@@ -18,7 +18,10 @@ _OWN = ("simulator",)
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    epilog = "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+    epilog = (
+        "The burger, which drives by default, gets over no frame; the crawler does; --boundary none leaves them out. "
+        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+    )
     command = add_command(commands, "drive", drive, epilog=epilog + robot_kinds())
     add_target(command, "WORLD-or-DIR-or-RECIPE", "a world made by rsegen, its folder, or a recipe")
     add_flags(command.add_argument_group("drive"), drive)
@@ -35,4 +38,5 @@ def run(arguments: argparse.Namespace) -> Report:
         result = call(drive, arguments, target, progress=progress)
     folder = given(drive, arguments).get("output")
     played = [f"to see it drive: rsegen gui {shlex.quote(str(folder))}"] if folder else []
-    return Report(lines=chain(result.report(), played), content=result.as_json)
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=chain(result.report(), played), content=result.as_json, notes=notes)

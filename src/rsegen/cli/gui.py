@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shlex
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags, complete_examples, has_recipe_flags, recipe_from
+from rsegen.cli.generate import SHOWN
 from rsegen.cli.report import Subparsers, add_command
 from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import Flag, Integer, Text
@@ -98,9 +101,9 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
     if arguments.json:
         print(json.dumps({"url": url}), flush=True)
     else:
-        print(
-            f"{url}\nThe page edits files in {service.host.folder}; Ctrl-C ends it, and so does closing it.", flush=True
-        )
+        end = "Ctrl-C ends it" if arguments.keep else "Ctrl-C ends it, and so does closing it"
+        print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
+        print(*_maps_in(arguments.recipe), sep="", end="", flush=True)
     if service.is_open_to_others:
         print(
             "warning: others can read what is sent, with the token in it; better: ssh -L", file=sys.stderr, flush=True
@@ -115,6 +118,18 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
         import webbrowser
 
         webbrowser.open(url)
+
+
+def _maps_in(given: str | None) -> Iterator[str]:
+    """Yield the command that opens each map in a given folder of maps, a line each: the page opens none of them."""
+    if given is None or not Path(given).is_dir() or Path(given, "recipe.json").exists():
+        return
+    maps = sorted(file.parent for file in Path(given).glob("*/recipe.json"))
+    if maps:
+        yield f"No map is open. Maps in {given}:\n"
+    yield from (f"  rsegen gui {shlex.quote(str(folder))}\n" for folder in maps[:SHOWN])
+    if len(maps) > SHOWN:
+        yield f"  and {len(maps) - SHOWN} more\n"
 
 
 def _login() -> str:

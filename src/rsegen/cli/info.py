@@ -7,17 +7,25 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.generate import SHOWN
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of
+from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of, which_map
 from rsegen.errors import ParameterError
+from rsegen.params.sorts import Json, parameters
 
 if TYPE_CHECKING:
     from rsegen.exporters.map_summary import MapSummary
+    from rsegen.recipe.recipe import Recipe
+
+_CONSTRAINTS = ("max_step", "crossable_by", "inventory")
+
+_LONGEST = 100
+"""Letters of an obstacle: a matrix may have thousands."""
 
 
 def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
-    text = "Print the size of a map, its number of blocks of each level, and its cost in faces and bytes."
+    text = "Print the size of a map, its obstacles, the blocks of each level, and its cost in faces and bytes."
     command = add_command(commands, "info", text=text)
     add_target_flags(command)
     text = "compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded"
@@ -31,8 +39,10 @@ def run(arguments: argparse.Namespace) -> Report:
         return _verified(arguments)
     from rsegen.exporters.map_summary import map_summary
 
-    summary = map_summary(scene_of(arguments))
-    return Report(lines=_lines(summary), content=_content(summary))
+    scene = scene_of(arguments)
+    summary = map_summary(scene)
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=_lines(summary, scene.recipe), content=_content(summary, scene.recipe), notes=notes)
 
 
 def _verified(arguments: argparse.Namespace) -> Report:
@@ -48,7 +58,7 @@ def _verified(arguments: argparse.Namespace) -> Report:
     return Report(lines=lines, content={"folders": verified.folders, "files": verified.files, "unlisted": unlisted})
 
 
-def _content(summary: MapSummary) -> dict[str, object]:
+def _content(summary: MapSummary, recipe: Recipe) -> dict[str, object]:
     return {
         "name": summary.name,
         "seed": summary.seed,
@@ -58,6 +68,8 @@ def _content(summary: MapSummary) -> dict[str, object]:
         "levels": list(summary.level_counts),
         "level_counts": summary.level_counts,
         "fingerprint": summary.fingerprint,
+        "obstacles": [obstacle.entry() for _, obstacle in recipe.enabled_obstacles],
+        "constraints": _constraints(recipe),
         "mesh_type": summary.mesh_type,
         "models": summary.models,
         "collisions": summary.collisions,
@@ -69,9 +81,15 @@ def _content(summary: MapSummary) -> dict[str, object]:
     }
 
 
-def _lines(summary: MapSummary) -> Iterator[str]:
+def _constraints(recipe: Recipe) -> dict[str, Json]:
+    """Return the constraints of a recipe, as its file has them."""
+    return {name: value for name, value in recipe.entry().items() if name in _CONSTRAINTS}
+
+
+def _lines(summary: MapSummary, recipe: Recipe) -> Iterator[str]:
     from rsegen.exporters.map_summary import size_in_words
     from rsegen.exporters.numbers import lengths_in
+    from rsegen.recipe.codec import row_text
 
     along_x, along_y = summary.extent
     blocks = sum(summary.level_counts.values())
@@ -86,6 +104,13 @@ def _lines(summary: MapSummary) -> Iterator[str]:
     costs = (_many(summary.models, "model"), _many(summary.collisions, "collision"), _many(summary.faces, "face"))
     cost = f"{', '.join(costs)}, {summary.bytes:,} bytes"
     yield f"costs    mesh type {summary.mesh_type}: {cost}"
+    for _, placed in recipe.enabled_obstacles[:SHOWN]:
+        text = row_text(placed)
+        yield f"obstacle {text if len(text) <= _LONGEST else f'{text[:_LONGEST]}...'}"
+    if len(recipe.enabled_obstacles) > SHOWN:
+        yield f"         and {len(recipe.enabled_obstacles) - SHOWN} more"
+    for name, value in _constraints(recipe).items():
+        yield f"demand   {name} {parameters(type(recipe))[name].format(value)}"
     for kind, source in summary.plugins.items():
         yield f"plug-in  {kind} of {source}"
     for obstacle in summary.switched_off:

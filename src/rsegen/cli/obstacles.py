@@ -30,6 +30,9 @@ def _lines() -> Iterator[str]:
     from rsegen.field.obstacles.base import PLACING, own_parameters
     from rsegen.params.registry import summary
 
+    yield "An obstacle is its kind, the parameters of that kind, and a place: 'peak levels=5 first=2,2 last=7,7'."
+    yield "first and last, its place, are the same for every kind: they are at the end."
+    yield ""
     for name, cls in KINDS.items():
         source = KINDS.source(name)
         yield f"{name}\n    {summary(cls)}" + (f" From {source}." if source else "")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call
-from rsegen.cli.targets import add_target, target_of
+from rsegen.cli.targets import add_target, target_of, which_map
 from rsegen.commands.open import open as open_world
 from rsegen.errors import printable
 from rsegen.params.command import add_flags, flags_in_errors
@@ -48,7 +48,8 @@ def run(arguments: argparse.Namespace) -> Report:
     def started(world: OpenedWorld) -> None:
         address = " ".join(f"{name}={value}" for name, value in world.address)
         if not (arguments.quiet or arguments.json):
-            print(f"{world.simulator}: {world.file}" + (f", at {address}" if address else ""), flush=True)
+            lines = [f"{world.simulator}: {world.file}" + (f", at {address}" if address else "")]
+            print(*lines, *which_map(arguments.target, arguments.map), sep="\n", flush=True)
 
     result = call(open_world, arguments, target, on_start=started, on_error=_print_error)
     opened = {"simulator": result.world.simulator, "world": str(result.world.file)}

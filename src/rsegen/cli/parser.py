@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Iterable, Sequence
+import re
+import shlex
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import takewhile
 from typing import Any, NamedTuple, NoReturn
 
 from rsegen.errors import UnknownName, line_of, nearest, shown
@@ -100,6 +103,8 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Refuse what is unknown in the parser of the command itself, which has the flags to compare it with."""
+        for obstacle in _unquoted(args or ()) if "--obstacle" in self._option_string_actions else ():
+            self.error(f"put quotes around the obstacle: --obstacle {obstacle}")
         parsed, unknown = super().parse_known_args(args, namespace)
         for text in unknown[:1]:
             if text.startswith("-"):
@@ -112,6 +117,24 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
             self.error(str(UnknownName.among("", "command", value, action.choices)))
+
+
+def _unquoted(arguments: Sequence[str]) -> Iterator[str]:
+    """Yield, in quotes, each obstacle that a shell split into words, as in `--obstacle peak levels=5`."""
+    words = [part for word in arguments for part in _FLAG_AND_VALUE.split(word, maxsplit=1)]
+    for place, word in enumerate(words):
+        if word == "--obstacle":
+            pairs = [*takewhile(_is_pair, words[place + 2 :])]
+            if pairs:
+                yield shlex.quote(" ".join([words[place + 1], *pairs]))
+
+
+_FLAG_AND_VALUE = re.compile("(?<=^--obstacle)=")
+
+
+def _is_pair(word: str) -> bool:
+    """Return whether a word is a parameter of an obstacle, and no file of that name."""
+    return bool(re.match("[a-z_]+=", word)) and not os.path.lexists(word)
 
 
 def _action(row: HelpRow) -> argparse.Action:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import add_target_flags, picture_path, scene_of
+from rsegen.cli.targets import add_target_flags, picture_path, scene_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.params.command import Shell, add_flags, flags_in_errors, given
@@ -80,4 +80,5 @@ def run(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--at" if error.where in ("x", "y") else f"--{error.where}", error.problem) from None
     write_file([picture], path, force=drawing.force)
     content = {"file": str(path), "map": scene.name, "seed": scene.recipe.seed}
-    return Report(lines=[f"{path}: {scene.name}, seed {scene.recipe.seed}"], content=content)
+    lines = [f"{path}: {scene.name}, seed {scene.recipe.seed}"]
+    return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import add_target_flags, map_of_flags
+from rsegen.cli.targets import add_target_flags, map_of_flags, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.cut_settings import CutSettings
@@ -56,7 +56,8 @@ def run(arguments: argparse.Namespace) -> Report:
     saw = replace(CutSettings.default(recipe.units), **settings)
     scene = write_sheets(recipe, index, paths, saw, force=bool(arguments.force))
     content = {"files": [str(path) for path in paths], "map": scene.name, "seed": scene.recipe.seed}
-    return Report(lines=[f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths], content=content)
+    lines = [f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths]
+    return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))
 
 
 def _paths(arguments: argparse.Namespace) -> list[Path]:

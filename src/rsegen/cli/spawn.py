@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rsegen.cli.advice import in_flags
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds
-from rsegen.cli.targets import add_target, target_of
+from rsegen.cli.targets import add_target, target_of, which_map
 from rsegen.commands.spawn import spawn
 from rsegen.params.command import add_flags, flags_in_errors
 
@@ -40,7 +40,8 @@ def run(arguments: argparse.Namespace) -> Report:
     with flags_in_errors(spawn):
         target = target_of(arguments, _OWN)
     result = call(spawn, arguments, target)
-    return Report(lines=_lines(result), content=asdict(result))
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=_lines(result), content=asdict(result), notes=notes)
 
 
 def _lines(result: SpawnResult) -> Iterator[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
-from rsegen.cli.targets import add_target_flags, picture_path, target_of
+from rsegen.cli.targets import add_target_flags, picture_path, target_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.commands.spots import spots
 from rsegen.params.command import Shell, add_flags, default, flags_in_errors, given
@@ -65,7 +65,8 @@ def run(arguments: argparse.Namespace) -> Report:
             outline = Outline.of(body_of_size(*size) if size else robot_of(robot).body_or_box)
             write_file([spots_plot(scene, outline, places, image_format(path))], path, force=arguments.force)
     content = {"map": scene.name, "seed": said["seed"], "spots": [asdict(place) for place in places]}
-    return Report(lines=[f"{scene.name}, seed {said['seed']}:", *_rows(places)], content=content)
+    lines = [f"{scene.name}, seed {said['seed']}:", *_rows(places)]
+    return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))
 
 
 def _rows(places: Sequence[Spot]) -> Iterator[str]:

@@ -102,6 +102,15 @@ def scenes_of(arguments: argparse.Namespace, step: Step = "build") -> Iterator[S
         yield from (compose(recipe, index) for index in recipe.indices)
 
 
+def which_map(target: str | None, which: str | None) -> Iterator[str]:
+    """Yield a line on the map that a command took, if it is the first of a folder and nobody chose it."""
+    from rsegen.io.targets import recipe_files
+
+    files = recipe_files(target) if target is not None and which is None else []
+    if len(files) > 1:
+        yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map takes another"
+
+
 def picture_path(name: str | None, *, force: bool) -> Path | None:
     """Return the path of a picture if one is wanted; a UserError if it is no picture or may not be replaced."""
     from rsegen.exporters.pictures.preview import image_format

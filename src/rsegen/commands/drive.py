@@ -98,6 +98,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     """
     from rsegen.params.streams import fresh_seed
     from rsegen.run.dry import foresee
+    from rsegen.run.store import unchanged_if_stopped
     from rsegen.simulation.driving.drive import (
         DriveResult,
         drivable,
@@ -123,7 +124,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     pictured = picture and "pictures" not in here.simulator.drives_without
     if output is not None:
         foresee(Path(output), file_names(runs, picture=pictured), is_whole=True)
-    with world.on_disk() as file:
+    with unchanged_if_stopped(output), world.on_disk() as file:
         extent = scene.field.extent if pictured else None
         recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)
     result = DriveResult(

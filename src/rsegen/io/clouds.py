@@ -21,7 +21,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UserError, said_by
 from rsegen.field.stepfield import Array
-from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of
+from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of, unreadable
 from rsegen.io.npy_files import mapped
 from rsegen.io.scan_options import CLOUDS
 from rsegen.params.extras import SCAN, pip_install
@@ -125,7 +125,7 @@ def _mib(path: Path) -> int:
         with open_regular(path) as file:
             return min(os.fstat(file.fileno()).st_size // 2**20 + 1, _MOST_MIB)
     except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
+        raise FileError(unreadable(path, error)) from None
 
 
 def _is_point(line: str) -> bool:

@@ -106,12 +106,18 @@ _DEEPEST = 200
 """Levels of elements in each other; an SDF file has some ten."""
 
 
+def unreadable(path: Path, error: OSError) -> str:
+    """Return the message of a file that cannot be read; if a relative path leads nowhere, with the current folder."""
+    here = f" in {Path.cwd()}" if isinstance(error, FileNotFoundError) and not path.is_absolute() else ""
+    return f"{path}: {error.strerror or error}{here}"
+
+
 def text_of(path: Path, mib: int, too_large: str) -> str:
     """Return the text of a file of at most `mib` MiB; FileError if it cannot be read, is larger, or is not UTF-8."""
     try:
         content = read_start(path, mib * 2**20 + 1)
     except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
+        raise FileError(unreadable(path, error)) from None
     except ValueError as error:  # a name with a null character
         raise FileError(f"{shown(str(path))}: {error}") from None
     if len(content) > mib * 2**20:
@@ -164,7 +170,7 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
     except (ImportError, RsegenError):
         raise
     except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
+        raise FileError(unreadable(path, error)) from None
     except Exception as error:  # libraries fail in many ways at files that are none of theirs
         raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({said_by(error)})") from None
 
@@ -214,8 +220,9 @@ def opened_image(path: Path) -> Iterator[Image]:
     except (Image.DecompressionBombError, MemoryError):
         raise FileError(f"{path}: an image too large to be read") from None
     except Exception as error:  # Pillow fails in many ways at values that cannot be
-        problem = getattr(error, "strerror", None) or f"not a whole image: {said_by(error)}"
-        raise FileError(f"{path}: {problem}") from None
+        if isinstance(error, OSError) and error.strerror:
+            raise FileError(unreadable(path, error)) from None
+        raise FileError(f"{path}: not a whole image: {said_by(error)}") from None
 
 
 JOURNAL = ".rsegen.jsonl"

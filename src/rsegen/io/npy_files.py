@@ -19,7 +19,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from rsegen.errors import FileError
-from rsegen.io.input_files import open_regular
+from rsegen.io.input_files import open_regular, unreadable
 
 _LONGEST_HEADER = 10_000
 """Bytes of a header at most: that of an array of numbers has 128, and numpy parses no more by itself."""
@@ -44,7 +44,7 @@ def mapped(path: Path) -> NDArray[Any]:
             start = file.tell()
             return np.memmap(path, dtype=dtype, shape=shape, order="F" if is_fortran else "C", mode="r", offset=start)
     except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
+        raise FileError(unreadable(path, error)) from None
     except (EOFError, MemoryError, OverflowError, TypeError, ValueError) as error:
         why = str(error).partition("\n")[0][:100]
         raise FileError(f"{path}: not an array of numbers that numpy saved (.npy): {why}") from None

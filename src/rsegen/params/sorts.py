@@ -379,7 +379,7 @@ class CellRef(Parameter):
         return number
 
     def parse(self, text: str) -> object:
-        parts = text.split(",")
+        parts = re.sub(r"^\((.*)\)$|^\[(.*)\]$", r"\1\2", text).split(",")  # as Python or a file writes it
         return text if len(parts) == 1 else [parse_int(part) for part in parts]
 
     def format(self, value: Any) -> str:
@@ -475,7 +475,7 @@ def key_values(words: Iterable[str], known: Mapping[str, Parameter]) -> dict[str
     for word in words:
         key, equals, value = word.partition("=")
         if not equals:
-            raise ParameterError("", f"{shown(word)} is not KEY=VALUE")
+            raise ParameterError("", f"{shown(word)} is not KEY=VALUE, written without blanks")
         if key in values:
             raise ParameterError(key, "is given twice")
         values[key] = known[key].parse(value) if key in known else value

@@ -122,8 +122,15 @@ def decode_obstacle(row: Mapping[str, Any]) -> Obstacle:
     refuse_unknown(f"parameter of {cls.kind}", given, known)
     for name in required_parameters(cls):
         if name not in given:
-            raise ParameterError(name, f"is missing; give {known[name].describe()}")
+            raise ParameterError(name, f"is missing; give {known[name].describe()} ({known[name].help})")
     return cls(**given)
+
+
+def row_text(obstacle: Obstacle) -> str:
+    """Return an obstacle as `--obstacle` takes it: `peak levels=5 first=2,2 last=7,7`."""
+    known = row_parameters(type(obstacle))
+    values = [f"{name}={known[name].format(value)}" for name, value in obstacle.entry().items() if name in known]
+    return " ".join([obstacle.kind, *values])
 
 
 def required_parameters(cls: type[Obstacle]) -> tuple[str, ...]:

@@ -283,7 +283,12 @@ class MapDesign:
             for axis, cells in enumerate(self.grid.shape):
                 at = (getattr(obstacle, end) or (0, 0))[axis]
                 if at != "random" and at >= cells:
-                    raise ParameterError(f"{where}.{end}[{axis}]", f"{shown(at)} is outside 0..{cells - 1}")
+                    n_x, n_y = self.grid.shape
+                    raise ParameterError(
+                        f"{where}.{end}[{axis}]",
+                        f"{shown(at)} is outside 0..{cells - 1}: the map has {n_x} x {n_y} blocks; "
+                        "larger chunks or chunk_size give more",
+                    )
         try:
             obstacle.check_size(self.grid)
         except ParameterError as error:

@@ -442,6 +442,17 @@ def _as_our_errors(store: Store, output: Path) -> Iterator[None]:
 
 
 @contextmanager
+def unchanged_if_stopped(output: str | Path | None) -> Iterator[None]:
+    """Add to a Ctrl-C inside, before anything is written, that the output is as it was; with no output nothing."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if output is None:
+            raise
+        raise Stopped(f"nothing was changed in {output}", changed=False) from None
+
+
+@contextmanager
 def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Iterator[Store]:
     """Open a store in `folder/.rsegen.next` that replaces the whole folder at the end, in one swap.
 

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, shown
+from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, UserError, shown
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
 from rsegen.simulation.simulators.process import ErrorRelay
 from rsegen.simulation.simulators.server import choose_installation, has_screen, run_until_end
@@ -55,8 +55,8 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
     """Open a world in a simulator, and wait until it ends or the seconds are over; see `rsegen.open`."""
     here = choose_installation(world.made_for, simulator, timeout)
     if not (headless or has_screen()):
-        where = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
-        raise ParameterError("headless", f"{where}, so only a server without a window can be opened; set it")
+        problem = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
+        raise UserError(f"{problem}, so there can be no window; open the server alone with headless=True")
     with _home(headless=headless) as home, world.on_disk() as file:
         launch = _launch(here, OpenRequest(world=file, shared=shared, home=home), headless=headless)
         opened = OpenedWorld(simulator=str(here), file=file, address=_address(launch, here))

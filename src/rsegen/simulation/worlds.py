@@ -5,6 +5,7 @@ A world on disk is opened as it is; one of a recipe is made in a temporary folde
 
 from __future__ import annotations
 
+import errno
 import os
 import os.path
 import tempfile
@@ -17,6 +18,7 @@ from typing import TypeAlias
 from rsegen.errors import FileError
 from rsegen.exporters.gazebo import export
 from rsegen.exporters.scene import Scene, compose
+from rsegen.io.input_files import unreadable
 from rsegen.io.recipe_file import load
 from rsegen.io.resources import refuse_too_large
 from rsegen.io.targets import chosen_map, map_index
@@ -91,5 +93,5 @@ def _world_in(file: Path) -> World:
 
 def _existing(file: Path) -> Path:
     if not file.is_file():
-        raise FileError(f"{file}: there is no such world")
+        raise FileError(unreadable(file, FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))))
     return file

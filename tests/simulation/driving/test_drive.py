@@ -45,6 +45,21 @@ def test_a_world_without_a_recipe_is_refused(programs: Path, tmp_path: Path) -> 
         rsegen.drive(world)
 
 
+@pytest.mark.parametrize(("output", "said"), [("out", "nothing was changed in out"), (None, "")])
+def test_a_drive_that_is_stopped_changes_nothing(
+    output: str | None, said: str, programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    put(programs, PROGRAMS["classic"])
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("rsegen.simulation.driving.recording.record_drive", stopped)
+    with pytest.raises(KeyboardInterrupt, match=f"^{said}$"):
+        rsegen.drive(RECIPE, output=output)
+    assert not any(tmp_path.joinpath("out").glob("**"))
+
+
 def test_without_gazebo_classic_the_script_says_how_to_install_it(programs: Path) -> None:
     with pytest.raises(NoSimulator, match="Gazebo Classic is not installed; to install it: "):
         rsegen.drive(RECIPE)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, UnknownName
+from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, UnknownName, UserError
 from rsegen.simulation.open_world import OpenedWorld
 from rsegen.simulation.simulators import server
 from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
@@ -126,5 +126,5 @@ def test_wrong_values_name_the_parameter(programs: Path, world: Path) -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is always a screen")
 def test_a_window_needs_a_screen(programs: Path, world: Path) -> None:
     put(programs, PROGRAMS["sim"])
-    with pytest.raises(ParameterError, match=r"^headless: no screen here"):
+    with pytest.raises(UserError, match=r"^no screen here .*; open the server alone with headless=True$"):
         rsegen.open(world)

@@ -30,7 +30,8 @@ class Platform(Shaped):
         Cell, Size2D(help="cells along x and y if first and last do not give them, at most those of the map")
     ] = (6, 6)
     level: Annotated[
-        int | None, Integer(0, 32766, unit="units", help="level of its cells, 0: the ground; default: the highest")
+        int | None,
+        Integer(0, 32766, unit="units", help="level of its cells, 0: the ground; default: the highest, levels - 1"),
     ] = None
 
     def __post_init__(self) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
 
-from rsegen.field.obstacles import KINDS, Obstacle
-from rsegen.field.obstacles.base import row_parameters
+from rsegen.field.obstacles import Obstacle
 from rsegen.page.model.session import Entry, draft_of
 from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.codec import row_text
 from rsegen.recipe.recipe import Recipe
 
 
@@ -18,7 +17,7 @@ def command_line(recipe: Recipe, folder: str) -> str:
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
     for obstacle in recipe.obstacles:
-        words += ["--obstacle", " ".join(_words(obstacle.entry()))]
+        words += ["--obstacle", row_text(obstacle)]
     return shlex.join(words)
 
 
@@ -52,12 +51,6 @@ def _call(obstacle: Obstacle) -> str:
     name = f"rsegen.{cls.__name__}" if _is_ours(cls) else cls.__name__
     values = {key: _tuple(value) for key, value in obstacle.entry().items() if key != "kind"}
     return f"{name}({', '.join(f'{key}={value!r}' for key, value in values.items())})"
-
-
-def _words(entry: Entry) -> Iterator[str]:
-    known = row_parameters(KINDS[entry["kind"]])
-    yield entry["kind"]
-    yield from (f"{name}={known[name].format(value)}" for name, value in entry.items() if name in known)
 
 
 def _tuple(value: Json) -> Json:
