@@ -97,6 +97,6 @@ def _described(dataset: Dataset) -> str:
     said = ", ".join(seeds) if len(seeds) > 1 else f"seed {dataset.recipe.seed}"
     maps, shards = len(dataset), len(dataset.shards)
     return (
-        f"{maps:,} map{'s'[: maps != 1]} of {n_x} x {n_y} blocks, {said}: "
-        f"{dataset.bytes:,} bytes in {shards} shard{'s'[: shards != 1]} in {dataset.folder}"
+        f"{maps:,} map{'' if maps == 1 else 's'} of {n_x} x {n_y} blocks, {said}: "
+        f"{dataset.bytes:,} bytes in {shards} shard{'' if shards == 1 else 's'} in {dataset.folder}"
     )
