@@ -82,13 +82,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only-print", action="store_true", help="keep nothing")
     options = parser.parse_args(arguments)
     seeds = range(1, options.seeds + 1)
-    found = list(cast_trials(seeds, _say))
+    before: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
+    found = [asdict(each) for each in cast_trials(seeds, _say)]
     here = SIMULATORS["classic"].installation()
     try:
-        found += gazebo_trials(seeds, here, _say) if here else []
+        seen = [asdict(each) for each in gazebo_trials(seeds, here, _say)] if here else []
     except RsegenError as error:
+        seen = []
         print(f"no rows of Gazebo: {error}", file=sys.stderr)
-    record = {"machine": machine(), "simulator": str(here or ""), "trials": [asdict(each) for each in found]}
+    simulator = str(here) if seen else before.get("simulator", "")
+    found += seen or [each for each in before.get("trials", ()) if each["camera"] == "gazebo"]
+    record = {"machine": machine(), "simulator": simulator, "trials": found}
     print("\n".join(table(record)))
     if not options.only_print:
         FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
