@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import wait as finished
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
@@ -20,6 +22,7 @@ from rsegen.exporters.formats.heightmap import Heightmap
 from rsegen.exporters.formats.occupancy import Occupancy
 from rsegen.recipe.codec import decode
 from rsegen.run import execute as execute_module
+from rsegen.run import stop
 from rsegen.run.execute import Execution, execute
 from rsegen.run.exports import ExportedMap
 from tests.support.complaints import exit_code, the_line
@@ -246,3 +249,20 @@ def test_workers_end_when_their_parent_is_killed(tmp_path: Path, many: list[str 
     ended(process)
     assert len(workers) >= 2
     assert not psutil.wait_procs(workers, timeout=PATIENCE)[1]
+
+
+def test_a_signal_while_a_result_is_waited_for_stops_the_run_after_the_look(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A KeyboardInterrupt inside of it could leave a lock held, for which the pool's thread would wait for ever."""
+    done, looks = Future[int](), []
+    done.set_result(3)
+
+    def wait(*given: Any, **named: Any) -> Any:
+        stop.ask()
+        looks.append(stop.STATE.held)
+        return finished(*given, **named)
+
+    monkeypatch.setattr(execute_module, "finished", wait)
+    monkeypatch.setattr(stop.STATE, "asked", False)
+    with pytest.raises(KeyboardInterrupt):
+        execute_module._result(done)
+    assert looks == [True]

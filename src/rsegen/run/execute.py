@@ -131,10 +131,15 @@ def _submitted(executor: Executor, work: Callable[[Sequence[Item]], Result], bat
 
 
 def _result(future: Future[Result]) -> Result:
-    """Return the result, waited for in small steps: otherwise Ctrl-C would have no effect on Windows."""
-    while not finished([future], timeout=_LOOK).done:
-        stop.check()
-    return future.result()
+    """Return the result, waited for in small steps, between which a signal stops the run.
+
+    A KeyboardInterrupt inside of `wait` may leave the lock of the future held, for which the pool's thread would wait
+    for ever; on Windows Ctrl-C would have no effect there.
+    """
+    while True:
+        with stop.held():
+            if finished([future], timeout=_LOOK).done:
+                return future.result()
 
 
 # Processes of this machine.
