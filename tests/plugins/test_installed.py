@@ -77,8 +77,9 @@ def test_a_recipe_without_plug_ins_records_none() -> None:
 
 
 def test_info_names_the_package(packages: Path, worlds: Path) -> None:
-    assert done("info", worlds, packages=packages).endswith("\nplug-in  ramp of rsegen-demo 1.2\n")
-    assert json.loads(done("info", worlds, "--json", packages=packages))["plugins"] == {"ramp": "rsegen-demo 1.2"}
+    one = worlds / "rse_0000"
+    assert done("info", one, packages=packages).endswith("\nplug-in  ramp of rsegen-demo 1.2\n")
+    assert json.loads(done("info", one, "--json", packages=packages))["plugins"] == {"ramp": "rsegen-demo 1.2"}
 
 
 def test_the_missing_package_is_named_with_the_command_that_installs_it(worlds: Path) -> None:
