@@ -44,7 +44,7 @@ def _asked(recipe: Recipe) -> dict[str, Any]:
 
 def _lowered(scene: Scene) -> dict[str, int]:
     """Return how many blocks are lower than they would be if nothing had to get across, and how many of these are 0."""
-    free = build(replace(scene.recipe, crossable_by=None), scene.index)
+    free = _built(replace(scene.recipe, crossable_by=None), scene.index)
     lower = scene.field.levels < free.levels
     return {"blocks": int(lower.sum()), "to_level_0": int((lower & (scene.field.levels == 0)).sum())}
 
@@ -97,7 +97,7 @@ def _nearness(scene: Scene, inventory: tuple[int, ...]) -> str:
     """
     from rsegen.recipe.constraints.inventory import nearest_counts
 
-    field, design = scene.field, _design(scene.recipe, scene.index)
+    field, design = scene.field, _built(replace(scene.recipe, inventory=None), scene.index)
     cells, counts = ~field.frame, nearest_counts(design, inventory)
     asked, taken = (np.repeat(np.arange(len(each)), each) for each in counts)
     most, used = np.count_nonzero(taken), np.count_nonzero(field.levels[cells])
@@ -147,7 +147,7 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     """
     from rsegen.recipe.constraints.inventory import blocks
 
-    design = _above_0(_design(scene.recipe, scene.index).level_counts())
+    design = _above_0(_built(replace(scene.recipe, inventory=None), scene.index).level_counts())
     used = _above_0(scene.field.level_counts())
     there = blocks(owned, max(len(owned), *design, *used, 0) + 1)
     report = {
@@ -160,9 +160,9 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
 
 
 @lru_cache(maxsize=1)
-def _design(recipe: Recipe, index: int) -> StepField:
-    """Return a map as it would be without an inventory; the lines and warnings of one map ask for it in turn."""
-    return build(replace(recipe, inventory=None), index)
+def _built(recipe: Recipe, index: int) -> StepField:
+    """Return a map without one of its constraints; the report, lines and warnings of one map ask for it in turn."""
+    return build(recipe, index)
 
 
 def _above_0(counts: dict[int, int]) -> dict[int, int]:

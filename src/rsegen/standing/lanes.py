@@ -202,13 +202,13 @@ def middles_of(field: StepField, axis: int) -> Array:
     return np.asarray((edges[1:] + edges[:-1]) / 2)
 
 
-def lines_along(field: StepField, axis: int) -> Ints:
-    """Return the numbers of the lines of cells along an axis on which a robot may drive, counted across it.
+def lines_along(field: StepField, axis: int) -> Mask:
+    """Return on which lines of cells along an axis a robot may drive, counted across it.
 
     It crosses frames, but does not drive along them, which would lead around every obstacle; as in traversability.
     """
     inside = field.inside(1 - axis)
-    return np.flatnonzero(inside) if inside.any() else np.arange(len(inside))
+    return inside if inside.any() else ~inside
 
 
 def across(field: StepField, axis: int) -> Array:

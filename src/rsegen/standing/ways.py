@@ -141,9 +141,6 @@ class Lattice:
         self.field, self.body, self.best, self.watch = field, body, best, watch
         self.ground = PaddedGround.of(field, reach_of(body))
         self.x, self.y = middles_of(field, 0), middles_of(field, 1)
-        self._is_driven_along = tuple(
-            np.isin(np.arange(field.shape[1 - axis]), lines_along(field, axis)) for axis in (0, 1)
-        )
         shape = (*field.shape, HEADINGS)
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
@@ -166,7 +163,7 @@ class Lattice:
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
         places, i, j, on_i, on_j = (each[inside] for each in (places, i, j, on_i, on_j))
         # No move leads along a frame, aslant within a double one neither.
-        rows, columns = self._is_driven_along
+        rows, columns = (lines_along(self.field, axis) for axis in (0, 1))
         free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
         places, on_i, on_j = places[free], on_i[free], on_j[free]
         i, j, k = np.unravel_index(places, self.moves.shape)
@@ -406,7 +403,7 @@ class Lattice:
 
     def _ends(self, axis: int) -> tuple[dict[_Place, float], dict[_Place, float]]:
         """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
-        numbers, middles = lines_along(self.field, axis), across(self.field, axis)
+        numbers, middles = np.flatnonzero(lines_along(self.field, axis)), across(self.field, axis)
         first, last = middles_of(self.field, axis)[0], self.field.shape[axis] - 1
         edge, yaw = entry(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first

@@ -139,7 +139,9 @@ def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
         tell(search, (axis + (k + 1) / len(groups) / 2) / 2)
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
-    lines = [line for line in lines_along(field, axis).tolist() if aside <= line < turned.shape[1] - aside]
+    lines = [
+        line for line in np.flatnonzero(lines_along(field, axis)).tolist() if aside <= line < turned.shape[1] - aside
+    ]
     lines = lines or [turned.shape[1] // 2]
     highest = int(field.levels.max(initial=0))
     for limit in range(highest - 1, -1, -1):
