@@ -74,8 +74,7 @@ def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
     for name, joint in frames.joints.items():
         if joint.get("type") not in _MOVING or name in wheels:
             continue
-        child = (joint.findtext("child") or "").strip()
-        if drive is None or child in tracks or not (is_endless(joint) or _has_spring(joint)):
+        if drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint)):
             joint.set("type", "fixed")
             for element in [*joint.findall("axis"), *joint.findall("physics")]:
                 joint.remove(element)

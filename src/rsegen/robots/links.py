@@ -13,6 +13,7 @@ from math import atan2, hypot, pi
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rsegen.exporters.colours import Colour
 from rsegen.exporters.gazebo.sdf import material, numbers
@@ -221,6 +222,18 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
     about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
     about_z = np.array([[c, -r, 0], [r, c, 0], [0, 0, 1]])
     return np.asarray(about_z @ about_y @ about_x)
+
+
+def framed(place: ArrayLike, turn: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Array:
+    """Return the pose (4, 4) of a frame that is at a place, (3,), metres, and turned by a rotation, (3, 3)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, place
+    return pose
+
+
+def posed(pose: SdfPose) -> Array:
+    """Return a pose as a matrix (4, 4)."""
+    return framed(pose[:3], rotation(*pose[3:]))
 
 
 _TURNED_UP = 1e-9

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -143,8 +142,7 @@ def named_wheels(text: str, frames: ModelFrames, shapes: Extents, ros: Controls)
 
 def named_tracks(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
     """Return the drive of tracks whose links the user names: LEFT,RIGHT; a side's flippers joined to it by +."""
-    links = {name: element for name, element in frames.elements.items() if element.tag == "link"}
-    left, right = _sides(text, "tracks", "link", links)
+    left, right = _sides(text, "tracks", "link", dict(frames.links()))
     drive = _tracked(Element("plugin"), left, right, frames, shapes, body=_first_link(frames))
     if drive is None or not drive.drive.separation:
         raise ParameterError("tracks", f"{text}: their shapes are unknown, or in one place")
@@ -203,7 +201,7 @@ def _by_shapes(frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
     """Return the joints that are endless, along y, and not on one that turns about another axis, as a caster is."""
-    above = {_child(name, frames): name for name in frames.joints}
+    above = {frames.child(name): name for name in frames.joints}
     swivels: dict[str, bool] = {}  # whether a link is turned about another axis than y
 
     def is_swivelling(link: str) -> bool:
@@ -211,7 +209,7 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
         while link in above and link not in swivels:
             swivels[link] = False  # until more is known; it ends a circle
             way.append(link)
-            link = _parent(above[link], frames)
+            link = frames.parent(above[link])
         turned = swivels.get(link, False)
         for part in reversed(way):
             joint = above[part]
@@ -225,7 +223,7 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
         for joint in joints
         if is_endless(frames.joints[joint])
         and abs(frames.axis(joint)[1]) >= _ALONG
-        and not is_swivelling(_parent(joint, frames))
+        and not is_swivelling(frames.parent(joint))
     ]
 
 
@@ -246,7 +244,7 @@ def _end(text: str | None, sign: int) -> float:
 
 def _wheel_radius(joint: str, frames: ModelFrames, shapes: Extents) -> float:
     """Return the radius of what a joint turns if it is round about it and on the ground; 0 if not."""
-    shape = shapes.of(_child(joint, frames))
+    shape = shapes.of(frames.child(joint))
     if shape is None:
         return 0.0
     length, _, height = shape.high - shape.low
@@ -258,7 +256,7 @@ def _wheel_radius(joint: str, frames: ModelFrames, shapes: Extents) -> float:
 
 def _paired(wheels: Sequence[str], frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive | None:
     """Return the drive of wheels on two sides, as many on either; those in the middle are casters."""
-    middles = {joint: _middle(_child(joint, frames), frames, shapes) for joint in wheels}
+    middles = {joint: _middle(frames.child(joint), frames, shapes) for joint in wheels}
     if not middles:
         return None
     ys = [middle[1] for middle in middles.values()]
@@ -277,20 +275,43 @@ def _of_joints(
     ros: Controls,
     sizes: _Sizes = _MEASURED,
 ) -> ReadDrive | None:
-    """Return the drive of wheels on joints along y; what is not given is measured; None if it cannot be."""
-    left, right = _by_side(first_side, second_side, frames, shapes)
-    separation = sizes.separation or _separation(left, right, frames, shapes)
+    """Return the drive of wheels on joints along y, with the limits of ROS or of the joints; None as `_sized`."""
+    drive = _sized(first_side, second_side, frames, shapes, sizes)
+    if drive is None:
+        return None
+    joints = (*drive.left, *drive.right)
+    rates = [rate for joint in joints if (rate := ros.rates.get(joint))]
+    speed = _limit(SPEED, min(rates, default=0) * drive.radius, frames)
+    by = "ros2_control"
+    if not speed:
+        speed, by = _limits(Element("plugin"), frames, drive, joints)[0], "its joints"
+    turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
+    return ReadDrive("", drive, "", "its wheels", (speed, None), by, turned)
+
+
+def _sized(
+    first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, shapes: Extents, sizes: _Sizes
+) -> Wheels | None:
+    """Return wheels of these sizes; a size that is not given is measured; None if it cannot be."""
+    # Left is known by the places of the joints: Classic calls left what is right.
+    first, second = (_middle(frames.child(side[0]), frames, shapes)[1] for side in (first_side, second_side))
+    left, right = (second_side, first_side) if first < second else (first_side, second_side)
+    separation = sizes.separation or float(abs(first - second))
     radius = sizes.radius or _radius(left, frames, shapes)
     if not separation or not radius:
         return None
-    drive = replace(_made(left, right, separation, radius, frames), slip=sizes.slip)
-    rates = [rate for joint in (*left, *right) if (rate := ros.rates.get(joint))]
-    speed = _limit(SPEED, min(rates, default=0) * radius, frames)
-    by = "ros2_control"
-    if not speed:
-        speed, by = _limits(Element("plugin"), frames, drive, (*left, *right))[0], "its joints"
-    turned = tuple(joint for joint in (*left, *right) if frames.axis(joint)[1] < 0)
-    return ReadDrive("", drive, "", "its wheels", (speed, None), by, turned)
+    # Classic's plug-in takes the distance between the joints for the separation.
+    apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
+    return Wheels(
+        left=tuple(left),
+        right=tuple(right),
+        separation=separation,
+        radius=radius,
+        speed=DEFAULT_SPEED,
+        turn=DEFAULT_TURN,
+        slip=sizes.slip,
+        spread=apart / separation if apart else 1,
+    )
 
 
 def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
@@ -299,42 +320,17 @@ def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive 
     missing = [joint for joint in (*left, *right) if joint not in frames.joints]
     if not left or len(left) != len(right) or missing:
         return None
-    left, right = map(list, _by_side(left, right, frames, shapes))
     separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    # Sizes that the plug-in does not give are measured on the wheels.
-    measured = _radius(left, frames, shapes)
+    drive = _sized(left, right, frames, shapes, _Sizes(separation, radius))
+    if drive is None:
+        return None
+    measured = _radius(drive.left, frames, shapes)
     origin = "its plug-in" if separation and radius else "its wheels"
     if radius and measured and abs(radius - measured) > _AGREES * measured:
         origin += f", although its wheels measure {measured:.4g} m"
-    drive = _made(
-        left,
-        right,
-        separation or _separation(left, right, frames, shapes),
-        radius or measured,
-        frames,
-    )
-    if not drive.separation or not drive.radius:
-        return None
-    limits = _limits(plugin, frames, drive, left + right)
-    return ReadDrive("", drive, "", origin, limits)
-
-
-def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: float, frames: ModelFrames) -> Wheels:
-    """Return wheels; Classic's plug-in takes the distance between the joints for the separation."""
-    between = frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]
-    apart = float(np.linalg.norm(between))
-    spread = apart / separation if apart and separation else 1
-    return Wheels(
-        left=tuple(left),
-        right=tuple(right),
-        separation=separation,
-        radius=radius,
-        speed=DEFAULT_SPEED,
-        turn=DEFAULT_TURN,
-        spread=spread,
-    )
+    return ReadDrive("", drive, "", origin, _limits(plugin, frames, drive, left + right))
 
 
 def _belts(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
@@ -366,7 +362,7 @@ def _length(link: str, shapes: Extents) -> float:
 
 
 def _first_link(frames: ModelFrames) -> str:
-    return next((name for name, element in frames.elements.items() if element.tag == "link"), "")
+    return next((name for name, _ in frames.links()), "")
 
 
 def _tracked(
@@ -396,22 +392,9 @@ def _tracked(
     return ReadDrive("", drive, "", "its plug-in", _limits(plugin, frames, drive, ()))
 
 
-def _by_side(
-    first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, shapes: Extents
-) -> tuple[Sequence[str], Sequence[str]]:
-    """Return the joints of the left and the right side, by their places: Classic calls left what is right."""
-    first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (first_side, second_side))
-    return (second_side, first_side) if first < second else (first_side, second_side)
-
-
-def _separation(left: Sequence[str], right: Sequence[str], frames: ModelFrames, shapes: Extents) -> float:
-    first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (left, right))
-    return float(abs(first - second))
-
-
 def _radius(joints: Sequence[str], frames: ModelFrames, shapes: Extents) -> float:
     """Half of the height of the first wheel; 0 if its shape is unknown."""
-    wheel = shapes.of(_child(joints[0], frames))
+    wheel = shapes.of(frames.child(joints[0]))
     return float(wheel.high[2] - wheel.low[2]) / 2 if wheel else 0.0
 
 
@@ -419,22 +402,6 @@ def _middle(link: str, frames: ModelFrames, shapes: Extents) -> np.ndarray[tuple
     """Return the middle of a link's shapes, else its origin."""
     shape = shapes.of(link)
     return np.asarray(frames.transform(link)[:3, 3] if shape is None else (shape.low + shape.high) / 2)
-
-
-def _child(joint: str, frames: ModelFrames) -> str:
-    """Return the link that a joint turns."""
-    return _link(joint, "child", frames)
-
-
-def _parent(joint: str, frames: ModelFrames) -> str:
-    """Return the link that a joint hangs on."""
-    return _link(joint, "parent", frames)
-
-
-def _link(joint: str, tag: str, frames: ModelFrames) -> str:
-    scope = joint.rpartition("::")[0]
-    name = _text(frames.joints[joint].find(tag))
-    return f"{scope}::{name}" if scope else name
 
 
 def _limits(
