@@ -175,7 +175,7 @@ def test_ctrl_c_while_the_hidden_folder_is_removed_leaves_nothing_that_stays(
 @pytest.fixture(params=["exchange", "two steps"])
 def disk(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     if request.param == "two steps":
-        monkeypatch.setattr(swap, "_renameat2", lambda: None)
+        monkeypatch.setattr(swap, "_of_libc", lambda _: None)
     return str(request.param)
 
 

@@ -35,10 +35,11 @@ from rsegen.run.store import (
     new_root,
     open_store,
     refuse_busy,
-    refuse_loss_below,
     refuse_taken,
+    refuse_unit,
     sorted_names,
     stage_all,
+    taken,
     write_file,
     write_folder,
 )
@@ -247,20 +248,15 @@ def _missing_formats(
     refuse_link(home / FORMATS_FILE)
     missing = []
     for format_ in formats:
-        place = home / format_.name
-        if not os.path.lexists(place):
-            missing.append(format_)
-            continue
-        refuse_link(place)
-        if not place.is_dir():
-            raise OutputError(f"{place}: was not written by rsegen, so it is not replaced; give another folder")
-        refuse_loss_below(home, format_.name, journal)
-        if on_existing is OnExisting.REFUSE:
-            raise OutputError(f"{place}: exists already; give force=True to replace it, or another folder")
-        same = listed.get(format_.name) == recorded_options([format_])[format_.name]
-        is_complete = journal is not None and compare(home, journal, format_.name).is_intact
-        if not (on_existing is OnExisting.KEEP and same and is_complete):
-            missing.append(format_)
+        if os.path.lexists(home / format_.name):
+            refuse_unit(home, format_.name, journal, force=True, is_folder=True)
+            if on_existing is OnExisting.REFUSE:
+                raise taken(home / format_.name)
+            same = listed.get(format_.name) == recorded_options([format_])[format_.name]
+            is_complete = journal is not None and compare(home, journal, format_.name).is_intact
+            if on_existing is OnExisting.KEEP and same and is_complete:
+                continue
+        missing.append(format_)
     if missing:
         is_intact(home, FORMATS_FILE, journal)  # which will list them
     return tuple(missing)

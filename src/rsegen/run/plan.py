@@ -73,14 +73,6 @@ class Staged(Generic[Made]):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Batch(Generic[Made]):
-    """The items that a worker has staged, and the error by which the next one failed."""
-
-    staged: Sequence[Staged[Made]]
-    error: Exception | None = None
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Staging(Generic[Item_contra, Made]):
     """Makes items and stages their files, in any process that sees the folder."""
 
@@ -88,8 +80,8 @@ class Staging(Generic[Item_contra, Made]):
     folder: Path
     sync: bool
 
-    def __call__(self, items: Sequence[Item_contra], /) -> Batch[Made]:
-        """Return the items that are complete on the disk, up to the first that fails."""
+    def __call__(self, items: Sequence[Item_contra], /) -> tuple[Sequence[Staged[Made]], Exception | None]:
+        """Return the items that are complete on the disk, and the error by which the next one failed."""
         staged: list[Staged[Made]] = []
         error = None
         for item in items:
@@ -100,7 +92,7 @@ class Staging(Generic[Item_contra, Made]):
                 break
         if self.sync:
             sync_trees([item.root for item in staged if item.root])
-        return Batch(staged=staged, error=error)
+        return staged, error
 
     def _staged(self, output: Output[Made]) -> Staged[Made]:
         if not output.files:
@@ -174,19 +166,18 @@ def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made],
     made: list[Made] = []
     try:
         with closing(batches):
-            for batch in batches:
-                before = len(made)
-                for staged in batch.staged:
+            for batch, failure in batches:
+                for staged in batch:
                     with held():
                         _put(store, staged, force=plan.replaces)
                         made.append(staged.output.made)
-                if batch.staged:
+                if batch:
                     store.sync_names()
-                for result in made[before:]:
-                    if progress:
-                        progress(result)
-                if batch.error:
-                    raise batch.error
+                if progress:
+                    for staged in batch:
+                        progress(staged.output.made)
+                if failure:
+                    raise failure
     except (KeyboardInterrupt, UserError, OSError) as error:
         raise _ended(error, store, _left(store, plan, len(made))) from error
     return tuple(made)
@@ -195,15 +186,15 @@ def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made],
 def _noted(noted: dry.Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Made]:
     """Note the files of each item in a dry run, and yield what is known of those that would be made."""
     for item in plan.existing:
-        noted.keep(folder / plan.product(item).folder)
+        noted.rest(folder / plan.product(item).folder, "keep")
     for item in plan.to_make:
         output = plan.product(item)
         home, names = folder / output.folder, [str(path) for path in output.files]
         if output.adds:
             noted.put(home, names)
             for top in output.whole:
-                noted.remove(home / top)
-            noted.keep(home)
+                noted.rest(home / top, "remove")
+            noted.rest(home, "keep")
         elif names:
             noted.put_whole(home, names)
         yield output.made

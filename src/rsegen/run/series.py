@@ -114,14 +114,13 @@ def plan_series(
 
 def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) -> list[int]:
     """Return the numbers of the maps that are complete; an OutputError if something else has the name of a map."""
-    complete = []
-    for number in range(plan.recipe.maps):
-        home = folder / plan.map_name(number)
-        if not os.path.lexists(home):
-            continue
-        if is_kept(home, to_json(map_target(plan, number, line).recipe).encode(), sidecars.complete_in):
-            complete.append(number)
-    return complete
+    homes = ((number, folder / plan.map_name(number)) for number in range(plan.recipe.maps))
+    return [
+        number
+        for number, home in homes
+        if os.path.lexists(home)
+        and is_kept(home, to_json(map_target(plan, number, line).recipe).encode(), sidecars.complete_in)
+    ]
 
 
 def _seconds_per_value(plan: SeriesPlan) -> float:

@@ -34,7 +34,6 @@ from rsegen.run.journal import (
     HIDDEN,
     Journal,
     OpenJournal,
-    compare,
     file_lines,
     first_line,
     is_empty,
@@ -42,6 +41,7 @@ from rsegen.run.journal import (
     read_journal,
     refuse_link,
     refuse_loss,
+    refuse_loss_below,
 )
 from rsegen.run.lease import Lease, refuse_leased, take, wait_until_free
 from rsegen.run.stop import held
@@ -180,7 +180,7 @@ class Store:
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
         for name in units:
             if os.path.lexists(folder / name):
-                _refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole)
+                refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole)
         before = journal.content.files if journal.content else {}
         gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
         self._check_lease()
@@ -314,7 +314,7 @@ class _DryStore(Store):
         """Note files of the folder."""
         for name in bundle if not self._is_whole else ():
             if os.path.lexists(self.folder / name):
-                _refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=False)
+                refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=False)
         (self._noted.put_whole if self._is_whole else self._noted.put)(self.folder, bundle)
 
     def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
@@ -346,29 +346,25 @@ def _put_back(aside: Path, place: Path) -> None:
             _put_back(path, place / path.name)
 
 
-def _refuse_unit(
+def refuse_unit(
     folder: Path, name: str, journal: Journal | None, *, force: Collection[str] | bool, is_folder: bool
 ) -> None:
     """Raise an OutputError if a file or folder that exists must not be replaced."""
-    place = folder / name
-    if force is False or (force is not True and name not in force):
-        raise taken(place)
-    refuse_link(place)
-    if is_folder and place.is_dir():
+    _refuse_kept(folder / name, force=force if isinstance(force, bool) else name in force, is_folder=is_folder)
+    if is_folder:
         refuse_loss_below(folder, name, journal)
-    elif is_folder or not place.is_file():
-        kind = "folder" if is_folder else "file"
-        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
     else:
         is_intact(folder, name, journal)
 
 
-def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
-    """Raise an OutputError unless everything in a folder of a folder is as its journal lists it."""
-    comparison = compare(folder, journal or Journal(holds="files"), name)
-    for path in (*comparison.foreign, *comparison.changed):
-        problem = "was not written by rsegen, or changed since, so it is not replaced"
-        raise OutputError(f"{folder / path}: {problem}; move it away, or give another folder")
+def _refuse_kept(place: Path, *, force: bool, is_folder: bool = False) -> None:
+    """Raise an OutputError if what exists at a path is a link, of another kind, or not to be replaced."""
+    refuse_link(place)
+    if not (place.is_dir() if is_folder else place.is_file()):
+        kind = "folder" if is_folder else "file"
+        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
+    if not force:
+        raise taken(place)
 
 
 def taken(place: Path) -> OutputError:
@@ -536,14 +532,9 @@ def refuse_taken(folders: Iterable[str | Path], *, force: bool, holds: str = "ma
 
 def refuse_taken_file(path: Path, *, force: bool) -> None:
     """Raise an OutputError if a path exists, unless it is a file that rsegen wrote and `force` is given."""
-    if not os.path.lexists(path):
-        return
-    refuse_link(path)
-    if not path.is_file():
-        raise OutputError(f"{path}: exists already and is not a file; give another name")
-    if not force:
-        raise taken(path)
-    is_intact(path.parent, path.name, read_journal(path.parent))
+    if os.path.lexists(path):
+        _refuse_kept(path, force=force)
+        is_intact(path.parent, path.name, read_journal(path.parent))
 
 
 def write_folder(

@@ -8,8 +8,8 @@ failure, except for harmless ones (docs/gazebo.md).
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,8 +57,11 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
     if not (headless or has_screen()):
         problem = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
         raise UserError(f"{problem}, so there can be no window; open the server alone with headless=True")
-    with _home(headless=headless) as home, world.on_disk() as file:
-        launch = _launch(here, OpenRequest(world=file, shared=shared, home=home), headless=headless)
+    # A headless server has a home of its own, so that it changes no settings; a window has the user's.
+    own_home = tempfile.TemporaryDirectory(prefix="rsegen-") if headless else nullcontext()
+    with own_home as home, world.on_disk() as file:
+        request = OpenRequest(world=file, shared=shared, home=Path(home) if home else None)
+        launch = _launch(here, request, headless=headless)
         opened = OpenedWorld(simulator=str(here), file=file, address=_address(launch, here))
         on_start(opened)
         return _run(here, launch, opened, seconds, on_error, headless=headless)
@@ -85,16 +88,6 @@ def _address(launch: LaunchCommand, here: Installation) -> tuple[tuple[str, str]
     """Return the variables of an address of its own; none at the default address."""
     names = (name for name in here.simulator.address_variables if name in launch.environment)
     return tuple((name, launch.environment[name]) for name in names)
-
-
-@contextmanager
-def _home(*, headless: bool) -> Iterator[Path | None]:
-    """A home folder for a headless server, so that it changes no settings; a window has the user's own."""
-    if not headless:
-        yield None
-        return
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as home:
-        yield Path(home)
 
 
 def _run(

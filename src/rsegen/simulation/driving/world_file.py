@@ -97,17 +97,12 @@ def _unthrottle(world: ET.Element) -> None:
         (ET.SubElement(physics, name) if element is None else element).text = "0"
 
 
-def camera(extent: tuple[float, float], frames: Path) -> str:
-    """Return the model of a camera that looks at a map from the south-west and saves a picture per second.
+def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, frames: Path | None = None) -> str:
+    """Return the model of a camera that looks at a map from the south-west; its server needs a screen.
 
-    Its server needs a screen, if only a virtual one.
+    rate: pictures per second, 0 for as many as possible; frames: a folder to save them in
     """
-    save = f'\n        <save enabled="true"><path>{frames}</path></save>'
-    return camera_model(extent, (1280, 720), rate=1, save=save)
-
-
-def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, save: str = "") -> str:
-    """Return the model of a camera that looks at a map; rate: pictures per second, 0 for as many as possible."""
+    save = f'\n        <save enabled="true"><path>{frames}</path></save>' if frames else ""
     # At 1.1 diagonals and a metre to the south-west, half the diagonal is within half the view: 1.1 tan(0.9 / 2) > 0.5.
     # From 0.8 / sqrt(2) of that distance up it looks down by 29 degrees: over walls, and yet along the ground.
     away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)

@@ -29,7 +29,7 @@ class Inbox:
 
     def __init__(self, title: str, patience: Patience) -> None:
         self.patience = patience
-        self._title = title
+        self.title = title
         self._types: dict[str, str] = {}
         self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
         self._failure = ""
@@ -77,10 +77,10 @@ class Inbox:
         with self._changed:
             while not (self._failure or until()):
                 if wait.is_over:
-                    raise SimulatorFailed(f"{self._title}: {why} within {patience}")
+                    raise SimulatorFailed(f"{self.title}: {why} within {patience}")
                 self._changed.wait(min(_LOOK, patience.seconds))
             if self._failure:
-                raise SimulatorFailed(f"{self._title}: {self._failure}")
+                raise SimulatorFailed(f"{self.title}: {self._failure}")
 
     def kept(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""

@@ -13,12 +13,13 @@ from __future__ import annotations
 import math
 import re
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from statistics import fmean
 from typing import Any, TypeAlias
 
 from rsegen.errors import NoMessage, shown
-from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.live_world import Contact, Pose
 
 Message: TypeAlias = Mapping[str, Any]
 """A message: numbers, texts, bytes and messages by the names of their fields; lists where a field may be repeated."""
@@ -192,17 +193,16 @@ CLASSIC = MessageTypes(
         "Mesh": {"filename": (1, str)},
         "Geometry": {"mesh": (8, "Mesh")},
         "Visual": {"geometry": (9, "Geometry")},
-        "Link": {"name": (2, str), "pose": (9, "Pose"), "visual": (10, "Visual[]")},
+        "Link": {"visual": (10, "Visual[]")},
         "Model": {"name": (1, str), "id": (2, int), "is_static": (3, bool), "pose": (4, "Pose"), "link": (6, "Link[]")},
         "Model_V": {"models": (2, "Model[]")},
-        "Factory": {"sdf": (1, str), "sdf_filename": (2, str), "pose": (3, "Pose"), "allow_renaming": (6, bool)},
+        "Factory": {"sdf": (1, str), "pose": (3, "Pose")},
         "Request": {"id": (1, int), "request": (2, str), "data": (3, str)},
         "Response": {"id": (1, int), "response": (3, str), "type": (4, str), "serialized_data": (5, bytes)},
         "LogControl": {"stop": (2, bool)},
-        "WorldControl": {"pause": (1, bool), "step": (2, bool), "multi_step": (3, int)},
+        "WorldControl": {"pause": (1, bool), "multi_step": (3, int)},
         "WorldStatistics": {
             "sim_time": (2, "Time"),
-            "pause_time": (3, "Time"),
             "real_time": (4, "Time"),
             "paused": (5, bool),
             "iterations": (6, int),
@@ -211,13 +211,7 @@ CLASSIC = MessageTypes(
         "Contacts": {"contact": (1, "Contact[]")},
         "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
         "Publish": {"topic": (1, str), "msg_type": (2, str), "host": (3, str), "port": (4, int)},
-        "Subscribe": {
-            "topic": (1, str),
-            "host": (2, str),
-            "port": (3, int),
-            "msg_type": (4, str),
-            "latching": (5, bool),
-        },
+        "Subscribe": {"topic": (1, str), "host": (2, str), "port": (3, int), "msg_type": (4, str)},
     }
 )
 """The message types of Gazebo Classic that rsegen sends and receives, with the numbers in Gazebo 11.1's library."""
@@ -242,7 +236,7 @@ SIM = MessageTypes(
         "Empty": {},
         "StringMsg_V": {"data": (2, "text[]")},
         "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
-        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
+        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose")},
         "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
         "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
         "Mesh": {"filename": (2, str)},
@@ -251,7 +245,7 @@ SIM = MessageTypes(
         "Link": {"visual": (11, "Visual[]")},
         "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, "Link[]")},
         "Scene": {"name": (2, str), "model": (9, "Model[]")},
-        "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
+        "WorldControl": {"pause": (2, bool), "multi_step": (4, int)},
         "WorldStatistics": {
             "sim_time": (2, "Time"),
             "real_time": (4, "Time"),
@@ -317,10 +311,12 @@ def pose_of(message: PoseMessage) -> Pose:
     )
 
 
-def is_nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
-    """Return whether a model is closer to its target pose than to its previous one."""
-    place, target, start = ((pose.x, pose.y, pose.z) for pose in (at, wanted, before))
-    return math.dist(place, target) <= math.dist(place, start)
+def contact_of(collisions: tuple[str, str], points: Sequence[Mapping[str, float]]) -> Contact | None:
+    """Return a contact at the mean of its points; None if it has none."""
+    if not points:
+        return None
+    x, y, z = (fmean(point[along] for point in points) for along in "xyz")
+    return Contact(collisions=collisions, position=(x, y, z))
 
 
 def mesh_file(model: Mapping[str, Any]) -> str:
