@@ -38,7 +38,7 @@ from rsegen.robots.sdf_drives import (
     named_wheels,
     plugin_key,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_inertias, inertials
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, impossible_inertias, inertials
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -220,19 +220,20 @@ def parsed(
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
-    source = converted(root, where, _names(tracks)) if root.tag == "robot" else Converted(root)
+    separate = re.split(r"[,+]", tracks or "")
+    source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
     root, model = source.sdf, _model(source.sdf, where)
     resolve_uris(model, Path(where))
     version = _version(root)
     _modernize(model, version)
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
-    shapes = extents(frames)
+    shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
     if wheels:
-        drive: ReadDrive | None = named_wheels(wheels, frames, shapes, ros)
+        drive: ReadDrive | None = named_wheels(wheels, frames, ros)
     else:
-        drive = named_tracks(tracks, frames, shapes) if tracks else find_drive(model, frames, shapes, ros)
+        drive = named_tracks(tracks, frames) if tracks else find_drive(model, frames, ros)
     if drive:
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
@@ -253,11 +254,6 @@ def parsed(
         assumed=tuple(name for name, value in values.items() if value is None),
         remarks=(*remarks, *_remarks(source, impossible_inertias(frames))),
     )
-
-
-def _names(tracks: str | None) -> set[str]:
-    """Return the links in LEFT,RIGHT, or none."""
-    return set(re.split(r"[,+]", tracks)) if tracks else set()
 
 
 def _remarks(source: Converted, impossible: Sequence[str]) -> Iterator[str]:

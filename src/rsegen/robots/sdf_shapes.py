@@ -53,6 +53,11 @@ class ModelFrames:
         self.elements = {name: element for name, element in elements if element.tag != "joint"}
         self.joints = {name: element for name, element in elements if element.tag == "joint"}
 
+    @cached_property
+    def shapes(self) -> Extents:
+        """The extents of the collision shapes of every link."""
+        return extents(self)
+
     def transform(self, name: str, depth: int = 0) -> Array:
         """Return the pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
         if depth > _DEEPEST:

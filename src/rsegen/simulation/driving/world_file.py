@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from math import atan2, hypot, pi, sqrt
 from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring
@@ -34,19 +34,13 @@ def add_systems(world: Element, backend: str) -> None:
     """Add to a <world> the systems that its models need and that it does not name; none in Gazebo Classic."""
     if backend == "classic":
         return
-    named = set(_named(world, backend))
+    # Gazebo Sim still reads Fortress's names, and Fortress no later ones.
+    names = (_NAME.fullmatch(plugin.get("name", "")) for plugin in world.findall("plugin"))
+    named = {name[2] for name in names if name and (backend == "sim" or name[1] == "ignition::gazebo")}
     sensors = {_OF_SENSORS.get(sensor.get("type", ""), "") for sensor in world.iter("sensor")} - {""}
     for kind in (*ALWAYS, *sorted(sensors)):
         if kind not in named:
             world.append(fromstring(system(kind, backend)))  # noqa: S314  # ours
-
-
-def _named(world: Element, backend: str) -> Iterator[str]:
-    """Yield the systems that a world names; Gazebo Sim still reads Fortress's names, and Fortress no later ones."""
-    for plugin in world.findall("plugin"):
-        name = _NAME.fullmatch(plugin.get("name", ""))
-        if name and (backend == "sim" or name[1] == "ignition::gazebo"):
-            yield name[2]
 
 
 _MOST_MIB = 512

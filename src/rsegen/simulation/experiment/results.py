@@ -14,7 +14,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from rsegen.errors import FileError, ParameterError, refuse_unknown, shown
+from rsegen.errors import FileError, ParameterError, inside, refuse_unknown, shown
 from rsegen.io.input_files import JOURNAL
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter
 from rsegen.run.journal import Journal
@@ -82,15 +82,13 @@ def _checked(
     """Return the values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
     if not isinstance(content, Mapping):
         raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
-    try:
+    with inside(where):
         refuse_unknown("key", content, sorts)
         given = {name: content.get(name) for name in sorts}
         return {
             name: None if given[name] is None and name in optional else sort.check(name, given[name])
             for name, sort in sorts.items()
         }
-    except ParameterError as error:
-        raise (error.inside(where) if where else error) from None
 
 
 FOLDER = "tracks"

@@ -12,6 +12,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import astuple, dataclass, field
+from functools import partial
+from math import ceil
 from pathlib import Path
 from typing import Literal
 
@@ -19,11 +21,11 @@ from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed
 from rsegen.exporters.scene import Scene
 from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Route
-from rsegen.simulation.experiment.machine import busy, gpu_load, usage
+from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import ExperimentPlan
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
-from rsegen.simulation.simulators.process import running
+from rsegen.simulation.simulators.process import running, usage
 from rsegen.simulation.simulators.server import Server, has_screen, running_server
 
 SOURCES = ("camera", "window")
@@ -76,13 +78,13 @@ def window_of(server: Server) -> Iterator[None]:
         yield
 
 
-def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[], float]) -> None:
-    """Wait until a frame has been drawn; `wait` waits a little and gives the seconds of it. NoSimulator if none is."""
-    waited = 0.0
-    while not frames():
-        if waited > _FIRST_FRAME:
-            raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
-        waited += wait()
+def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[float], object]) -> None:
+    """Wait until a frame has been drawn; `wait` waits for some seconds. NoSimulator if none is."""
+    for _ in range(ceil(_FIRST_FRAME / REST)):
+        if frames():
+            return
+        wait(REST)
+    raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -198,11 +200,6 @@ class TrialServer:
         self.live.pause()
         return samples
 
-    def run_a_second(self) -> float:
-        """Let robots drive for a second, and return its seconds."""
-        self.run_robots("real", REST)
-        return REST
-
     def _rest(self, record: Record | None) -> None:
         """Wait until the next command, and add the poses of robots to a record as they come."""
         end = time.monotonic() + self.setup.rest
@@ -238,15 +235,9 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
         )
         if setup.frames == "window":
             stack.enter_context(window_of(server))
-            wait_for_frames(frames, setup.frames, _paused)
+            wait_for_frames(frames, setup.frames, time.sleep)  # a window draws a paused world too
         live.last_poses()
         trial.run_robots("simulated", SETTLED)
         if setup.frames == "camera":
-            wait_for_frames(frames, setup.frames, trial.run_a_second)
+            wait_for_frames(frames, setup.frames, partial(trial.run_robots, "real"))
         yield trial
-
-
-def _paused() -> float:
-    """Wait a little while the world is paused: a window draws it too."""
-    time.sleep(REST)
-    return REST
