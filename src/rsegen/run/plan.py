@@ -11,7 +11,6 @@ a run, the error says what is complete.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
@@ -21,6 +20,7 @@ from typing import Generic, Protocol, TypeVar
 
 from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
 from rsegen.io.input_files import Checksum
+from rsegen.io.targets import index_of
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run import dry
@@ -239,10 +239,9 @@ def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], boo
     OutputError for the first folder that has a map's name and holds something else, or a file that was changed.
     """
     names = os.listdir(folder) if folder.is_dir() else ()
-    indices = (map_index_of(recipe, name) for name in names)
-    homes = (
-        (index, folder / recipe.map_name(index)) for index in sorted(index for index in indices if index is not None)
-    )
+    indices = ((index_of(recipe, name), name) for name in names)
+    exact = sorted(index for index, name in indices if index is not None and recipe.map_name(index) == name)
+    homes = ((index, folder / recipe.map_name(index)) for index in exact)
     return [index for index, home in homes if is_kept(home, map_json(recipe, index), is_complete)]
 
 
@@ -270,10 +269,3 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
         return True
     refuse_loss(home, "map")
     return False
-
-
-def map_index_of(recipe: Recipe, name: str) -> int | None:
-    """Return the index of the recipe's map of this name, None if it has no such map."""
-    match = re.fullmatch(r"([0-9]{4,19})", name.removeprefix(f"{recipe.name}_"))  # 0000, and up to 64 bits
-    index = int(match[0]) if match else -1
-    return index if index in recipe.indices and recipe.map_name(index) == name else None

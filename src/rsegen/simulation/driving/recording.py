@@ -13,6 +13,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
+from itertools import permutations
 from math import ceil, isfinite
 from pathlib import Path
 from typing import NamedTuple
@@ -50,7 +51,7 @@ def robot_contacts(samples: ContactSamples, robots: Iterable[str]) -> Iterator[R
     names = set(robots)
     for second, contacts in samples:
         for contact in contacts:
-            for (robot, _, part), (other, _, _) in _both_ways(contact.collisions):
+            for (robot, _, part), (other, _, _) in permutations(name.partition("::") for name in contact.collisions):
                 if robot in names and other != robot:
                     yield RobotContact(round(second, 3), robot, part, other, *contact.position)
 
@@ -67,12 +68,6 @@ def contacts_csv(samples: ContactSamples, robots: Iterable[str]) -> Iterator[str
     yield ",".join(RobotContact._fields) + "\n"
     for t, robot, part, other, *point in robot_contacts(samples, robots):
         yield ",".join([f"{t:g}", robot, part, other, *(f"{round(along, 4) + 0:.4f}" for along in point)]) + "\n"
-
-
-def _both_ways(names: tuple[str, str]) -> Iterator[tuple[tuple[str, str, str], tuple[str, str, str]]]:
-    first, second = names[0].partition("::"), names[1].partition("::")
-    yield first, second
-    yield second, first
 
 
 PERIOD = 0.05

@@ -19,7 +19,7 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Set
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from functools import partial
 from typing import Any
 
@@ -76,16 +76,14 @@ class TransportClient(Inbox):
         return self._world
 
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
-        """Subscribe to a topic; `on_message` takes its messages, else they are kept."""
+        """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
         full = self.full_name(topic)
+        if full in self._types:
+            return
         self._types[full] = type_name
         if on_message:
             self._takers[full] = on_message
         self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
-
-    def is_subscribed(self, topic: str) -> bool:
-        """Return whether a topic was ever subscribed."""
-        return self.full_name(topic) in self._types
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
@@ -247,19 +245,13 @@ class TransportClient(Inbox):
         thread.start()
 
 
-@contextmanager
-def transport_client(address: tuple[str, int], patience: Patience) -> Iterator[TransportClient]:
+def transport_client(address: tuple[str, int], patience: Patience) -> AbstractContextManager[TransportClient]:
     """A client of the master at a host and port; it disconnects when this ends. NothingRuns if there is no master."""
     try:
-        opened = TransportClient(address, patience)
+        return closing(TransportClient(address, patience))
     except OSError as error:
-        raise NothingRuns(
-            f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
-        ) from None
-    try:
-        yield opened
-    finally:
-        opened.close()
+        host, port = address
+        raise NothingRuns(f"Gazebo Classic: nobody answers at {host}:{port} ({error.strerror or error})") from None
 
 
 def _full_type(name: str) -> str:

@@ -116,8 +116,7 @@ class ClassicWorld(LiveWorld):
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
         """Return the last message of a topic that a server publishes at most sixty times a second."""
-        if not self.client.is_subscribed(_POSES):
-            self.client.subscribe(_POSES, "PosesStamped")
+        self.client.subscribe(_POSES, "PosesStamped")
         message = self.client.last(_POSES) or {}
         poses = (CLASSIC.decode("Pose", raw) for raw in message.get("pose", []) if _LINK not in raw)
         return _seconds(message.get("time", _START)), {pose["name"]: pose_of(pose) for pose in poses}

@@ -24,7 +24,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 from typing import Any, ClassVar
 from xml.etree import ElementTree
 
@@ -338,7 +338,7 @@ def _answered_client(
         with ExitStack() as attempt:  # closes the client, unless it is kept by `stack`
             client = attempt.enter_context(transport_client(environment, patience))
             try:
-                client.offers(WORLDS, patience.for_a_sign)
+                client.offers(WORLDS, replace(patience, seconds=patience.sign))
             except SimulatorFailed:
                 raise NothingRuns(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
             with suppress(SimulatorFailed):

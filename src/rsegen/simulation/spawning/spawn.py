@@ -32,7 +32,6 @@ from rsegen.simulation.spawning.spawning import (
     Area,
     MapModel,
     SpawnedMap,
-    at_free_place,
     free_area,
     known_maps,
     map_of,
@@ -132,7 +131,8 @@ def _spawned(
     """Spawn a map at a place, or at a free one, and return it with the names of the models put on top of it."""
     what.check_spawnable()
     new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
-    new = new if place else at_free_place(new, poses, maps)
+    if not place:
+        new = replace(new, at=_pose(free_area(*new.area[2:], occupied(poses, maps))[:2]))
     return new, spawn_map(live, what.sdf(name), new)
 
 
