@@ -10,7 +10,7 @@ import pytest
 from rsegen.errors import NoSimulator, UserError
 from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
-from rsegen.simulation.experiment.trial_server import refuse_without_frames, wait_for_frames
+from rsegen.simulation.experiment.trial import refuse_without_frames, wait_for_frames
 from rsegen.simulation.simulators import SIMULATORS, Installation
 
 

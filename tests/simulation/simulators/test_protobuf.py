@@ -19,7 +19,7 @@ from tests.fuzz.damage import damaged_bytes
 from tests.simulation.simulators.test_messages import EVERY, message_of
 
 Field = descriptor_pb2.FieldDescriptorProto
-PLAIN = {
+PLAIN: dict[Any, Any] = {
     int: Field.TYPE_INT64,
     float: Field.TYPE_DOUBLE,
     bool: Field.TYPE_BOOL,

@@ -19,8 +19,7 @@ from rsegen.run.journal import is_intact, read_errors, read_journal
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
-from rsegen.simulation.experiment.plot import plot
-from rsegen.simulation.experiment.report import report_page, trials_csv
+from rsegen.simulation.experiment.report import plot, report_page, trials_csv
 from rsegen.simulation.experiment.results import (
     Results,
     entry,
@@ -31,8 +30,7 @@ from rsegen.simulation.experiment.results import (
     track_files,
     track_names,
 )
-from rsegen.simulation.experiment.trial import Outcome, refuse_undrivable, run_trial
-from rsegen.simulation.experiment.trial_server import refuse_without_frames
+from rsegen.simulation.experiment.trial import Outcome, refuse_undrivable, refuse_without_frames, run_trial
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.server import choose_installation
 
