@@ -146,7 +146,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "robots/sdf_shapes",
         "robots/sdf_drives",
         "robots/controllers",
-        "robots/drivable_model",
+        "robots/sdf_file",
         "robots/urdf",
         "robots/xacro_files",
         "simulation/driving/routes",

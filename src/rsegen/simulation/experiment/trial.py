@@ -47,7 +47,7 @@ from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.process import running, usage
-from rsegen.simulation.simulators.server import Server, attempted, has_screen, running_server
+from rsegen.simulation.simulators.server import attempted, has_screen, running_server
 from rsegen.simulation.worlds import write_world
 
 # A server, in which robots drive randomly.
@@ -91,16 +91,6 @@ def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installa
                 raise ParameterError("paces", f"the window of {here} is not installed; leave window out")
         if not has_screen():
             raise ParameterError("paces", f"{source} needs a screen, and there is none; run under xvfb-run -a")
-
-
-@contextmanager
-def window_of(server: Server) -> Iterator[None]:
-    """The simulator's own window on the world of a server, as long as this lasts."""
-    launch = server.here.simulator.window(server.here, server.launch)
-    if launch is None:
-        raise NoSimulator(f"{server.here}: its window is not installed")
-    with (server.home / "window.log").open("w", encoding="utf-8") as log, running(launch, log):
-        yield
 
 
 def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[float], object]) -> None:
@@ -182,11 +172,6 @@ class TrialServer:
     watch: Callable[[], None]
     record: Record = field(default_factory=list)
 
-    @property
-    def memory(self) -> float:
-        """Memory of the server in MB."""
-        return usage(self.pid).memory
-
     def measure(self, seconds: float) -> Measurement:
         """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
         start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
@@ -249,8 +234,7 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
     began = time.monotonic()
     with ExitStack() as stack:
         screen = setup.frames == "camera"
-        running = running_server(here, setup.file, screen=screen, watch=watch)
-        server = stack.enter_context(running)
+        server = stack.enter_context(running_server(here, setup.file, screen=screen, watch=watch))
         live = stack.enter_context(server.connect())
         live.stop_recording()
         load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
@@ -259,7 +243,11 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
             live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames, watch=watch
         )
         if setup.frames == "window":
-            stack.enter_context(window_of(server))
+            window = here.simulator.window(here, server.launch)
+            if window is None:
+                raise NoSimulator(f"{here}: its window is not installed")
+            log = stack.enter_context((server.home / "window.log").open("w", encoding="utf-8"))
+            stack.enter_context(running(window, log))
             wait_for_frames(frames, setup.frames, time.sleep)  # a window draws a paused world too
         live.last_poses()
         trial.run_robots("simulated", SETTLED)
@@ -478,7 +466,7 @@ def _trial(
         figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
         outcome = Outcome(
             load=round(first.load, 3),
-            memory=round(first.memory, 1),
+            memory=round(usage(first.pid).memory, 1),
             speed=round(ours.speed, 3),
             share=round(ours.speed / others[0].speed, 4) if others else None,
             simulated=round(ours.simulated, 3),

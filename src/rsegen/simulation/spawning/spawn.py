@@ -273,9 +273,9 @@ def replace_map(  # as `rsegen.respawn`
             if which is None and new.name == current:
                 what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
             raise ParameterError("" if which is None else "map", what)
-        recipe = known.get(current)
-        field = compose(recipe, recipe.first_map).field if recipe else _field(recipes[0], current)
-        old = SpawnedMap(name=current, field=field, at=poses[current])
+        # The blocks of a map whose folder is unknown are those that the recipe gives for its index.
+        recipe = known.get(current) or recipes[0].alone(_index(recipes[0], current) or recipes[0].first_map)
+        old = SpawnedMap(name=current, field=compose(recipe, recipe.first_map).field, at=poses[current])
         moved = spawn_map(live, new.sdf(new.name), SpawnedMap(name=new.name, field=new.field, at=old.at), old)
     return RespawnResult(name=new.name, instead_of=current, simulator=running.name, at=old.at, put_on_top=moved)
 
@@ -328,11 +328,6 @@ def _index(recipe: Recipe, name: str) -> int | None:
     """Return the index of the map of this name."""
     digits = name.removeprefix(f"{recipe.name}_")
     return int(digits) if digits.isdecimal() and recipe.map_name(int(digits)) == name else None
-
-
-def _field(recipe: Recipe, name: str) -> StepField:
-    """Return the blocks of a map whose folder is unknown: those that the recipe gives for its index."""
-    return compose(recipe, _index(recipe, name) or recipe.first_map).field
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
