@@ -17,7 +17,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 import numpy as np
@@ -143,14 +143,7 @@ class SdfRobot(Standing):
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
         changes = self._make_drivable(self._model(), self.kind, simulator)
-        if changes.held:
-            yield f"{self.kind}: held as its model has them, as nothing drives them: {_some(changes.held)}"
-        if changes.plugins:
-            yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(changes.plugins)}"
-        if changes.visuals:
-            yield f"{self.kind}: left out for the drive, as their meshes are not found: {', '.join(changes.visuals)}"
-        if changes.sensors:
-            yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(changes.sensors)}"
+        yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
@@ -172,7 +165,7 @@ class SdfRobot(Standing):
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
 
-    def _make_drivable(self, model: Element, name: str, simulator: str) -> Changes:
+    def _make_drivable(self, model: Element, name: str, simulator: str) -> dict[str, str]:
         if simulator == "classic" and model.find("allow_auto_disable") is None:
             SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
         drive = self.drive if self.read_drive else None
@@ -375,20 +368,10 @@ _MOVING = ("revolute", "continuous", "prismatic")
 """Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
 
 
-class Changes(NamedTuple):
-    """Elements that were taken out of a model, and joints that are held.
-
-    plugins: their files; sensors, visuals: their names, of visuals those whose mesh is not found
-    """
-
-    plugins: tuple[str, ...]
-    sensors: tuple[str, ...]
-    visuals: tuple[str, ...]
-    held: tuple[str, ...]
-
-
-def make_drivable(model: Element, drive: Drive | None, read: ReadDrive | None, name: str, backend: str) -> Changes:
-    """Give a model a drive of the simulator's own in place of all that it has; what else was changed in it.
+def make_drivable(
+    model: Element, drive: Drive | None, read: ReadDrive | None, name: str, backend: str
+) -> dict[str, str]:
+    """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
 
     read: the drive as it was read; if its plug-in is the simulator's, the plug-in is kept, with its limits of
     acceleration. ROS's plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the
@@ -411,7 +394,12 @@ def make_drivable(model: Element, drive: Drive | None, read: ReadDrive | None, n
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     model.extend(kept)
     _respell(model, backend)
-    return Changes(plugins, sensors, visuals, held)
+    return {
+        "held as its model has them, as nothing drives them": _some(held),
+        "left out for the drive, as they are not here": ", ".join(plugins),
+        "left out for the drive, as their meshes are not found": ", ".join(visuals),
+        "left out for the drive, as sensors move nothing": ", ".join(sensors),
+    }
 
 
 def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:

@@ -211,28 +211,16 @@ class OutputFiles:
     def lines(self, goes_on: Callable[[], bool]) -> Iterator[str]:
         """Yield the lines of both files as they are written, as long as their program goes on."""
         with ExitStack() as stack:
-            readers = [_Reader(stack.enter_context(path.open(errors="replace"))) for path in self.paths]
-            more = True
+            files = [stack.enter_context(path.open(errors="replace")) for path in self.paths]
+            rests, more = dict.fromkeys(files, ""), True  # the line of each file that has no end yet
             while more:
                 stop.check()  # Python drops a Ctrl-C that comes in a destructor or a callback
                 more = goes_on()
-                for reader in readers:
-                    yield from reader.whole_lines()
+                for file in files:
+                    *whole, rests[file] = (rests[file] + file.read()).split("\n")
+                    yield from whole
                 time.sleep(PAUSE if more else 0)
-            yield from (reader.rest for reader in readers)
-
-
-class _Reader:
-    """Reads a file that is being written; `rest` is the line that has no end yet."""
-
-    def __init__(self, file: IO[str]) -> None:
-        self._file = file
-        self.rest = ""
-
-    def whole_lines(self) -> list[str]:
-        """Return the lines that have been written since the last call."""
-        *whole, self.rest = (self.rest + self._file.read()).split("\n")
-        return whole
+            yield from rests.values()
 
 
 _NUMBER = re.compile(r"(?<!\w)[-+]?\d[\d.:]*(?:e[-+]?\d+)?(?!\w)")
