@@ -14,6 +14,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import fsum, prod
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -147,7 +148,8 @@ def plan_exports(
     planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
     return RunPlan(
         folder=folder,
-        product=_Exports(folder=folder, seconds=_mean_seconds(recipes, sidecars)),
+        product=partial(_export, folder),
+        seconds=_mean_seconds(recipes, sidecars),
         to_make=[export for export in planned if export.formats],
         existing=[export for export in planned if not export.formats],
         replaces=on_existing is OnExisting.REPLACE,
@@ -187,27 +189,21 @@ def planned_export(
     return MapExport(recipe=recipe, index=index, formats=missing, adds=True)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Exports:
-    """Exports maps."""
-
-    folder: Path
-    seconds: float
-
-    def __call__(self, item: MapExport, /) -> Output[ExportedMap]:
-        name = item.recipe.map_name(item.index)
-        home, bundle = self.folder / name, exported(compose(item.recipe, item.index), item.formats)
-        if item.adds:
-            bundle = _added(bundle, home, item.formats)
-        names = frozenset(format_.name for format_ in item.formats)
-        return Output(
-            made=ExportedMap(folder=home, names=sorted_names(bundle)),
-            files=bundle,
-            folder=name,
-            adds=item.adds,
-            force=names | {FORMATS_FILE},  # the plan has refused those that must stay
-            whole=names,
-        )
+def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
+    """Return the files of a map in other formats."""
+    name = item.recipe.map_name(item.index)
+    home, bundle = folder / name, exported(compose(item.recipe, item.index), item.formats)
+    if item.adds:
+        bundle = _added(bundle, home, item.formats)
+    names = frozenset(format_.name for format_ in item.formats)
+    return Output(
+        made=ExportedMap(folder=home, names=sorted_names(bundle)),
+        files=bundle,
+        folder=name,
+        adds=item.adds,
+        force=names | {FORMATS_FILE},  # the plan has refused those that must stay
+        whole=names,
+    )
 
 
 def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:

@@ -134,6 +134,7 @@ class DriveResult:
                 "kind": robot.kind,
                 "start": asdict(robot.start),
                 **asdict(robot.metrics),
+                "incidents": [asdict(incident) for incident in robot.metrics.incidents],
             }
             for robot in self.robots
         ]
