@@ -190,7 +190,7 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
 
     Casters that do not swivel look the same, unless they are smaller.
     """
-    if not frames.shapes.known:
+    if not frames.shapes.whole:
         return None
     radii = {joint: _wheel_radius(joint, frames) for joint in _rolling(frames.joints, frames)}
     largest = max(radii.values(), default=0.0)
@@ -244,13 +244,13 @@ def _end(text: str | None, sign: int) -> float:
 
 def _wheel_radius(joint: str, frames: ModelFrames) -> float:
     """Return the radius of what a joint turns if it is round about it and on the ground; 0 if not."""
-    shape = frames.shapes.of(frames.child(joint))
-    if shape is None:
+    shape, whole = frames.shapes.of(frames.child(joint)), frames.shapes.whole
+    if shape is None or whole is None:
         return 0.0
     length, _, height = shape.high - shape.low
     off = np.linalg.norm(((shape.low + shape.high) / 2 - frames.joint(joint)[:3, 3])[[0, 2]])
     is_round = abs(length - height) <= _ROUND * height and off <= _CENTRED * height / 2
-    is_on_ground = shape.low[2] - frames.shapes.low[2] <= _GROUNDED * height / 2
+    is_on_ground = shape.low[2] - whole.low[2] <= _GROUNDED * height / 2
     return float(height / 2) if is_round and is_on_ground else 0.0
 
 

@@ -247,7 +247,7 @@ def parsed(
         size=size or (0.5, 0.5, 0.5),
         speed=speed or DEFAULT_SPEED,
         turn=turn or DEFAULT_TURN,
-        lift=-float(shapes.low[2]) if shapes.known else 0.0,
+        lift=-float(shapes.whole.low[2]) if shapes.whole else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
         remarks=(*remarks, *_remarks(source, impossible_inertias(frames))),
@@ -299,9 +299,9 @@ def _modernize(model: Element, version: str) -> None:
 
 def _size(shapes: Extents, where: str) -> Vector | None:
     """Return the size of a box around the origin that holds all collision shapes; None if one is unknown."""
-    if not shapes.known:
+    if not shapes.whole:
         return None
-    low, high = shapes.low, shapes.high
+    low, high = shapes.whole
     sides = (*(2 * np.maximum(np.abs(low), np.abs(high))[:2]), high[2] - low[2])
     x, y, z = (float(np.maximum(side, SIDE.low)) for side in sides)
     for side in (x, y, z):

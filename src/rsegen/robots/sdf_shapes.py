@@ -10,7 +10,6 @@ Cost: the shapes times the depth of their frames; reading meshes costs most.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import radians
 from pathlib import Path
@@ -253,22 +252,15 @@ class Extent(NamedTuple):
     high: Array
 
 
-@dataclass(frozen=True)
-class Extents:
-    """By link the box of its collision shapes whose size is known, and the names of the links that have others too."""
+class Extents(NamedTuple):
+    """By link the box of its collision shapes whose size is known, and the names of the links that have others too.
+
+    whole: the box of all that are known, None if there is none
+    """
 
     known: Mapping[str, Extent]
     unknown: Collection[str]
-
-    @cached_property
-    def low(self) -> Array:
-        """The lowest x, y and z of all, metres."""
-        return np.asarray(np.min([extent.low for extent in self.known.values()], axis=0))
-
-    @cached_property
-    def high(self) -> Array:
-        """The highest x, y and z of all, metres."""
-        return np.asarray(np.max([extent.high for extent in self.known.values()], axis=0))
+    whole: Extent | None
 
     def of(self, link: str) -> Extent | None:
         """Return the box of all shapes of one link; None if one is unknown, or there is none."""
@@ -299,7 +291,8 @@ def extents(frames: ModelFrames) -> Extents:
         low, high = middle - reach, middle + reach
         box = known.get(link, Extent(low, high))
         known[link] = Extent(np.minimum(box.low, low), np.maximum(box.high, high))
-    return Extents(known, unknown)
+    lows, highs = [box.low for box in known.values()], [box.high for box in known.values()]
+    return Extents(known, unknown, Extent(np.min(lows, axis=0), np.max(highs, axis=0)) if known else None)
 
 
 def swept_box(geometry: Element, where: str) -> SweptBox | None:
