@@ -553,22 +553,10 @@ def write_file(content: Iterable[bytes], path: Path, *, force: bool = False, con
     force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person has just been
     asked about this very file.
     """
-    write_files({path.name: content}, path.parent, force=force, confirmed=confirmed, output=path)
-
-
-def write_files(
-    contents: Mapping[str, Iterable[bytes]],
-    folder: Path,
-    *,
-    force: bool = False,
-    confirmed: bool = False,
-    output: Path | None = None,
-) -> None:
-    """Write files of a folder, all or none of them, as `write_file` does."""
-    with open_store(folder, wait=PATIENCE, output=output) as store:
+    with open_store(path.parent, wait=PATIENCE, output=path) as store:
         if confirmed:
-            store.adopt(contents)
-        store.put(contents, force=force or confirmed)
+            store.adopt([path.name])
+        store.put({path.name: content}, force=force or confirmed)
 
 
 def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
@@ -576,9 +564,9 @@ def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
     for path in contents:
         refuse_taken_file(path, force=force)
     for folder in dict.fromkeys(path.parent for path in contents):
-        files = {path: [content] for path, content in contents.items() if path.parent == folder}
-        named = {path.name: content for path, content in files.items()}
-        write_files(named, folder, force=force, output=next(iter(files)))
+        paths = [path for path in contents if path.parent == folder]
+        with open_store(folder, wait=PATIENCE, output=paths[0]) as store:
+            store.put({path.name: [contents[path]] for path in paths}, force=force)
 
 
 def sorted_names(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:

@@ -117,8 +117,7 @@ class Setup:
     frames: str | None = None
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Measurement:
+class Measurement(NamedTuple):
     """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
 
     busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
@@ -129,8 +128,8 @@ class Measurement:
     cpu: float
     busy: float
     frames: int
-    factors: Sequence[float]
-    gpu: Sequence[float]
+    factors: list[float]
+    gpu: list[float]
 
     @property
     def speed(self) -> float:
@@ -144,16 +143,8 @@ class Measurement:
 
 
 def total(spans: Sequence[Measurement]) -> Measurement:
-    """Return the sum of spans."""
-    return Measurement(
-        simulated=sum(span.simulated for span in spans),
-        real=sum(span.real for span in spans),
-        cpu=sum(span.cpu for span in spans),
-        busy=sum(span.busy for span in spans),
-        frames=sum(span.frames for span in spans),
-        factors=[factor for span in spans for factor in span.factors],
-        gpu=[load for span in spans for load in span.gpu],
-    )
+    """Return the sum of spans; of their lists all that is in them."""
+    return Measurement(*(sum(parts, start=type(parts[0])()) for parts in zip(*spans, strict=True)))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
