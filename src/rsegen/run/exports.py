@@ -10,7 +10,6 @@ with their options, so that a resumed run knows which of them are those asked fo
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,6 +20,7 @@ from typing import Any
 
 from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
 from rsegen.exporters.formats import FORMATS, Format, exported, format_named, recorded_options, refuse_unready
+from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.input_files import JOURNAL, Checksum, regular_content
@@ -209,9 +209,8 @@ def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
 def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
     """Return what is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
     listed = {**(listed_formats(str(home)) or {}), **recorded_options(formats)}
-    text = json.dumps(listed, indent=2) + "\n"
     added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
-    return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
+    return {**added, PurePosixPath(FORMATS_FILE): [as_json(listed)]}
 
 
 def _mean_seconds(recipes: Sequence[Recipe], sidecars: Sidecars) -> float:
@@ -330,7 +329,7 @@ def _in_package(chosen: Format, recipe: Recipe, index: int) -> Bundle:
     return {
         **{PurePosixPath(path).relative_to(chosen.joins): content for path, content in files.items()},
         PurePosixPath(_recipe_file(recipe, index)): [map_json(recipe, index)],
-        PurePosixPath(FORMATS_FILE): [_formats_file(chosen)],
+        PurePosixPath(FORMATS_FILE): [as_json(recorded_options([chosen]))],
     }
 
 
@@ -340,7 +339,7 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
     with read_errors(home):
         journal = read_journal(home)
         expected = {_recipe_file(recipe, index): map_json(recipe, index) for recipe, index in maps}
-        expected[FORMATS_FILE] = _formats_file(chosen)
+        expected[FORMATS_FILE] = as_json(recorded_options([chosen]))
         held = journal.files if journal else {}
         same = all(Checksum.of(content) in held.get(name, ()) for name, content in expected.items())
         others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
@@ -356,7 +355,3 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
 
 def _recipe_file(recipe: Recipe, index: int) -> str:
     return f"{_RECIPES}/{recipe.map_name(index)}.json"
-
-
-def _formats_file(chosen: Format) -> bytes:
-    return (json.dumps(recorded_options([chosen]), indent=2) + "\n").encode()

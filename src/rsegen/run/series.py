@@ -36,7 +36,6 @@ from rsegen.run.worlds import GeneratedMap, Sidecars, seconds_per_world, world_o
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 TABLE, PICTURE = "series.csv", "series.png"
 
@@ -180,7 +179,10 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     _draw_rise(figure.add_subplot(grid[0, :]), plan, rows, shown)
     for column, scene in enumerate(scenes):
         _draw_plan(figure.add_subplot(grid[1, column]), plan, scene, rows[shown[column]])
-    _legend(figure, scenes)
+    # A swatch for every height in the plans, or for some of them evenly spaced.
+    levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
+    if handles := swatches(scenes[0], levels, _SWATCHES):
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     fields = "one field" if plan.same_field else f"{len(rows)} fields"
     figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
     return encoded(figure, "png", to_json(plan.recipe))
@@ -250,10 +252,3 @@ def _draw_plan(axes: Axes, plan: SeriesPlan, scene: Scene, row: SeriesRow) -> No
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set(color=_INK, linewidth=0.5)
-
-
-def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
-    """Draw a swatch for every height in the plans, or for some of them evenly spaced."""
-    levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    if handles := swatches(scenes[0], levels, _SWATCHES):
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
