@@ -118,7 +118,7 @@ class SdfRobot(Standing):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
-        self._make_drivable(model, name, simulator)
+        _make_drivable(model, self, name, simulator)
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
@@ -127,7 +127,7 @@ class SdfRobot(Standing):
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
         if self._stands(simulator):
-            hold(model, None)
+            _hold(model, None)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
@@ -142,13 +142,13 @@ class SdfRobot(Standing):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        changes = self._make_drivable(self._model(), self.kind, simulator)
+        changes = _make_drivable(self._model(), self, self.kind, simulator)
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if self._stands(simulator) and (held := hold(self._model(), None)):
+        if self._stands(simulator) and (held := _hold(self._model(), None)):
             yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
@@ -160,19 +160,10 @@ class SdfRobot(Standing):
 
     def _stands(self, simulator: str) -> bool:
         """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
-        return self.read_drive is None and not has_controllers(self._model(), simulator)
+        return self.read_drive is None and not _has_controllers(self._model(), simulator)
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
-
-    def _make_drivable(self, model: Element, name: str, simulator: str) -> dict[str, str]:
-        if simulator == "classic" and model.find("allow_auto_disable") is None:
-            SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
-        drive = self.drive if self.read_drive else None
-        changes = make_drivable(model, drive, self.read_drive, name, simulator)
-        if simulator != "classic":
-            model.append(fromstring(pose_publisher(simulator)))  # noqa: S314  # ours
-        return changes
 
     def _placed(self, name: str, at: SdfPose) -> Element:
         model = self._model()
@@ -368,17 +359,17 @@ _MOVING = ("revolute", "continuous", "prismatic")
 """Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
 
 
-def make_drivable(
-    model: Element, drive: Drive | None, read: ReadDrive | None, name: str, backend: str
-) -> dict[str, str]:
+def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
     """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
 
-    read: the drive as it was read; if its plug-in is the simulator's, the plug-in is kept, with its limits of
-    acceleration. ROS's plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the
-    simulator's plug-ins.
+    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration. ROS's
+    plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
     """
+    if backend == "classic" and model.find("allow_auto_disable") is None:
+        SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
+    read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     own = read.plugin if read else ""
-    held = hold(model, drive)
+    held = _hold(model, drive)
     for joint in _axes(model, read.turned if read else ()):
         joint.text = numbers([-value for value in floats(joint.text, 3, name)])
     kept = [
@@ -394,6 +385,8 @@ def make_drivable(
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
     model.extend(kept)
     _respell(model, backend)
+    if backend != "classic":
+        model.append(fromstring(pose_publisher(backend)))  # noqa: S314  # ours
     return {
         "held as its model has them, as nothing drives them": _some(held),
         "left out for the drive, as they are not here": ", ".join(plugins),
@@ -402,7 +395,7 @@ def make_drivable(
     }
 
 
-def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
+def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
     """Make the joints that nothing drives fixed, and return their names; without a drive, all that move."""
     frames = ModelFrames(model, model.get("name", ""))
     wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
@@ -419,7 +412,7 @@ def hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
     return tuple(held)
 
 
-def has_controllers(model: Element, backend: str) -> bool:
+def _has_controllers(model: Element, backend: str) -> bool:
     """Return whether a model has a plug-in that a simulator loads and that may move its joints, of ROS or its own."""
     files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
     return any("control" in file.lower() and _is_loadable(file, backend) for file in files)
