@@ -8,7 +8,7 @@ belts and a lidar are made of these, with what each Gazebo needs for them to rol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import atan2, hypot, pi
 from typing import TypeAlias
 
@@ -29,11 +29,6 @@ class Box:
 
     size: Vector
 
-    @property
-    def geometry(self) -> str:
-        """The <geometry>."""
-        return f"<geometry><box><size>{numbers(self.size)}</size></box></geometry>"
-
     def moments(self, mass: float) -> Vector:
         """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         x, y, z = (side**2 for side in self.size)
@@ -47,12 +42,6 @@ class Cylinder:
     radius: float
     length: float
 
-    @property
-    def geometry(self) -> str:
-        """The <geometry>."""
-        inner = f"<radius>{numbers([self.radius])}</radius><length>{numbers([self.length])}</length>"
-        return f"<geometry><cylinder>{inner}</cylinder></geometry>"
-
     def moments(self, mass: float) -> Vector:
         """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         across = mass * (3 * self.radius**2 + self.length**2) / 12
@@ -65,11 +54,6 @@ class Sphere:
 
     radius: float
 
-    @property
-    def geometry(self) -> str:
-        """The <geometry>."""
-        return f"<geometry><sphere><radius>{numbers([self.radius])}</radius></sphere></geometry>"
-
     def moments(self, mass: float) -> Vector:
         """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         moment = 0.4 * mass * self.radius**2
@@ -77,6 +61,13 @@ class Sphere:
 
 
 Solid: TypeAlias = Box | Cylinder | Sphere
+
+
+def kind_and_sizes(solid: Solid) -> tuple[str, dict[str, str]]:
+    """Return the name of a solid, and its sizes as text by their names, in SDF and URDF: those of its class here."""
+    sizes = {size.name: numbers(np.ravel(getattr(solid, size.name))) for size in fields(solid)}
+    return type(solid).__name__.lower(), sizes
+
 
 SdfPose: TypeAlias = tuple[float, float, float, float, float, float]
 """x, y, z, metres, then roll, pitch, yaw, radians."""
@@ -130,7 +121,9 @@ class Part:
     @property
     def sdf(self) -> str:
         """The <collision> and <visual>."""
-        what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
+        kind, sizes = kind_and_sizes(self.solid)
+        geometry = element("geometry", element(kind, "".join(element(*size) for size in sizes.items())))
+        what = f"<pose>{numbers(self.pose)}</pose>{geometry}"
         visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
         if self.surface is None:
             return visual

@@ -8,11 +8,10 @@ file has no plug-in at all, and those of a robot count, so time would run and no
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from math import atan2, hypot, pi, sqrt
 from pathlib import Path
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from rsegen.errors import FileError, SimulatorFailed
 from rsegen.exporters.gazebo.sdf import numbers
@@ -62,18 +61,18 @@ def world_with_robots(
     if root.tag != "sdf" or element is None:
         raise FileError(f"{world}: no <world> in <sdf>")
     for model in models:
-        element.append(ET.fromstring(model))  # noqa: S314  # ours
+        element.append(fromstring(model))  # noqa: S314  # ours
     for uri in root.iter("uri"):
         uri.text = _absolute(uri.text or "", world.absolute().parent)
     add_systems(element, backend)
     if unthrottled:
         _unthrottle(element)
-    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    return '<?xml version="1.0"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
 def time_step(world: str) -> float:
     """Return the physics step of a world in seconds, from its text; by default that of both Gazebos, a millisecond."""
-    element = ET.fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
+    element = fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(element.text or 0) if element is not None else 0.001
 
 
@@ -81,14 +80,14 @@ def _absolute(uri: str, folder: Path) -> str:
     return uri if not uri.strip() or _SCHEME.match(uri) or uri.startswith("/") else str(folder / uri)
 
 
-def _unthrottle(world: ET.Element) -> None:
+def _unthrottle(world: Element) -> None:
     """Simulate as fast as possible: Gazebo Classic reads the update rate, Gazebo Sim the factor."""
     physics = world.find("physics")
     if physics is None:
-        physics = ET.SubElement(world, "physics", {"type": "ode"})
+        physics = SubElement(world, "physics", {"type": "ode"})
     for name in ("real_time_update_rate", "real_time_factor"):
         element = physics.find(name)
-        (ET.SubElement(physics, name) if element is None else element).text = "0"
+        (SubElement(physics, name) if element is None else element).text = "0"
 
 
 def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, frames: Path | None = None) -> str:

@@ -23,7 +23,7 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import astuple, dataclass, field, replace
 from typing import Any, ClassVar
 from xml.etree import ElementTree
@@ -312,40 +312,35 @@ class SimWorld(LiveWorld):
 def sim_world(environment: Mapping[str, str], patience: Patience) -> Iterator[SimWorld]:
     """The world of the server at the address in environment variables.
 
-    NothingRuns if no server gives a sign; SimulatorFailed if none answers, or several do.
-    """
-    with ExitStack() as stack:
-        client, worlds = _answered_client(stack, environment, patience)
-        offers = client.all_offers(WORLDS)
-        if len(offers) > 1 or not worlds:
-            what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
-            advice = "set GZ_PARTITION to that of one server"
-            raise SimulatorFailed(f"Gazebo Sim: {what} in the partition {client.partition}; {advice}")
-        client.attend(offers[0]["process_uuid"])
-        backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
-        yield SimWorld(client=client, name=worlds[0], backend=backend)
-
-
-def _answered_client(
-    stack: ExitStack, environment: Mapping[str, str], patience: Patience
-) -> tuple[TransportClient, list[str]]:
-    """Return a client that a server has answered, and the server's worlds; an unanswered client is replaced.
-
-    A server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if the program
-    has the port of an earlier one, whose name the server goes on to use.
+    NothingRuns if no server gives a sign; SimulatorFailed if none answers, or several do. A client that is not answered
+    is replaced: a server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if
+    the program has the port of an earlier one, whose name the server goes on to use.
     """
     for _ in range(_CLIENTS):
-        with ExitStack() as attempt:  # closes the client, unless it is kept by `stack`
-            client = attempt.enter_context(transport_client(environment, patience))
+        with transport_client(environment, patience) as client:
             try:
                 client.offers(WORLDS, replace(patience, seconds=patience.sign))
             except SimulatorFailed:
                 raise NothingRuns(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
-            with suppress(SimulatorFailed):
+            try:
                 worlds = client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", [])
-                stack.enter_context(attempt.pop_all())
-                return client, worlds
+            except SimulatorFailed:
+                continue
+            yield _only_world(client, worlds)
+            return
     raise SimulatorFailed("Gazebo Sim: a server exists, but does not answer")
+
+
+def _only_world(client: TransportClient, worlds: Sequence[str]) -> SimWorld:
+    """Return the world of the only server, which has answered; SimulatorFailed if there are several, or it has none."""
+    offers = client.all_offers(WORLDS)
+    if len(offers) > 1 or not worlds:
+        what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
+        advice = "set GZ_PARTITION to that of one server"
+        raise SimulatorFailed(f"Gazebo Sim: {what} in the partition {client.partition}; {advice}")
+    client.attend(offers[0]["process_uuid"])
+    backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
+    return SimWorld(client=client, name=worlds[0], backend=backend)
 
 
 def _clock(message: Mapping[str, Any]) -> Clock:
