@@ -24,6 +24,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
+from typing import ClassVar
 
 from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
 from rsegen.exporters.gazebo import Bundle
@@ -95,6 +96,8 @@ class Store:
     Its journal lists the files that are put into the folder itself. A folder of maps has none: each map has its own.
     """
 
+    _journals: ClassVar[type[OpenJournal]] = OpenJournal
+
     def __init__(self, folder: Path, *, sync: bool) -> None:
         self.folder: Path = folder
         self.home: Path = folder / HIDDEN
@@ -106,7 +109,7 @@ class Store:
     @cached_property
     def journal(self) -> OpenJournal:
         """The journal of the folder."""
-        return OpenJournal(self.folder, self.staging, sync=self.sync)
+        return self._journals(self.folder, self.staging, sync=self.sync)
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
@@ -292,15 +295,12 @@ class _DryStore(Store):
     is_whole: whether its files take the place of all that is in the folder
     """
 
+    _journals: ClassVar[type[OpenJournal]] = _DryJournal
+
     def __init__(self, folder: Path, noted: dry.Notes, staging: Path, *, is_whole: bool = False) -> None:
         super().__init__(folder, sync=False)
         self.staging = staging
         self._noted, self._is_whole = noted, is_whole
-
-    @cached_property
-    def journal(self) -> OpenJournal:
-        """The journal of the folder."""
-        return _DryJournal(self.folder, self.staging, sync=False)
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Note the files of a folder."""
@@ -320,12 +320,6 @@ class _DryStore(Store):
     def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """Note these files, and end the dry run."""
         dry.foresee(self.folder, names, kept=kept, is_whole=self._is_whole)
-
-    def note(self, result: Mapping[str, Json]) -> None:
-        """Write nothing."""
-
-    def adopt(self, names: Iterable[str]) -> None:
-        """Write nothing."""
 
 
 @contextmanager
