@@ -29,9 +29,9 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.routes import Motion, Route
 from rsegen.simulation.driving.world_file import time_step, world_with_robots
-from rsegen.simulation.experiment.machine import usage
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.process import usage
 from rsegen.simulation.simulators.server import attempted, running_server
 from rsegen.simulation.worlds import write_world
 from tests.simulation.real.burger import Start, way

@@ -54,7 +54,6 @@ from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment import report as experiments
-from rsegen.simulation.experiment.plot import plot as experiment_plot
 from rsegen.simulation.experiment.run import load_summary
 
 DOCS = Path(__file__).parent
@@ -147,7 +146,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "robots/sdf_shapes",
         "robots/sdf_drives",
         "robots/controllers",
-        "robots/drivable_model",
+        "robots/sdf_file",
         "robots/urdf",
         "robots/xacro_files",
         "simulation/driving/routes",
@@ -258,7 +257,7 @@ def main(arguments: list[str]) -> int:
     for path, same_field in rising().items():
         path.write_bytes(_rise(same_field=same_field))
     plan, results, *_ = load_summary(EXPERIMENT)
-    (DOCS / "pictures" / "experiment.png").write_bytes(experiment_plot(plan, results))
+    (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
     learned = training.plot(json.loads(training.FILE.read_text("utf-8")))
     (DOCS / "pictures" / "training.png").write_bytes(learned)
     return 0

@@ -101,8 +101,8 @@ if TYPE_CHECKING:
     from rsegen.simulation.driving.drive import DriveResult as DriveResult
     from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
     from rsegen.simulation.open_world import OpenResult as OpenResult
-    from rsegen.simulation.spawning.respawn import RemoveResult as RemoveResult
-    from rsegen.simulation.spawning.respawn import RespawnResult as RespawnResult
+    from rsegen.simulation.spawning.spawn import RemoveResult as RemoveResult
+    from rsegen.simulation.spawning.spawn import RespawnResult as RespawnResult
     from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
     from rsegen.standing.resting import Poses as Poses
     from rsegen.standing.spots import Spot as Spot
@@ -168,8 +168,7 @@ _HOMES = {
     "rsegen.simulation.driving.drive": ("DriveResult",),
     "rsegen.simulation.experiment.run": ("ExperimentResult",),
     "rsegen.simulation.open_world": ("OpenResult",),
-    "rsegen.simulation.spawning.respawn": ("RemoveResult", "RespawnResult"),
-    "rsegen.simulation.spawning.spawn": ("SpawnResult",),
+    "rsegen.simulation.spawning.spawn": ("RemoveResult", "RespawnResult", "SpawnResult"),
 }
 """Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
 

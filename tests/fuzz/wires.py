@@ -139,7 +139,7 @@ class _Classic:
         now, steps = {"sec": 1, "nsec": 0}, 0
         while topic.endswith("world_stats"):
             steps += 1
-            clock = {"sim_time": now, "real_time": now, "pause_time": now, "paused": False, "iterations": steps}
+            clock = {"sim_time": now, "real_time": now, "paused": False, "iterations": steps}
             self._send(client, CLASSIC.encode("WorldStatistics", clock))
             time.sleep(0.02)
 

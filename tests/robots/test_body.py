@@ -119,6 +119,30 @@ def test_a_place_outside_and_what_is_no_number_is_refused(arguments: tuple[objec
         rsegen.poses(FIELD, "burger", *arguments)  # type: ignore[arg-type]
 
 
+WHEEL = """
+<link name="{side}">
+  <pose>0 {y} 0.1 -1.5707963 0 0</pose>
+  <collision name="c">
+    <geometry><cylinder><radius>0.1</radius><length>0.04</length></cylinder></geometry>
+  </collision>
+</link>
+<joint name="{side}_axle" type="revolute">
+  <parent>hull</parent><child>{side}</child><axis><xyz>0 0 1</xyz></axis>
+</joint>
+"""
+
+
+def test_the_wheels_of_a_nested_model_drive(tmp_path: Path) -> None:
+    hull = '<link name="hull"><collision name="c"><pose>0 0 0.2 0 0 0</pose>'
+    hull += "<geometry><box><size>0.3 0.2 0.1</size></box></geometry></collision></link>"
+    wheels = WHEEL.format(side="left", y=0.15) + WHEEL.format(side="right", y=-0.15)
+    file = tmp_path / "cart.sdf"
+    nested = f'<model name="cart"><model name="base">{hull}{wheels}</model></model>'
+    file.write_text(f'<sdf version="1.7">{nested}</sdf>', "utf-8")
+    drives = {part.name: part.drives for part in from_file(file).body.parts}
+    assert drives == {"base::hull::c": False, "base::left::c": True, "base::right::c": True}
+
+
 def test_a_robot_that_is_longer_than_the_map_is_refused() -> None:
     small = rsegen.build(rsegen.Recipe(seed=1, boundary="none", chunk_size=4))
     with pytest.raises(UserError, match=r"^robot: is 0\.9\d+ m long, longer than the map of 0\.4 x 0\.4 m$"):

@@ -23,7 +23,6 @@ from rsegen.run.store import (
     replacing,
     stage_all,
     write_file,
-    write_files,
     write_folder,
 )
 
@@ -175,7 +174,7 @@ def test_ctrl_c_while_the_hidden_folder_is_removed_leaves_nothing_that_stays(
 @pytest.fixture(params=["exchange", "two steps"])
 def disk(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     if request.param == "two steps":
-        monkeypatch.setattr(swap, "_renameat2", lambda: None)
+        monkeypatch.setattr(swap, "_of_libc", lambda _: None)
     return str(request.param)
 
 
@@ -196,7 +195,8 @@ def test_a_folder_that_changes_in_the_last_moment_is_put_back(tmp_path: Path) ->
 def test_files_that_cannot_all_be_put_in_place_are_all_as_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_files({"a": [b"1"], "d/b": [b"2"]}, tmp_path)
+    with open_store(tmp_path) as store:
+        store.put({"a": [b"1"], "d/b": [b"2"]})
     before = contents(tmp_path)
     sync = store_module.Store._put_unit
 
@@ -206,8 +206,8 @@ def test_files_that_cannot_all_be_put_in_place_are_all_as_before(
         sync(self, new, place, undo)
 
     monkeypatch.setattr(store_module.Store, "_put_unit", fails)
-    with pytest.raises(WriteError, match="nothing was changed"):
-        write_files({"a": [b"10"], "d/b": [b"20"], "e/f": [b"30"], "c": [b"40"]}, tmp_path, force=True)
+    with pytest.raises(WriteError, match="nothing was changed"), open_store(tmp_path) as store:
+        store.put({"a": [b"10"], "d/b": [b"20"], "e/f": [b"30"], "c": [b"40"]}, force=True)
     assert contents(tmp_path) == before
     assert not (tmp_path / "e").exists()
 

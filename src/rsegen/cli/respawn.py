@@ -11,7 +11,7 @@ from rsegen.commands.spawn import respawn
 from rsegen.params.command import add_flags
 
 if TYPE_CHECKING:
-    from rsegen.simulation.spawning.respawn import RespawnResult
+    from rsegen.simulation.spawning.spawn import RespawnResult
 
 
 def add(commands: Subparsers) -> None:

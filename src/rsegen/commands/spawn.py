@@ -15,8 +15,7 @@ from rsegen.recipe.recipe import Run
 
 if TYPE_CHECKING:
     from rsegen.robots import Robot, SdfRobot
-    from rsegen.simulation.spawning.respawn import RemoveResult, RespawnResult
-    from rsegen.simulation.spawning.spawn import SpawnResult
+    from rsegen.simulation.spawning.spawn import RemoveResult, RespawnResult, SpawnResult
     from rsegen.simulation.worlds import Target
 
 
@@ -112,7 +111,7 @@ def respawn(
     target: the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first.
     Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
     """
-    from rsegen.simulation.spawning.respawn import replace_map
+    from rsegen.simulation.spawning.spawn import replace_map
 
     return replace_map(target, map, name, Path(output), simulator, timeout)
 
@@ -123,6 +122,6 @@ def remove(*names: str, simulator: RunningSimulator = None, timeout: Timeout = 2
 
     UnknownName lists the models if one does not exist.
     """
-    from rsegen.simulation.spawning.respawn import remove_models
+    from rsegen.simulation.spawning.spawn import remove_models
 
     return remove_models(names, simulator, timeout)

@@ -72,7 +72,7 @@ def one_of(
     """Return the given map of some recipes, each with its file, or the first; a message calls them `target`."""
     names = []
     for file, recipe in recipes:
-        index = recipe.first_map if which is None else _index(recipe, str(which))
+        index = recipe.first_map if which is None else index_of(recipe, str(which))
         if index is not None:
             return ChosenMap(file, recipe, index)
         names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
@@ -85,6 +85,7 @@ def map_index(recipe: Recipe, which: int | str | None) -> int:
     return one_of([(Path(), recipe)], which, "the recipe").map
 
 
-def _index(recipe: Recipe, which: str) -> int | None:
+def index_of(recipe: Recipe, which: str) -> int | None:
+    """Return the index of a recipe's map that is given by index or name; None if it has no such map."""
     digits = which.removeprefix(f"{recipe.name}_")
     return int(digits) if digits.isdecimal() and len(digits) < 20 and int(digits) in recipe.indices else None

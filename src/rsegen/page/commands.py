@@ -18,8 +18,8 @@ from rsegen.page.host import Host
 from rsegen.page.jobs import Job, Jobs, Run
 from rsegen.page.model.document import Document
 from rsegen.page.places import Places
-from rsegen.run.journal import read_journal, refuse_loss
-from rsegen.run.store import refuse_loss_below, refuse_taken_file
+from rsegen.run.journal import read_journal, refuse_loss, refuse_loss_below
+from rsegen.run.store import refuse_taken_file
 
 _REFUSED_WITHIN = 10.0
 """Seconds in which a command refuses what exists already; on a busy machine Python alone takes some of them."""

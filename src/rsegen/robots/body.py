@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, fromstring
 
@@ -18,9 +17,9 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import Drive, Wheels
-from rsegen.robots.links import Box, Cylinder, Link, SdfPose, rotation, turn_about
+from rsegen.robots.links import Box, Cylinder, Link, framed, posed, turn_about
 from rsegen.robots.meshes import read_mesh
-from rsegen.robots.sdf_shapes import ModelFrames, floats, inertials
+from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertials
 from rsegen.standing.body import (
     Body,
     Part,
@@ -64,7 +63,7 @@ def _placed(robot: Robot, link: Link) -> Array:
     """Return the pose of a link in the model, (4, 4), turned by the servo that holds it."""
     joint = next((joint for joint in robot.joints if joint.child == link.name), None)
     rest = next((servo.rest for servo in robot.servos if joint and servo.joint == joint.name), 0.0)
-    pose = _matrix(link.pose)
+    pose = posed(link.pose)
     if joint and joint.axis and rest:
         pose[:3, :3] = pose[:3, :3] @ turn_about(joint.axis, rest)
     return pose
@@ -82,7 +81,7 @@ def _shapes(links: dict[str, tuple[Link, Array]], driven: set[str], distance: fl
                 solid = cylinder(part.solid.radius, part.solid.length, distance)
             else:
                 solid = ball(part.solid.radius, distance)
-            yield Part(f"{name}::{part.name}", name in driven, mu, mu2), solid, pose @ _matrix(part.pose)
+            yield Part(f"{name}::{part.name}", name in driven, mu, mu2), solid, pose @ posed(part.pose)
 
 
 def _driven(drive: Drive, children: dict[str, str]) -> set[str]:
@@ -91,23 +90,16 @@ def _driven(drive: Drive, children: dict[str, str]) -> set[str]:
     return {children.get(name, name) for name in names} if isinstance(drive, Wheels) else names
 
 
-def _matrix(pose: SdfPose) -> Array:
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = rotation(*pose[3:]), pose[:3]
-    return matrix
-
-
 @lru_cache(maxsize=16)
 def body_of_file(robot: SdfRobot) -> Body:
     """Return the body of a robot of a file; ParameterError without collision shapes, FileError for unknown ones."""
     model = fromstring(robot.text)  # noqa: S314  # was found to be plain elements
     frames, distance = ModelFrames(model, robot.kind), sample_distance(robot.size[0])
-    children = {name: (joint.findtext("child") or "").strip() for name, joint in frames.joints.items()}
+    children = {name: frames.child(name) for name in frames.joints}
     driven = (
         _driven(robot.read_drive.drive, children) if robot.read_drive else {children[name] for name in robot.joints}
     )
-    lifted = np.eye(4)
-    lifted[2, 3] = robot.lift  # the origin of a robot in a world is below its lowest shape
+    lifted = framed((0, 0, robot.lift))  # the origin of a robot in a world is below its lowest shape
     shapes, masses = list(_shapes_of(frames, driven, lifted, distance)), inertials(frames).values()
     centre = np.average([inertial.centre for inertial in masses], axis=0, weights=[one.mass for one in masses])
     return body_of_shapes(
@@ -122,11 +114,7 @@ def body_of_file(robot: SdfRobot) -> Body:
 
 def _shapes_of(frames: ModelFrames, driven: set[str], lifted: Array, distance: float) -> Iterator[Shape]:
     """Yield the collision shapes of a model; FileError for one that cannot be measured."""
-    links = ((name, element) for name, element in frames.elements.items() if element.tag == "link")
-    for link, collision in ((name, shape) for name, element in links for shape in element.findall("collision")):
-        geometry = collision.find("geometry")
-        if geometry is None or len(geometry) == 0 or geometry[0].tag in ("empty", "plane"):
-            continue
+    for link, collision, geometry in frames.collisions():
         name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
         part = Part(name, link in driven, *_friction(collision, frames.where))
         for solid, at in _solids(geometry[0], distance, frames.where, name):
@@ -152,21 +140,14 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
         if kind.tag != "sphere":  # a cone has the cylinder around it: no robot is known that stands on one
             yield cylinder(radius, length, distance), np.eye(4)
         for end in {"sphere": (0.0,), "capsule": (-length / 2, length / 2)}.get(kind.tag, ()):
-            at = np.eye(4)
-            at[2, 3] = end
-            yield ball(radius, distance), at
+            yield ball(radius, distance), framed((0, 0, end))
     elif kind.tag == "mesh":
-        yield _mesh(kind, distance, where), np.eye(4)
+        path, scale = file_and_scale(kind, where)
+        try:
+            points, corners = read_mesh(path)
+        except ImportError:
+            problem = "the mesh of a collision shape is read by trimesh, which is not installed"
+            raise FileError(f"{path}: {problem}") from None
+        yield mesh(points * scale, corners, distance), np.eye(4)
     else:
         raise FileError(f"{where}: {name} is a <{kind.tag}>, whose surface is not known")
-
-
-def _mesh(element: Element, distance: float, where: str) -> Solid:
-    """Return the samples of a mesh in a file."""
-    path = Path((element.findtext("uri") or "").strip().removeprefix("file://"))
-    scale = np.array(floats(element.findtext("scale") or "1 1 1", 3, where))
-    try:
-        points, corners = read_mesh(path)
-    except ImportError:
-        raise FileError(f"{path}: the mesh of a collision shape is read by trimesh, which is not installed") from None
-    return mesh(points * scale, corners, distance)

@@ -6,6 +6,7 @@ stair of 10 and 20 cm. Gains hold arm and flippers against gravity; an effort is
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import pi
 from typing import NamedTuple
 
@@ -89,36 +90,19 @@ def _limb(limb: _Limb) -> Link:
     )
 
 
-def _pivot(side: str) -> Joint:
-    return Joint(
-        name=f"{side}_flipper_pivot",
-        parent="base",
-        child=f"{side}_flipper",
-        axis=(0, -1, 0),
-        lower=-1.2,
-        upper=2.8,
-        effort=60,
-        rate=1.0,
-    )
+def _hinge(name: str, parent: str, child: str, axis: Vector, ends: tuple[float, float], effort: float) -> Joint:
+    lower, upper = ends
+    return Joint(name=name, parent=parent, child=child, axis=axis, lower=lower, upper=upper, effort=effort, rate=1.0)
 
 
-def _hinge(parent: str, limb: _Limb) -> Joint:
-    return Joint(
-        name=f"{limb.joint}_joint",
-        parent=parent,
-        child=limb.joint,
-        axis=limb.axis,
-        lower=limb.lower,
-        upper=limb.upper,
-        effort=limb.effort,
-        rate=1.0,
-    )
-
-
-def _joints() -> tuple[Joint, ...]:
-    mounts = (Joint(name=f"{side}_track_mount", parent="base", child=f"{side}_track") for side in _SIDES)
-    parents = ("base", *(limb.joint for limb in _ARM[:-1]))
-    return *mounts, *map(_pivot, _SIDES), *map(_hinge, parents, _ARM)
+def _joints() -> Iterator[Joint]:
+    yield from (Joint(name=f"{side}_track_mount", parent="base", child=f"{side}_track") for side in _SIDES)
+    for side in _SIDES:
+        yield _hinge(f"{side}_flipper_pivot", "base", f"{side}_flipper", (0, -1, 0), (-1.2, 2.8), 60)
+    parent = "base"
+    for limb in _ARM:
+        yield _hinge(f"{limb.joint}_joint", parent, limb.joint, limb.axis, (limb.lower, limb.upper), limb.effort)
+        parent = limb.joint
 
 
 CRAWLER = register(
@@ -135,7 +119,7 @@ CRAWLER = register(
             *(_flipper(side) for side in _SIDES),
             *(_limb(limb) for limb in _ARM),
         ),
-        joints=_joints(),
+        joints=tuple(_joints()),
         drive=Tracks(
             body="base",
             left=("left_track", "left_flipper"),

@@ -8,11 +8,12 @@ belts and a lidar are made of these, with what each Gazebo needs for them to rol
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import atan2, hypot, pi
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rsegen.exporters.colours import Colour
 from rsegen.exporters.gazebo.sdf import material, numbers
@@ -28,11 +29,6 @@ class Box:
 
     size: Vector
 
-    @property
-    def geometry(self) -> str:
-        """The <geometry>."""
-        return f"<geometry><box><size>{numbers(self.size)}</size></box></geometry>"
-
     def moments(self, mass: float) -> Vector:
         """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         x, y, z = (side**2 for side in self.size)
@@ -46,12 +42,6 @@ class Cylinder:
     radius: float
     length: float
 
-    @property
-    def geometry(self) -> str:
-        """The <geometry>."""
-        inner = f"<radius>{numbers([self.radius])}</radius><length>{numbers([self.length])}</length>"
-        return f"<geometry><cylinder>{inner}</cylinder></geometry>"
-
     def moments(self, mass: float) -> Vector:
         """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         across = mass * (3 * self.radius**2 + self.length**2) / 12
@@ -64,11 +54,6 @@ class Sphere:
 
     radius: float
 
-    @property
-    def geometry(self) -> str:
-        """The <geometry>."""
-        return f"<geometry><sphere><radius>{numbers([self.radius])}</radius></sphere></geometry>"
-
     def moments(self, mass: float) -> Vector:
         """Moments of inertia about x, y and z through its centre, kg m^2, for a mass in kg."""
         moment = 0.4 * mass * self.radius**2
@@ -76,6 +61,13 @@ class Sphere:
 
 
 Solid: TypeAlias = Box | Cylinder | Sphere
+
+
+def kind_and_sizes(solid: Solid) -> tuple[str, dict[str, str]]:
+    """Return the name of a solid, and its sizes as text by their names, in SDF and URDF: those of its class here."""
+    sizes = {size.name: numbers(np.ravel(getattr(solid, size.name))) for size in fields(solid)}
+    return type(solid).__name__.lower(), sizes
+
 
 SdfPose: TypeAlias = tuple[float, float, float, float, float, float]
 """x, y, z, metres, then roll, pitch, yaw, radians."""
@@ -129,7 +121,9 @@ class Part:
     @property
     def sdf(self) -> str:
         """The <collision> and <visual>."""
-        what = f"<pose>{numbers(self.pose)}</pose>{self.solid.geometry}"
+        kind, sizes = kind_and_sizes(self.solid)
+        geometry = element("geometry", element(kind, "".join(element(*size) for size in sizes.items())))
+        what = f"<pose>{numbers(self.pose)}</pose>{geometry}"
         visual = f'        <visual name="{self.name}_seen">{what}{material(self.colour)}</visual>\n'
         if self.surface is None:
             return visual
@@ -221,6 +215,18 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
     about_y = np.array([[b, 0, q], [0, 1, 0], [-q, 0, b]])
     about_z = np.array([[c, -r, 0], [r, c, 0], [0, 0, 1]])
     return np.asarray(about_z @ about_y @ about_x)
+
+
+def framed(place: ArrayLike, turn: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Array:
+    """Return the pose (4, 4) of a frame that is at a place, (3,), metres, and turned by a rotation, (3, 3)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn, place
+    return pose
+
+
+def posed(pose: SdfPose) -> Array:
+    """Return a pose as a matrix (4, 4)."""
+    return framed(pose[:3], rotation(*pose[3:]))
 
 
 _TURNED_UP = 1e-9

@@ -26,7 +26,7 @@ from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.ros2.bridge import MODEL, ROBOT, bridge_yaml, robot_topics
 from rsegen.robots.drives import element, servo_plugins, system
-from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, Solid, angles, rotation
+from rsegen.robots.links import Joint, Link, Part, SdfPose, angles, kind_and_sizes, rotation
 from rsegen.standing.spots import Outline
 
 if TYPE_CHECKING:  # which has these files, made here
@@ -176,19 +176,13 @@ def _link(link: Link) -> Iterator[str]:
 
 
 def _part(part: Part, name: str) -> str:
-    shape = f"{_origin(part.pose)}<geometry>{_geometry(part.solid)}</geometry>"
+    kind, sizes = kind_and_sizes(part.solid)
+    solid = " ".join([kind, *(f'{size}="{text}"' for size, text in sizes.items())])
+    shape = f"{_origin(part.pose)}<geometry><{solid}/></geometry>"
     name_of_colour, rgba = numbers(part.colour).replace(" ", "_"), numbers((*part.colour, 1))
     colour = f'<material name="{name_of_colour}"><color rgba="{rgba}"/></material>'
     hit = f'    <collision name="{name}">{shape}</collision>\n' if part.surface else ""
     return f'    <visual name="{name}">{shape}{colour}</visual>\n{hit}'
-
-
-def _geometry(solid: Solid) -> str:
-    if isinstance(solid, Box):
-        return f'<box size="{numbers(solid.size)}"/>'
-    if isinstance(solid, Cylinder):
-        return f'<cylinder radius="{decimal(solid.radius)}" length="{decimal(solid.length)}"/>'
-    return f'<sphere radius="{decimal(solid.radius)}"/>'
 
 
 def _joint(kind: str, name: str, parent: str, child: str, origin: SdfPose, turning: str = "") -> str:

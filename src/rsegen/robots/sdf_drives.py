@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -23,7 +22,7 @@ from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats
+from rsegen.robots.sdf_shapes import ModelFrames, floats
 
 DEFAULT_SPEED, DEFAULT_TURN = 0.2, 0.5
 """Speed, m/s, and turn rate, rad/s, of a robot whose model gives no limits: slow enough for all; notes report them."""
@@ -89,17 +88,17 @@ def plugin_key(file: str) -> str:
     return re.sub(r"^(gz-sim|ignition-gazebo)\d*-", "gz-sim-", name)
 
 
-def find_drive(model: Element, frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive | None:
+def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive | None:
     """Return the drive of a model; None if it has none that is known, nor wheels."""
     return (
-        _plugged(model, frames, shapes)
-        or next(filter(None, (_controlled(controller, ros, frames, shapes) for controller in ros.controllers)), None)
-        or _by_interfaces(ros, frames, shapes)
-        or _by_shapes(frames, shapes)
+        _plugged(model, frames)
+        or next(filter(None, (_controlled(controller, ros, frames) for controller in ros.controllers)), None)
+        or _by_interfaces(ros, frames)
+        or _by_shapes(frames)
     )
 
 
-def _plugged(model: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of the first plug-in that is known and names what it drives.
 
     Classic's DiffDrive knows one pair of wheels, so a model may have several: plug-ins of one kind are one drive.
@@ -110,10 +109,10 @@ def _plugged(model: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive 
         if key in (*KNOWN, TRACK_CONTROLLER):
             merged.setdefault(key, Element("plugin")).extend(list(plugin))
     readers = {"wheels": _wheels, "belts": _belts, "tracks": _tracks}
-    read = ((key, readers[KNOWN[key]](plugin, frames, shapes)) for key, plugin in merged.items() if key in KNOWN)
+    read = ((key, readers[KNOWN[key]](plugin, frames)) for key, plugin in merged.items() if key in KNOWN)
     drives = (drive._replace(plugin=key, origin=key) for key, drive in read if drive)
     controllers = merged.get(TRACK_CONTROLLER)
-    return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames, shapes))
+    return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames))
 
 
 class _Sizes(NamedTuple):
@@ -127,25 +126,24 @@ class _Sizes(NamedTuple):
 _MEASURED = _Sizes()
 
 
-def named_wheels(text: str, frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive:
+def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
     """Return the drive of wheels whose joints the user names: LEFT,RIGHT; several of a side joined by +."""
     left, right = _sides(text, "wheels", "joint", frames.joints)
     if len(left) != len(right):
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
     if any(abs(frames.axis(joint)[1]) < _ALONG for joint in (*left, *right)):
         raise ParameterError("wheels", f"{text}: their axes are not all along y")
-    drive = _of_joints(left, right, frames, shapes, ros)
+    drive = _of_joints(left, right, frames, ros)
     if drive is None:
         problem = "their places or shapes are unknown; a wheel needs a collision shape such as a cylinder or sphere"
         raise ParameterError("wheels", f"{text}: {problem}")
     return drive._replace(origin="their names")
 
 
-def named_tracks(text: str, frames: ModelFrames, shapes: Extents) -> ReadDrive:
+def named_tracks(text: str, frames: ModelFrames) -> ReadDrive:
     """Return the drive of tracks whose links the user names: LEFT,RIGHT; a side's flippers joined to it by +."""
-    links = {name: element for name, element in frames.elements.items() if element.tag == "link"}
-    left, right = _sides(text, "tracks", "link", links)
-    drive = _tracked(Element("plugin"), left, right, frames, shapes, body=_first_link(frames))
+    left, right = _sides(text, "tracks", "link", dict(frames.links()))
+    drive = _tracked(Element("plugin"), left, right, frames, body=_first_link(frames))
     if drive is None or not drive.drive.separation:
         raise ParameterError("tracks", f"{text}: their shapes are unknown, or in one place")
     return drive._replace(origin="their names", sizes="its shapes")
@@ -162,7 +160,7 @@ def _sides(text: str, what: str, of: str, known: Mapping[str, object]) -> list[l
     return sides
 
 
-def _controlled(controller: Controller, ros: Controls, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _controlled(controller: Controller, ros: Controls, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of a controller of ROS, whose file says which wheels are left."""
     wheels = [joint for joint in (*controller.left, *controller.right) if joint in frames.joints]
     if len(wheels) < len(controller.left) + len(controller.right):  # some were left out, as they have no mass
@@ -170,7 +168,7 @@ def _controlled(controller: Controller, ros: Controls, frames: ModelFrames, shap
     if any(abs(frames.axis(joint)[1]) < _ALONG for joint in wheels):
         return None
     sizes = _Sizes(controller.separation, controller.radius, controller.slip)
-    read = _of_joints(controller.left, controller.right, frames, shapes, ros, sizes)
+    read = _of_joints(controller.left, controller.right, frames, ros, sizes)
     if read is None:
         return None
     speed, turn = (_limit(sort, of, frames) for sort, of in ((SPEED, controller.speed), (TURN, controller.turn)))
@@ -180,30 +178,30 @@ def _controlled(controller: Controller, ros: Controls, frames: ModelFrames, shap
     return read._replace(origin=controller.where, sizes=measured, limits=limits, limits_by=by)
 
 
-def _by_interfaces(ros: Controls, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _by_interfaces(ros: Controls, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of the joints that take a velocity, if they are wheels on both sides."""
     wheels = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
-    read = _paired(wheels, frames, shapes, ros)
+    read = _paired(wheels, frames, ros)
     return read and read._replace(origin="ros2_control")
 
 
-def _by_shapes(frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of what looks like wheels: round, on the ground, on endless joints across, and not swivelling.
 
     Casters that do not swivel look the same, unless they are smaller.
     """
-    if not shapes.known:
+    if not frames.shapes.whole:
         return None
-    radii = {joint: _wheel_radius(joint, frames, shapes) for joint in _rolling(frames.joints, frames)}
+    radii = {joint: _wheel_radius(joint, frames) for joint in _rolling(frames.joints, frames)}
     largest = max(radii.values(), default=0.0)
     wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
-    read = _paired(wheels, frames, shapes, Controls())
+    read = _paired(wheels, frames, Controls())
     return read and read._replace(origin="the shapes of its links, as nothing in its file says")
 
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
     """Return the joints that are endless, along y, and not on one that turns about another axis, as a caster is."""
-    above = {_child(name, frames): name for name in frames.joints}
+    above = {frames.child(name): name for name in frames.joints}
     swivels: dict[str, bool] = {}  # whether a link is turned about another axis than y
 
     def is_swivelling(link: str) -> bool:
@@ -211,7 +209,7 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
         while link in above and link not in swivels:
             swivels[link] = False  # until more is known; it ends a circle
             way.append(link)
-            link = _parent(above[link], frames)
+            link = frames.parent(above[link])
         turned = swivels.get(link, False)
         for part in reversed(way):
             joint = above[part]
@@ -225,7 +223,7 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
         for joint in joints
         if is_endless(frames.joints[joint])
         and abs(frames.axis(joint)[1]) >= _ALONG
-        and not is_swivelling(_parent(joint, frames))
+        and not is_swivelling(frames.parent(joint))
     ]
 
 
@@ -244,21 +242,21 @@ def _end(text: str | None, sign: int) -> float:
         return 0.0
 
 
-def _wheel_radius(joint: str, frames: ModelFrames, shapes: Extents) -> float:
+def _wheel_radius(joint: str, frames: ModelFrames) -> float:
     """Return the radius of what a joint turns if it is round about it and on the ground; 0 if not."""
-    shape = shapes.of(_child(joint, frames))
-    if shape is None:
+    shape, whole = frames.shapes.of(frames.child(joint)), frames.shapes.whole
+    if shape is None or whole is None:
         return 0.0
     length, _, height = shape.high - shape.low
     off = np.linalg.norm(((shape.low + shape.high) / 2 - frames.joint(joint)[:3, 3])[[0, 2]])
     is_round = abs(length - height) <= _ROUND * height and off <= _CENTRED * height / 2
-    is_on_ground = shape.low[2] - shapes.low[2] <= _GROUNDED * height / 2
+    is_on_ground = shape.low[2] - whole.low[2] <= _GROUNDED * height / 2
     return float(height / 2) if is_round and is_on_ground else 0.0
 
 
-def _paired(wheels: Sequence[str], frames: ModelFrames, shapes: Extents, ros: Controls) -> ReadDrive | None:
+def _paired(wheels: Sequence[str], frames: ModelFrames, ros: Controls) -> ReadDrive | None:
     """Return the drive of wheels on two sides, as many on either; those in the middle are casters."""
-    middles = {joint: _middle(_child(joint, frames), frames, shapes) for joint in wheels}
+    middles = {joint: _middle(frames.child(joint), frames) for joint in wheels}
     if not middles:
         return None
     ys = [middle[1] for middle in middles.values()]
@@ -266,66 +264,37 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, shapes: Extents, ros: Co
     from_front = sorted(wheels, key=lambda joint: -middles[joint][0])
     left = [joint for joint in from_front if middles[joint][1] - centre > half / 2]
     right = [joint for joint in from_front if centre - middles[joint][1] > half / 2]
-    return _of_joints(left, right, frames, shapes, ros) if left and len(left) == len(right) else None
+    return _of_joints(left, right, frames, ros) if left and len(left) == len(right) else None
 
 
 def _of_joints(
-    first_side: Sequence[str],
-    second_side: Sequence[str],
-    frames: ModelFrames,
-    shapes: Extents,
-    ros: Controls,
-    sizes: _Sizes = _MEASURED,
+    first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, ros: Controls, sizes: _Sizes = _MEASURED
 ) -> ReadDrive | None:
-    """Return the drive of wheels on joints along y; what is not given is measured; None if it cannot be."""
-    left, right = _by_side(first_side, second_side, frames, shapes)
-    separation = sizes.separation or _separation(left, right, frames, shapes)
-    radius = sizes.radius or _radius(left, frames, shapes)
-    if not separation or not radius:
+    """Return the drive of wheels on joints along y, with the limits of ROS or of the joints; None as `_sized`."""
+    drive = _sized(first_side, second_side, frames, sizes)
+    if drive is None:
         return None
-    drive = replace(_made(left, right, separation, radius, frames), slip=sizes.slip)
-    rates = [rate for joint in (*left, *right) if (rate := ros.rates.get(joint))]
-    speed = _limit(SPEED, min(rates, default=0) * radius, frames)
+    joints = (*drive.left, *drive.right)
+    rates = [rate for joint in joints if (rate := ros.rates.get(joint))]
+    speed = _limit(SPEED, min(rates, default=0) * drive.radius, frames)
     by = "ros2_control"
     if not speed:
-        speed, by = _limits(Element("plugin"), frames, drive, (*left, *right))[0], "its joints"
-    turned = tuple(joint for joint in (*left, *right) if frames.axis(joint)[1] < 0)
+        speed, by = _limits(Element("plugin"), frames, drive, joints)[0], "its joints"
+    turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
     return ReadDrive("", drive, "", "its wheels", (speed, None), by, turned)
 
 
-def _wheels(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
-    """Return a drive of wheels, which plug-ins of Gazebo and of ROS name by their joints."""
-    left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
-    missing = [joint for joint in (*left, *right) if joint not in frames.joints]
-    if not left or len(left) != len(right) or missing:
+def _sized(first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, sizes: _Sizes) -> Wheels | None:
+    """Return wheels of these sizes; a size that is not given is measured; None if it cannot be."""
+    # Left is known by the places of the joints: Classic calls left what is right.
+    first, second = (_middle(frames.child(side[0]), frames)[1] for side in (first_side, second_side))
+    left, right = (second_side, first_side) if first < second else (first_side, second_side)
+    separation = sizes.separation or float(abs(first - second))
+    radius = sizes.radius or _radius(left, frames)
+    if not separation or not radius:
         return None
-    left, right = map(list, _by_side(left, right, frames, shapes))
-    separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
-    diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
-    radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    # Sizes that the plug-in does not give are measured on the wheels.
-    measured = _radius(left, frames, shapes)
-    origin = "its plug-in" if separation and radius else "its wheels"
-    if radius and measured and abs(radius - measured) > _AGREES * measured:
-        origin += f", although its wheels measure {measured:.4g} m"
-    drive = _made(
-        left,
-        right,
-        separation or _separation(left, right, frames, shapes),
-        radius or measured,
-        frames,
-    )
-    if not drive.separation or not drive.radius:
-        return None
-    limits = _limits(plugin, frames, drive, left + right)
-    return ReadDrive("", drive, "", origin, limits)
-
-
-def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: float, frames: ModelFrames) -> Wheels:
-    """Return wheels; Classic's plug-in takes the distance between the joints for the separation."""
-    between = frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]
-    apart = float(np.linalg.norm(between))
-    spread = apart / separation if apart and separation else 1
+    # Classic's plug-in takes the distance between the joints for the separation.
+    apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
     return Wheels(
         left=tuple(left),
         right=tuple(right),
@@ -333,54 +302,75 @@ def _made(left: Sequence[str], right: Sequence[str], separation: float, radius: 
         radius=radius,
         speed=DEFAULT_SPEED,
         turn=DEFAULT_TURN,
-        spread=spread,
+        slip=sizes.slip,
+        spread=apart / separation if apart else 1,
     )
 
 
-def _belts(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
+    """Return a drive of wheels, which plug-ins of Gazebo and of ROS name by their joints."""
+    left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
+    missing = [joint for joint in (*left, *right) if joint not in frames.joints]
+    if not left or len(left) != len(right) or missing:
+        return None
+    separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
+    diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
+    radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
+    drive = _sized(left, right, frames, _Sizes(separation, radius))
+    if drive is None:
+        return None
+    measured = _radius(drive.left, frames)
+    origin = "its plug-in" if separation and radius else "its wheels"
+    if radius and measured and abs(radius - measured) > _AGREES * measured:
+        origin += f", although its wheels measure {measured:.4g} m"
+    return ReadDrive("", drive, "", origin, _limits(plugin, frames, drive, left + right))
+
+
+def _belts(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of Gazebo Classic's SimpleTrackedVehicle."""
     left, right = (_named(plugin, [f"{side}_track", f"{side}_flipper"]) for side in _SIDES)
-    return _tracked(plugin, left, right, frames, shapes, body=_text(plugin.find("body")))
+    return _tracked(plugin, left, right, frames, body=_text(plugin.find("body")))
 
 
-def _tracks(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of Gazebo Sim's TrackedVehicle; its body is the first link of its model."""
     left, right = ([_text(element.find("link")) for element in plugin.findall(f"{side}_track")] for side in _SIDES)
-    return _tracked(plugin, left, right, frames, shapes, body=_first_link(frames))
+    return _tracked(plugin, left, right, frames, body=_first_link(frames))
 
 
-def _track_controllers(plugin: Element, frames: ModelFrames, shapes: Extents) -> ReadDrive | None:
+def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of tracks that have a TrackController each; the longest of a side is the main one."""
     links = [link for link in dict.fromkeys(_named(plugin, ["link"])) if link in frames.elements]
-    ys = [float(_middle(link, frames, shapes)[1]) for link in links]
+    ys = [float(_middle(link, frames)[1]) for link in links]
     centre = (min(ys, default=0) + max(ys, default=0)) / 2
-    longest = sorted(zip(links, ys, strict=True), key=lambda link: -_length(link[0], shapes))
+    longest = sorted(zip(links, ys, strict=True), key=lambda link: -_size(link[0], frames)[0])
     left, right = ([link for link, y in longest if sign * (y - centre) > 0] for sign in (1, -1))
-    drive = _tracked(plugin, left, right, frames, shapes, body=_first_link(frames))
+    drive = _tracked(plugin, left, right, frames, body=_first_link(frames))
     return drive and drive._replace(origin=TRACK_CONTROLLER, sizes="its shapes")
 
 
-def _length(link: str, shapes: Extents) -> float:
-    shape = shapes.of(link)
-    return 0.0 if shape is None else float(shape.high[0] - shape.low[0])
+def _size(link: str, frames: ModelFrames) -> list[float]:
+    """Return length, width and height of a link's shapes; zeros if one is unknown."""
+    shape = frames.shapes.of(link)
+    return [0.0] * 3 if shape is None else (shape.high - shape.low).tolist()
 
 
 def _first_link(frames: ModelFrames) -> str:
-    return next((name for name, element in frames.elements.items() if element.tag == "link"), "")
+    return next((name for name, _ in frames.links()), "")
 
 
 def _tracked(
-    plugin: Element, left: Sequence[str], right: Sequence[str], frames: ModelFrames, shapes: Extents, *, body: str
+    plugin: Element, left: Sequence[str], right: Sequence[str], frames: ModelFrames, *, body: str
 ) -> ReadDrive | None:
     if not left or not right or any(link not in frames.elements for link in (*left, *right, body)):
         return None
-    middles = [_middle(link, frames, shapes) for link in (left[0], right[0])]
+    middles = [_middle(link, frames) for link in (left[0], right[0])]
     if middles[0][1] < middles[1][1]:
         left, right = right, left
-    track = shapes.of(left[0])
     # A track of unknown shape counts as 0.2 m high. The friction and the efficiency are SimpleTrackedVehicle's
     # defaults.
-    height = _number(plugin, frames, "tracks_height") or (float(track.high[2] - track.low[2]) if track else 0.2)
+    measured = _size(left[0], frames)[2] if frames.shapes.of(left[0]) else 0.2
+    height = _number(plugin, frames, "tracks_height") or measured
     drive = Tracks(
         body=body,
         left=tuple(left),
@@ -396,45 +386,15 @@ def _tracked(
     return ReadDrive("", drive, "", "its plug-in", _limits(plugin, frames, drive, ()))
 
 
-def _by_side(
-    first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, shapes: Extents
-) -> tuple[Sequence[str], Sequence[str]]:
-    """Return the joints of the left and the right side, by their places: Classic calls left what is right."""
-    first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (first_side, second_side))
-    return (second_side, first_side) if first < second else (first_side, second_side)
-
-
-def _separation(left: Sequence[str], right: Sequence[str], frames: ModelFrames, shapes: Extents) -> float:
-    first, second = (_middle(_child(side[0], frames), frames, shapes)[1] for side in (left, right))
-    return float(abs(first - second))
-
-
-def _radius(joints: Sequence[str], frames: ModelFrames, shapes: Extents) -> float:
+def _radius(joints: Sequence[str], frames: ModelFrames) -> float:
     """Half of the height of the first wheel; 0 if its shape is unknown."""
-    wheel = shapes.of(_child(joints[0], frames))
-    return float(wheel.high[2] - wheel.low[2]) / 2 if wheel else 0.0
+    return _size(frames.child(joints[0]), frames)[2] / 2
 
 
-def _middle(link: str, frames: ModelFrames, shapes: Extents) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _middle(link: str, frames: ModelFrames) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Return the middle of a link's shapes, else its origin."""
-    shape = shapes.of(link)
+    shape = frames.shapes.of(link)
     return np.asarray(frames.transform(link)[:3, 3] if shape is None else (shape.low + shape.high) / 2)
-
-
-def _child(joint: str, frames: ModelFrames) -> str:
-    """Return the link that a joint turns."""
-    return _link(joint, "child", frames)
-
-
-def _parent(joint: str, frames: ModelFrames) -> str:
-    """Return the link that a joint hangs on."""
-    return _link(joint, "parent", frames)
-
-
-def _link(joint: str, tag: str, frames: ModelFrames) -> str:
-    scope = joint.rpartition("::")[0]
-    name = _text(frames.joints[joint].find(tag))
-    return f"{scope}::{name}" if scope else name
 
 
 def _limits(

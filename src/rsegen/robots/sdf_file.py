@@ -1,44 +1,49 @@
 """A robot from an SDF or URDF file of the user, which is parsed as untrusted input.
 
 The model is kept as text, URDF as SDF. Its drive, size and limits are read once; for a world it gets a drive plug-in of
-the simulator that runs it, in place of its own or ROS's, and loses what that simulator cannot load, and its sensors;
-flippers, arms and legs keep their angles. URIs of meshes become absolute paths first, as the world is written
-elsewhere. What breaks it: meshes in packages that are not found, and joints inside an <include> (docs/robots.md).
+the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the simulator has
+not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model has them at, as
+nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does one that turns
+without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is written elsewhere.
+What breaks it: meshes in packages that are not found, joints inside an <include>, an arm that hangs on endless joints,
+and a rocker without a spring, which becomes stiff (docs/robots.md).
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.exporters.gazebo.sdf import numbers
+from rsegen.exporters.gazebo.sdf import numbers, prefixes
 from rsegen.field.limits import SIDE
 from rsegen.io.input_files import elements, text_of
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drivable_model import Changes, has_controllers, hold, make_drivable
-from rsegen.robots.drives import Command, Drive, Wheels, pose_publisher
+from rsegen.robots.drives import Command, Drive, Tracks, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
+    KNOWN,
+    TRACK_CONTROLLER,
     ReadDrive,
     find_drive,
+    is_endless,
     named_tracks,
     named_wheels,
     plugin_key,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, extents, impossible_inertias, inertials
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -113,7 +118,7 @@ class SdfRobot(Standing):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
-        self._make_drivable(model, name, simulator)
+        _make_drivable(model, self, name, simulator)
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
@@ -122,7 +127,7 @@ class SdfRobot(Standing):
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
         if self._stands(simulator):
-            hold(model, None)
+            _hold(model, None)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
@@ -137,20 +142,13 @@ class SdfRobot(Standing):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        changes = self._make_drivable(self._model(), self.kind, simulator)
-        if changes.held:
-            yield f"{self.kind}: held as its model has them, as nothing drives them: {_some(changes.held)}"
-        if changes.plugins:
-            yield f"{self.kind}: left out for the drive, as they are not here: {', '.join(changes.plugins)}"
-        if changes.visuals:
-            yield f"{self.kind}: left out for the drive, as their meshes are not found: {', '.join(changes.visuals)}"
-        if changes.sensors:
-            yield f"{self.kind}: left out for the drive, as sensors move nothing: {', '.join(changes.sensors)}"
+        changes = _make_drivable(self._model(), self, self.kind, simulator)
+        yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if self._stands(simulator) and (held := hold(self._model(), None)):
+        if self._stands(simulator) and (held := _hold(self._model(), None)):
             yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
@@ -162,26 +160,17 @@ class SdfRobot(Standing):
 
     def _stands(self, simulator: str) -> bool:
         """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
-        return self.read_drive is None and not has_controllers(self._model(), simulator)
+        return self.read_drive is None and not _has_controllers(self._model(), simulator)
 
-    def _model(self) -> ElementTree.Element:
-        return ElementTree.fromstring(self.text)  # noqa: S314  # was found to be plain elements
+    def _model(self) -> Element:
+        return fromstring(self.text)  # noqa: S314  # was found to be plain elements
 
-    def _make_drivable(self, model: ElementTree.Element, name: str, simulator: str) -> Changes:
-        if simulator == "classic" and model.find("allow_auto_disable") is None:
-            ElementTree.SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
-        drive = self.drive if self.read_drive else None
-        changes = make_drivable(model, drive, self.read_drive, name, simulator)
-        if simulator != "classic":
-            model.append(ElementTree.fromstring(pose_publisher(simulator)))  # noqa: S314  # ours
-        return changes
-
-    def _placed(self, name: str, at: SdfPose) -> ElementTree.Element:
+    def _placed(self, name: str, at: SdfPose) -> Element:
         model = self._model()
         model.set("name", name)
         for pose in model.findall("pose"):
             model.remove(pose)
-        pose = ElementTree.Element("pose")
+        pose = Element("pose")
         pose.text = numbers((at[0], at[1], at[2] + self.lift, *at[3:]))
         model.insert(0, pose)
         return model
@@ -220,19 +209,20 @@ def parsed(
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
-    source = converted(root, where, _names(tracks)) if root.tag == "robot" else Converted(root)
+    separate = re.split(r"[,+]", tracks or "")
+    source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
     root, model = source.sdf, _model(source.sdf, where)
     resolve_uris(model, Path(where))
     version = _version(root)
     _modernize(model, version)
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
-    shapes = extents(frames)
+    shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
     if wheels:
-        drive: ReadDrive | None = named_wheels(wheels, frames, shapes, ros)
+        drive: ReadDrive | None = named_wheels(wheels, frames, ros)
     else:
-        drive = named_tracks(tracks, frames, shapes) if tracks else find_drive(model, frames, shapes, ros)
+        drive = named_tracks(tracks, frames) if tracks else find_drive(model, frames, ros)
     if drive:
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
@@ -248,16 +238,11 @@ def parsed(
         size=size or (0.5, 0.5, 0.5),
         speed=speed or DEFAULT_SPEED,
         turn=turn or DEFAULT_TURN,
-        lift=-float(shapes.low[2]) if shapes.known else 0.0,
+        lift=-float(shapes.whole.low[2]) if shapes.whole else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
         remarks=(*remarks, *_remarks(source, impossible_inertias(frames))),
     )
-
-
-def _names(tracks: str | None) -> set[str]:
-    """Return the links in LEFT,RIGHT, or none."""
-    return set(re.split(r"[,+]", tracks)) if tracks else set()
 
 
 def _remarks(source: Converted, impossible: Sequence[str]) -> Iterator[str]:
@@ -274,7 +259,7 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
-def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
+def _model(root: Element, where: str) -> Element:
     models = root.findall("model")
     if root.tag != "sdf" or len(models) != 1 or root.find("world") is not None:
         raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF")
@@ -285,7 +270,7 @@ def _model(root: ElementTree.Element, where: str) -> ElementTree.Element:
     return models[0]
 
 
-def _version(root: ElementTree.Element) -> str:
+def _version(root: Element) -> str:
     """Return the version of SDF, 1.6 if it is none that there is."""
     version = root.get("version", "").strip()
     return version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"
@@ -295,19 +280,19 @@ def _minor(version: str) -> int:
     return int(version.partition(".")[2])
 
 
-def _modernize(model: ElementTree.Element, version: str) -> None:
+def _modernize(model: Element, version: str) -> None:
     """Write down the rule for joints' axes before SDF 1.5, for a world of a later version: the model's frame."""
     if _minor(version) < 5:
         for axis in model.iter("axis"):
             if axis.find("use_parent_model_frame") is None:
-                ElementTree.SubElement(axis, "use_parent_model_frame").text = "true"
+                SubElement(axis, "use_parent_model_frame").text = "true"
 
 
 def _size(shapes: Extents, where: str) -> Vector | None:
     """Return the size of a box around the origin that holds all collision shapes; None if one is unknown."""
-    if not shapes.known:
+    if not shapes.whole:
         return None
-    low, high = shapes.low, shapes.high
+    low, high = shapes.whole
     sides = (*(2 * np.maximum(np.abs(low), np.abs(high))[:2]), high[2] - low[2])
     x, y, z = (float(np.maximum(side, SIDE.low)) for side in sides)
     for side in (x, y, z):
@@ -315,7 +300,7 @@ def _size(shapes: Extents, where: str) -> Vector | None:
     return None if shapes.unknown else (x, y, z)
 
 
-def _backend(model: ElementTree.Element, drive: ReadDrive | None) -> str | None:
+def _backend(model: Element, drive: ReadDrive | None) -> str | None:
     """Return the backend that the plug-in of a drive is of; None for ROS's, and for wheels that the user named."""
     if not drive or not drive.plugin or "_ros_" in drive.plugin:
         return None
@@ -359,6 +344,154 @@ def _no_drive(robot: SdfRobot) -> str:
     )
 
 
-def _outer(model: ElementTree.Element) -> str:
+def _outer(model: Element) -> str:
     model.tail = "\n"
-    return ElementTree.tostring(model, encoding="unicode")
+    return tostring(model, encoding="unicode")
+
+
+# What is changed for a drive.
+
+
+_LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
+"""Variables that list the folders of plug-ins."""
+
+_MOVING = ("revolute", "continuous", "prismatic")
+"""Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
+
+
+def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
+    """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
+
+    If the plug-in of the drive that was read is the simulator's, it is kept, with its limits of acceleration. ROS's
+    plug-ins are taken out where their library is not in a folder of LD_LIBRARY_PATH or of the simulator's plug-ins.
+    """
+    if backend == "classic" and model.find("allow_auto_disable") is None:
+        SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
+    read, drive = robot.read_drive, robot.drive if robot.read_drive else None
+    own = read.plugin if read else ""
+    held = _hold(model, drive)
+    for joint in _axes(model, read.turned if read else ()):
+        joint.text = numbers([-value for value in floats(joint.text, 3, name)])
+    kept = [
+        plugin for plugin in model.iter("plugin") if _is_own_drive(plugin_key(plugin.get("filename", "")), own, backend)
+    ]
+    plugins, sensors, visuals = _leave_out(model, backend)
+    for plugin in kept:
+        for topic in plugin.findall("topic"):
+            plugin.remove(topic)
+        if plugin_key(plugin.get("filename", "")) == own:
+            SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
+    if drive and not kept:
+        kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
+    model.extend(kept)
+    _respell(model, backend)
+    if backend != "classic":
+        model.append(fromstring(pose_publisher(backend)))  # noqa: S314  # ours
+    return {
+        "held as its model has them, as nothing drives them": _some(held),
+        "left out for the drive, as they are not here": ", ".join(plugins),
+        "left out for the drive, as their meshes are not found": ", ".join(visuals),
+        "left out for the drive, as sensors move nothing": ", ".join(sensors),
+    }
+
+
+def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
+    """Make the joints that nothing drives fixed, and return their names; without a drive, all that move."""
+    frames = ModelFrames(model, model.get("name", ""))
+    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
+    tracks = (*drive.left, *drive.right) if isinstance(drive, Tracks) else ()
+    held = []
+    for name, joint in frames.joints.items():
+        if joint.get("type") not in _MOVING or name in wheels:
+            continue
+        if drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint)):
+            joint.set("type", "fixed")
+            for element in [*joint.findall("axis"), *joint.findall("physics")]:
+                joint.remove(element)
+            held.append(name)
+    return tuple(held)
+
+
+def _has_controllers(model: Element, backend: str) -> bool:
+    """Return whether a model has a plug-in that a simulator loads and that may move its joints, of ROS or its own."""
+    files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
+    return any("control" in file.lower() and _is_loadable(file, backend) for file in files)
+
+
+def _has_spring(joint: Element) -> bool:
+    try:
+        return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
+    except ValueError:
+        return False
+
+
+def _axes(model: Element, joints: Collection[str]) -> Iterator[Element]:
+    """Yield the elements with the axes of joints."""
+    if joints:
+        elements = ModelFrames(model, model.get("name", "")).joints
+        yield from (axis for joint in joints if (axis := elements[joint].find("axis/xyz")) is not None)
+
+
+def _is_own_drive(key: str, own: str, backend: str) -> bool:
+    """Return whether a plug-in is the drive that was read, and the simulator has it.
+
+    Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
+    """
+    missing = ("classic",) if own != "gz-sim-mecanum-drive-system" else ("classic", "fortress")
+    return backend not in missing and own.startswith("gz-sim-") and key in (own, TRACK_CONTROLLER)
+
+
+def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
+    """Take out what a drive cannot use: the files of plug-ins but for drives, and the names of sensors and visuals.
+
+    Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot. Gazebo
+    Sim does not load a world with a mesh that it does not find, although nobody sees it.
+    """
+    names = tuple(_without(model, "sensor", lambda _: True, "name"))
+    visuals = tuple(_without(model, "visual", _lacks_its_mesh, "name"))
+    if backend != "classic":
+        list(_without(model, "script", lambda _: True, "name"))  # colours of Classic's, which later versions refuse
+    files = _without(model, "plugin", lambda plugin: not _is_loadable(plugin.get("filename", ""), backend), "filename")
+    plugins = tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACK_CONTROLLER)))
+    return plugins, names, visuals
+
+
+def _lacks_its_mesh(visual: Element) -> bool:
+    """Return whether the mesh of a visual was not found: URIs that were found are absolute paths (`resolve_uris`)."""
+    uri = (visual.findtext("geometry/mesh/uri") or "/").strip()
+    return not uri.removeprefix("file://").startswith("/")
+
+
+def _respell(model: Element, backend: str) -> None:
+    """Rename the systems of Gazebo Sim in a model as its version does: ignition-gazebo-... up to Fortress."""
+    file, space = prefixes(backend)
+    for plugin in model.iter("plugin"):
+        key = plugin_key(plugin.get("filename", ""))
+        if key.startswith("gz-sim-"):
+            plugin.set("filename", file + key.removeprefix("gz-sim"))
+            plugin.set("name", f"{space}::systems::{plugin.get('name', '').rpartition('::')[2]}")
+
+
+def _is_loadable(file: str, backend: str) -> bool:
+    key = plugin_key(file)
+    if key in (*KNOWN, TRACK_CONTROLLER):
+        return False
+    if key.startswith("gz-sim-"):
+        return backend != "classic"
+    # Classic's own are called so; one of a robot's manufacturer, or of ROS, is in a folder of plug-ins, or not here.
+    return (backend == "classic" and key.endswith("Plugin")) or _is_installed(file)
+
+
+def _is_installed(file: str) -> bool:
+    folders = [folder for variable in _LIBRARIES for folder in os.environ.get(variable, "").split(os.pathsep)]
+    names = {file, file if file.startswith("lib") else f"lib{file}.so"}
+    return any(Path(folder, name).is_file() for folder in folders if folder for name in names)
+
+
+def _without(model: Element, tag: str, is_out: Callable[[Element], bool], attribute: str) -> Iterator[str]:
+    """Take elements of a tag out, wherever they are, and give an attribute of each."""
+    for parent in list(model.iter()):
+        for element in parent.findall(tag):
+            if is_out(element):
+                parent.remove(element)
+                yield element.get(attribute, "")

@@ -9,8 +9,7 @@ Cost: the shapes times the depth of their frames; reading meshes costs most.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from math import radians
 from pathlib import Path
@@ -21,7 +20,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import rotation
+from rsegen.robots.links import framed, rotation
 from rsegen.robots.meshes import SUFFIXES, read_mesh
 
 _DEEPEST = 30
@@ -53,6 +52,11 @@ class ModelFrames:
         self.elements = {name: element for name, element in elements if element.tag != "joint"}
         self.joints = {name: element for name, element in elements if element.tag == "joint"}
 
+    @cached_property
+    def shapes(self) -> Extents:
+        """The extents of the collision shapes of every link."""
+        return extents(self)
+
     def transform(self, name: str, depth: int = 0) -> Array:
         """Return the pose of a frame in the model's, (4, 4); the model's own for a name that is none."""
         if depth > _DEEPEST:
@@ -63,6 +67,29 @@ class ModelFrames:
     def joint(self, name: str) -> Array:
         """Return the pose of a joint in the model's frame, (4, 4)."""
         return self._placed(name, self.joints[name], 0)
+
+    def child(self, joint: str) -> str:
+        """Return the link that a joint turns."""
+        return self._link(joint, "child")
+
+    def parent(self, joint: str) -> str:
+        """Return the link that a joint hangs on."""
+        return self._link(joint, "parent")
+
+    def _link(self, joint: str, tag: str) -> str:
+        return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
+
+    def links(self) -> Iterator[tuple[str, Element]]:
+        """Yield the links with their names."""
+        return ((name, element) for name, element in self.elements.items() if element.tag == "link")
+
+    def collisions(self) -> Iterator[tuple[str, Element, Element]]:
+        """Yield the collision shapes that have an end, with the names of their links, and their geometries."""
+        for link, element in self.links():
+            for collision in element.findall("collision"):
+                geometry = collision.find("geometry")
+                if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
+                    yield link, collision, geometry
 
     def _placed(self, name: str, element: Element, depth: int) -> Array:
         scope = name.rpartition("::")[0]
@@ -141,9 +168,7 @@ def _matrix(pose: Element, where: str) -> Array:
         if pose.get("degrees") in ("1", "true"):
             roll, pitch, yaw = map(radians, (roll, pitch, yaw))
         turn = rotation(roll, pitch, yaw)
-    transform = np.eye(4)
-    transform[:3, :3], transform[:3, 3] = turn, place
-    return transform
+    return framed(place, turn)
 
 
 def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
@@ -172,12 +197,12 @@ def inertials(frames: ModelFrames) -> dict[str, Inertial]:
 
     FileError for a mass that is not positive, and for a moment of inertia that is negative.
     """
-    return {link: _inertial(link, element, frames) for link, element in _links(frames)}
+    return {link: _inertial(link, element, frames) for link, element in frames.links()}
 
 
 def impossible_inertias(frames: ModelFrames) -> list[str]:
     """Return the links whose moments of inertia no body has: the largest exceeds the sum of the others."""
-    return [link for link, element in _links(frames) if is_impossible(_moments(link, element, frames))]
+    return [link for link, element in frames.links() if is_impossible(_moments(link, element, frames))]
 
 
 def is_impossible(tensor: Array) -> bool:
@@ -201,10 +226,6 @@ def tensor_of(values: Sequence[float]) -> Array:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def _links(frames: ModelFrames) -> Iterator[tuple[str, Element]]:
-    return ((name, element) for name, element in frames.elements.items() if element.tag == "link")
-
-
 def _inertial(link: str, element: Element, frames: ModelFrames) -> Inertial:
     inertial = element.find("inertial")
     place = frames.transform(link)
@@ -225,44 +246,25 @@ def _moments(link: str, element: Element, frames: ModelFrames) -> Array:
 
 
 class Extent(NamedTuple):
-    """The axis-aligned box of a collision shape of a link, in the model's frame: low and high, (3,), metres."""
+    """The axis-aligned box of collision shapes, in the model's frame: low and high, (3,), metres."""
 
-    link: str
     low: Array
     high: Array
 
 
-@dataclass(frozen=True)
-class Extents:
-    """The boxes of all collision shapes whose size is known, and the names of the links that have others too."""
+class Extents(NamedTuple):
+    """By link the box of its collision shapes whose size is known, and the names of the links that have others too.
 
-    known: tuple[Extent, ...]
-    unknown: tuple[str, ...]
+    whole: the box of all that are known, None if there is none
+    """
 
-    @cached_property
-    def low(self) -> Array:
-        """The lowest x, y and z of all, metres."""
-        return np.asarray(np.min([extent.low for extent in self.known], axis=0))
-
-    @cached_property
-    def high(self) -> Array:
-        """The highest x, y and z of all, metres."""
-        return np.asarray(np.max([extent.high for extent in self.known], axis=0))
+    known: Mapping[str, Extent]
+    unknown: Collection[str]
+    whole: Extent | None
 
     def of(self, link: str) -> Extent | None:
         """Return the box of all shapes of one link; None if one is unknown, or there is none."""
-        return self._by_link.get(link)
-
-    @cached_property
-    def _by_link(self) -> dict[str, Extent]:
-        """The boxes of the links all of whose shapes are known."""
-        boxes: dict[str, Extent] = {}
-        for link, low, high in self.known:
-            box = boxes.setdefault(link, Extent(link, low, high))
-            boxes[link] = Extent(link, np.minimum(box.low, low), np.maximum(box.high, high))
-        for link in self.unknown:
-            boxes.pop(link, None)
-        return boxes
+        return None if link in self.unknown else self.known.get(link)
 
 
 class SweptBox(NamedTuple):
@@ -275,25 +277,22 @@ class SweptBox(NamedTuple):
 
 def extents(frames: ModelFrames) -> Extents:
     """Return the extents of the collision shapes of every link of a model."""
-    known, unknown = [], []
-    for link, collision in (
-        (link, shape) for link, element in _links(frames) for shape in element.findall("collision")
-    ):
-        geometry = collision.find("geometry")
-        if geometry is None or len(geometry) == 0 or geometry.find("empty") is not None:
-            continue
-        if geometry.find("plane") is not None:  # without end
-            continue
+    known: dict[str, Extent] = {}
+    unknown = set()
+    for link, collision, geometry in frames.collisions():
         solid = swept_box(geometry, frames.where)
         if solid is None:
-            unknown.append(link)
+            unknown.add(link)
             continue
         pose = frames.shape(link, collision)
         # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
         reach = np.abs(pose[:3, :3]) @ solid.half + np.sqrt((pose[:3, :3] ** 2) @ np.square(solid.radii))
         middle = pose[:3, :3] @ solid.centre + pose[:3, 3]
-        known.append(Extent(link, middle - reach, middle + reach))
-    return Extents(tuple(known), tuple(dict.fromkeys(unknown)))
+        low, high = middle - reach, middle + reach
+        box = known.get(link, Extent(low, high))
+        known[link] = Extent(np.minimum(box.low, low), np.maximum(box.high, high))
+    lows, highs = [box.low for box in known.values()], [box.high for box in known.values()]
+    return Extents(known, unknown, Extent(np.min(lows, axis=0), np.max(highs, axis=0)) if known else None)
 
 
 def swept_box(geometry: Element, where: str) -> SweptBox | None:
@@ -314,14 +313,19 @@ def swept_box(geometry: Element, where: str) -> SweptBox | None:
 
 def _mesh(mesh: Element, where: str) -> SweptBox | None:
     """Return the box of a mesh in a file; None for one that cannot be read here."""
-    uri = (mesh.findtext("uri") or "").strip()
-    scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
-    if not uri.lower().endswith(SUFFIXES):
+    path, scale = file_and_scale(mesh, where)
+    if path.suffix.lower() not in SUFFIXES:
         return None
     try:
-        points, corners = read_mesh(Path(uri.removeprefix("file://")))
+        points, corners = read_mesh(path)
     except ImportError:
         return None
     low, high = (side * scale for side in (points[corners].min(axis=(0, 1)), points[corners].max(axis=(0, 1))))
     half, centre = np.abs(high - low) / 2, (low + high) / 2
     return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
+
+
+def file_and_scale(mesh: Element, where: str) -> tuple[Path, Array]:
+    """Return the path of the file of a <mesh>, and its scale along x, y and z."""
+    scale = np.array(floats(mesh.findtext("scale") or "1 1 1", 3, where))
+    return Path((mesh.findtext("uri") or "").strip().removeprefix("file://")), scale

@@ -23,7 +23,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import angles, rotation
+from rsegen.robots.links import angles, framed, rotation
 from rsegen.robots.sdf_shapes import floats, refuse_inertia, tensor_of
 
 _VERSION = "1.7"
@@ -443,7 +443,7 @@ def _placed(extension: Element, place: Array, where: str) -> Element:
     if made.tag in _PLACED and not np.array_equal(place, np.eye(4)):
         text = (made.findtext("pose") or "").strip() or "0 0 0 0 0 0"
         x, y, z, *turn = floats(text, 6, f"{where}: the pose of a <{made.tag}>")
-        _put(made, "pose", _pose(place @ _transform((x, y, z), turn)))
+        _put(made, "pose", _pose(place @ framed((x, y, z), rotation(*turn))))
     return made
 
 
@@ -451,14 +451,7 @@ def _origin(element: Element, where: str) -> Array:
     """Return the <origin> of an element, (4, 4); URDF's roll, pitch and yaw are those of SDF."""
     origin = element.find("origin")
     xyz, rpy = (floats(_attribute(origin, name) or "0 0 0", 3, where) for name in ("xyz", "rpy"))
-    return _transform(xyz, rpy)
-
-
-def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
-    roll, pitch, yaw = rpy
-    transform = np.eye(4)
-    transform[:3, :3], transform[:3, 3] = rotation(roll, pitch, yaw), xyz
-    return transform
+    return framed(xyz, rotation(*rpy))
 
 
 def _pose(transform: Array) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
@@ -59,7 +59,7 @@ def resolve_uris(model: Element, file: Path) -> None:
 
 def found_package(name: str, file: Path) -> Path | None:
     """Return the folder of a package that a file names, None if it is not found."""
-    return next((path for path in _of_package(name, file) if _exists(path)), None)
+    return _resolved(f"package://{name}", file)
 
 
 def packages_around(file: Path) -> Iterator[Path]:
@@ -67,7 +67,7 @@ def packages_around(file: Path) -> Iterator[Path]:
 
     Those are its own package, those next to it, and those in the repositories next to it.
     """
-    own = next((folder for folder in file.absolute().parents if _is_file(folder / _MANIFEST)), None)
+    own = next((folder for folder in file.absolute().parents if os.path.isfile(folder / _MANIFEST)), None)
     if own is None:
         return
     yield own
@@ -79,7 +79,7 @@ def packages_around(file: Path) -> Iterator[Path]:
             if inner in seen:
                 continue
             seen.add(inner)
-            if _is_file(inner / _MANIFEST):
+            if os.path.isfile(inner / _MANIFEST):
                 yield inner
             elif not depth:
                 waiting.append((inner, 1))
@@ -100,27 +100,15 @@ def _package_name(folder: Path) -> str:
     return name[1] if name else ""
 
 
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
 def _resolved(uri: str, file: Path) -> Path | None:
     """Return the path of an existing file that a URI names, None if there is none."""
     scheme, separator, rest = uri.partition("://")
-    if not uri or "\0" in uri:
-        return None
-    if not separator:
-        candidates: Iterator[Path] = iter([file.absolute().parent / uri])
-    elif scheme == "file":
-        candidates = iter([Path("/", rest) if rest.startswith("/") else file.absolute().parent / rest])
-    elif scheme in ("model", "package"):
+    candidates: Iterable[Path] = ()
+    if separator and scheme in ("model", "package"):
         candidates = _of_package(rest, file)
-    else:
-        return None
-    return next((path for path in candidates if _exists(path)), None)
+    elif uri and (scheme == "file" or not separator):
+        candidates = [file.absolute().parent / (rest if separator else uri)]
+    return next(filter(os.path.exists, candidates), None)  # False for a name that is too long
 
 
 def _of_package(rest: str, file: Path) -> Iterator[Path]:
@@ -138,10 +126,3 @@ def _of_package(rest: str, file: Path) -> Iterator[Path]:
 
 def _listed(variable: str) -> list[str]:
     return [folder for folder in os.environ.get(variable, "").split(os.pathsep) if folder]
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except OSError:  # a name that is too long
-        return False

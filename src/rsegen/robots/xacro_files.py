@@ -16,11 +16,11 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, UserError, line_of, said_by
@@ -70,13 +70,6 @@ def is_xacro(root: Element, where: str) -> bool:
     return root.tag == "robot" and any("${" in text or "$(" in text for text in texts)
 
 
-class Expanded(NamedTuple):
-    """The XML of a file, and the packages of which it includes files that are not found, and that it does not need."""
-
-    text: str
-    missing: tuple[str, ...]
-
-
 def with_arguments(file: str) -> tuple[str, dict[str, str]]:
     """Return the path and the arguments in FILE NAME:=VALUE ..., as ROS's xacro takes them on a command line."""
     match = re.search(r"(?:\s+[A-Za-z_]\w*:=\S*)+\s*$", file, re.ASCII)
@@ -85,8 +78,11 @@ def with_arguments(file: str) -> tuple[str, dict[str, str]]:
     return file[: match.start()], dict(word.split(":=", 1) for word in match[0].split())
 
 
-def expanded(text: str, where: str, arguments: Mapping[str, str]) -> Expanded:
-    """Return the XML of a text of Xacro; an argument that is not given has its default."""
+def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, Sequence[str]]:
+    """Return the XML of a text of Xacro, and the packages of which it includes files that are not found nor needed.
+
+    An argument that is not given has its default.
+    """
     if XACRO.is_missing:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
     command = [sys.executable, "-m", "rsegen.robots.xacro_files", where]
@@ -111,7 +107,7 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> Expanded:
     if ended.returncode:
         raise FileError(f"{where}: xacro cannot expand it: {line_of(ended.stdout) or 'it needs too much memory'}")
     result = json.loads(ended.stdout)
-    return Expanded(result["text"], tuple(result["missing"]))
+    return result["text"], result["missing"]
 
 
 def main(where: str) -> int:

@@ -1,6 +1,6 @@
 """The one engine that writes whatever rsegen writes: nothing is lost, whenever a run ends (docs/reliability.md).
 
-    Product --execute: here, in workers, on a cluster--> staged files --Store: one swap each--> a folder with a Journal
+    product --execute: here, in workers, on a cluster--> staged files --Store: one swap each--> a folder with a Journal
 
 plan.py      what a run makes, checked once: products, items, and those that exist already
 execute.py   where it is made: here, in workers, on a Dask cluster; always in order

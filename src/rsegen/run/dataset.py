@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from rsegen.errors import OutputError
 from rsegen.field.metrics.batch import batch_metrics
-from rsegen.field.stepfield import Levels
 from rsegen.io.dataset.layout import MANIFEST, Shard, ShardLayout, header, manifest
 from rsegen.io.dataset.reading import Dataset, arrow, npy, table
 from rsegen.io.resources import maps_in_memory, refuse_full, refuse_too_large
@@ -74,7 +74,8 @@ def plan_dataset(
         layout=layout,
         run=RunPlan(
             folder=folder,
-            product=_Shards(layout=layout),
+            product=partial(_shard, layout),
+            seconds=_seconds_per_shard(layout),
             to_make=[number for number in range(layout.shards) if number not in known],
             existing=existing,
             execution=replace(execution, workers=min(execution.workers, *map(maps_in_memory, layout.recipes))),
@@ -168,31 +169,22 @@ def _opened(plan: DatasetPlan) -> Iterator[Store]:
             yield store
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Shards:
-    """A product that makes shards by their numbers: the levels and metrics of some maps."""
+def _seconds_per_shard(layout: ShardLayout) -> float:
+    """About 30 us per map and obstacle, and 0.15 us per cell: measured on random maps, rounded."""
+    n_x, n_y = layout.grid_shape
+    obstacles = max(len(recipe.obstacles) for recipe in layout.recipes)
+    return layout.shard_maps * (3e-5 * obstacles + n_x * n_y * 1.5e-7)
 
-    layout: ShardLayout
 
-    @property
-    def seconds(self) -> float:
-        """About 30 us per map and obstacle, and 0.15 us per cell: measured on random maps, rounded."""
-        n_x, n_y = self.layout.grid_shape
-        obstacles = max(len(recipe.obstacles) for recipe in self.layout.recipes)
-        return self.layout.shard_maps * (3e-5 * obstacles + n_x * n_y * 1.5e-7)
-
-    def __call__(self, number: int, /) -> Output[int]:
-        layout, names = self.layout, self.layout.names(number)
-        levels = self._levels(number)
-        files = {PurePosixPath(names["levels"]): [npy(levels)]}
-        if layout.metrics != "none":
-            content = table(layout.metrics, layout.indices(number), batch_metrics(levels, layout.flat_field))
-            files[PurePosixPath(names["metrics"])] = [content]
-        return Output(made=number, files=files, adds=True, holds=HOLDS, force=frozenset(names.values()))
-
-    def _levels(self, number: int) -> Levels:
-        levels = build_many(self.layout.recipe_of_shard(number), self.layout.indices(number))
-        narrow = levels.astype(self.layout.dtype)
-        if (narrow != levels).any():
-            raise OverflowError(f"a level of shard {number} is no {self.layout.dtype}")
-        return narrow
+def _shard(layout: ShardLayout, number: int) -> Output[int]:
+    """Return the files of a shard by its number: the levels and metrics of some maps."""
+    names = layout.names(number)
+    wide = build_many(layout.recipe_of_shard(number), layout.indices(number))
+    levels = wide.astype(layout.dtype)
+    if (levels != wide).any():
+        raise OverflowError(f"a level of shard {number} is no {layout.dtype}")
+    files = {PurePosixPath(names["levels"]): [npy(levels)]}
+    if layout.metrics != "none":
+        content = table(layout.metrics, layout.indices(number), batch_metrics(levels, layout.flat_field))
+        files[PurePosixPath(names["metrics"])] = [content]
+    return Output(made=number, files=files, adds=True, holds=HOLDS, force=frozenset(names.values()))

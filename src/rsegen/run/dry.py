@@ -41,17 +41,10 @@ class Notes:
     def put_whole(self, folder: Path, names: Iterable[str]) -> None:
         """Note files of a folder that takes the place of what has its name, if anything does."""
         self.put(folder, names)
-        self._rest(folder, "remove")
+        self.rest(folder, "remove")
 
-    def keep(self, folder: Path) -> None:
-        """Note that all other files of a folder stay."""
-        self._rest(folder, "keep")
-
-    def remove(self, folder: Path) -> None:
-        """Note that all other files of a folder go."""
-        self._rest(folder, "remove")
-
-    def _rest(self, folder: Path, fate: str) -> None:
+    def rest(self, folder: Path, fate: str) -> None:
+        """Note the fate of all other files of a folder."""
         for path in folder.rglob("*"):
             if not path.is_dir():
                 self._fates.setdefault(path, fate)
@@ -97,7 +90,7 @@ def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_
         return
     stay = frozenset(kept)
     noted.put(folder, [name for name in names if name not in stay])
-    (noted.remove if is_whole else noted.keep)(folder)
+    noted.rest(folder, "remove" if is_whole else "keep")
     raise _Ended
 
 

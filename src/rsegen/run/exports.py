@@ -10,16 +10,17 @@ with their options, so that a resumed run knows which of them are those asked fo
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import fsum, prod
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
 from rsegen.exporters.formats import FORMATS, Format, exported, format_named, recorded_options, refuse_unready
+from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene, compose
 from rsegen.io.input_files import JOURNAL, Checksum, regular_content
@@ -35,10 +36,11 @@ from rsegen.run.store import (
     new_root,
     open_store,
     refuse_busy,
-    refuse_loss_below,
     refuse_taken,
+    refuse_unit,
     sorted_names,
     stage_all,
+    taken,
     write_file,
     write_folder,
 )
@@ -146,7 +148,8 @@ def plan_exports(
     planned = [planned_export(recipe, index, folder, sidecars.formats, on_existing) for recipe, index in maps]
     return RunPlan(
         folder=folder,
-        product=_Exports(folder=folder, seconds=_mean_seconds(recipes, sidecars)),
+        product=partial(_export, folder),
+        seconds=_mean_seconds(recipes, sidecars),
         to_make=[export for export in planned if export.formats],
         existing=[export for export in planned if not export.formats],
         replaces=on_existing is OnExisting.REPLACE,
@@ -186,35 +189,28 @@ def planned_export(
     return MapExport(recipe=recipe, index=index, formats=missing, adds=True)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Exports:
-    """Exports maps."""
-
-    folder: Path
-    seconds: float
-
-    def __call__(self, item: MapExport, /) -> Output[ExportedMap]:
-        name = item.recipe.map_name(item.index)
-        home, bundle = self.folder / name, exported(compose(item.recipe, item.index), item.formats)
-        if item.adds:
-            bundle = _added(bundle, home, item.formats)
-        names = frozenset(format_.name for format_ in item.formats)
-        return Output(
-            made=ExportedMap(folder=home, names=sorted_names(bundle)),
-            files=bundle,
-            folder=name,
-            adds=item.adds,
-            force=names | {FORMATS_FILE},  # the plan has refused those that must stay
-            whole=names,
-        )
+def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
+    """Return the files of a map in other formats."""
+    name = item.recipe.map_name(item.index)
+    home, bundle = folder / name, exported(compose(item.recipe, item.index), item.formats)
+    if item.adds:
+        bundle = _added(bundle, home, item.formats)
+    names = frozenset(format_.name for format_ in item.formats)
+    return Output(
+        made=ExportedMap(folder=home, names=sorted_names(bundle)),
+        files=bundle,
+        folder=name,
+        adds=item.adds,
+        force=names | {FORMATS_FILE},  # the plan has refused those that must stay
+        whole=names,
+    )
 
 
 def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
     """Return what is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
     listed = {**(listed_formats(str(home)) or {}), **recorded_options(formats)}
-    text = json.dumps(listed, indent=2) + "\n"
     added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
-    return {**added, PurePosixPath(FORMATS_FILE): [text.encode()]}
+    return {**added, PurePosixPath(FORMATS_FILE): [as_json(listed)]}
 
 
 def _mean_seconds(recipes: Sequence[Recipe], sidecars: Sidecars) -> float:
@@ -247,20 +243,15 @@ def _missing_formats(
     refuse_link(home / FORMATS_FILE)
     missing = []
     for format_ in formats:
-        place = home / format_.name
-        if not os.path.lexists(place):
-            missing.append(format_)
-            continue
-        refuse_link(place)
-        if not place.is_dir():
-            raise OutputError(f"{place}: was not written by rsegen, so it is not replaced; give another folder")
-        refuse_loss_below(home, format_.name, journal)
-        if on_existing is OnExisting.REFUSE:
-            raise OutputError(f"{place}: exists already; give force=True to replace it, or another folder")
-        same = listed.get(format_.name) == recorded_options([format_])[format_.name]
-        is_complete = journal is not None and compare(home, journal, format_.name).is_intact
-        if not (on_existing is OnExisting.KEEP and same and is_complete):
-            missing.append(format_)
+        if os.path.lexists(home / format_.name):
+            refuse_unit(home, format_.name, journal, force=True, is_folder=True)
+            if on_existing is OnExisting.REFUSE:
+                raise taken(home / format_.name)
+            same = listed.get(format_.name) == recorded_options([format_])[format_.name]
+            is_complete = journal is not None and compare(home, journal, format_.name).is_intact
+            if on_existing is OnExisting.KEEP and same and is_complete:
+                continue
+        missing.append(format_)
     if missing:
         is_intact(home, FORMATS_FILE, journal)  # which will list them
     return tuple(missing)
@@ -338,7 +329,7 @@ def _in_package(chosen: Format, recipe: Recipe, index: int) -> Bundle:
     return {
         **{PurePosixPath(path).relative_to(chosen.joins): content for path, content in files.items()},
         PurePosixPath(_recipe_file(recipe, index)): [map_json(recipe, index)],
-        PurePosixPath(FORMATS_FILE): [_formats_file(chosen)],
+        PurePosixPath(FORMATS_FILE): [as_json(recorded_options([chosen]))],
     }
 
 
@@ -348,7 +339,7 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
     with read_errors(home):
         journal = read_journal(home)
         expected = {_recipe_file(recipe, index): map_json(recipe, index) for recipe, index in maps}
-        expected[FORMATS_FILE] = _formats_file(chosen)
+        expected[FORMATS_FILE] = as_json(recorded_options([chosen]))
         held = journal.files if journal else {}
         same = all(Checksum.of(content) in held.get(name, ()) for name, content in expected.items())
         others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
@@ -364,7 +355,3 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
 
 def _recipe_file(recipe: Recipe, index: int) -> str:
     return f"{_RECIPES}/{recipe.map_name(index)}.json"
-
-
-def _formats_file(chosen: Format) -> bytes:
-    return (json.dumps(recorded_options([chosen]), indent=2) + "\n").encode()

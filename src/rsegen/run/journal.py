@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 import os
 import stat
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
@@ -75,16 +75,6 @@ def file_lines(files: Mapping[str, Checksum | tuple[Checksum, ...]]) -> bytes:
         for name, checksums in sorted(files.items())
         for checksum in ((checksums,) if isinstance(checksums, Checksum) else checksums)
     )
-
-
-def gone_lines(names: Iterable[str]) -> bytes:
-    """Return a line for each file that is no longer rsegen's, as it was removed."""
-    return b"".join(_line({"gone": name}) for name in sorted(names))
-
-
-def result_line(result: Mapping[str, Json]) -> bytes:
-    """Return the line of something that was measured."""
-    return _line({"result": result})
 
 
 def _line(entry: Mapping[str, object]) -> bytes:
@@ -185,7 +175,7 @@ class OpenJournal:
         """
         if self.content is None:
             return
-        results = b"".join(map(result_line, self.content.results))
+        results = b"".join(_line({"result": result}) for result in self.content.results)
         text = first_line(self.content.holds, self.content.of) + file_lines(self.content.files) + results
         with suppress(OSError):
             if len(text) != self._size or self._path.read_bytes() != text:
@@ -195,13 +185,13 @@ class OpenJournal:
 
     def note(self, result: Mapping[str, Json]) -> None:
         """Append a result to a journal that has begun."""
-        self.append(result_line(result))
+        self.append(_line({"result": result}))
         if self.content:
             self.content = replace(self.content, results=(*self.content.results, result))
 
     def drop(self, names: Collection[str]) -> None:
         """List files as gone, which rsegen has removed."""
-        self.append(gone_lines(names))
+        self.append(b"".join(_line({"gone": name}) for name in sorted(names)))
         if self.content:
             for name in names:
                 self.content.files.pop(name, None)
@@ -325,10 +315,19 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
             kind, expected = _KINDS.get(journal.holds, "files of rsegen"), _KINDS.get(holds, holds)
             raise OutputError(f"{shown}: holds {kind}, not {expected}; give another folder")
         comparison = compare(folder, journal)
+    _refuse_lost(comparison, shown)
+
+
+def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
+    """Raise an OutputError unless everything in a folder of a folder is as its journal lists it."""
+    _refuse_lost(compare(folder, journal or Journal(holds="files"), name), folder)
+
+
+def _refuse_lost(comparison: FolderComparison, folder: Path) -> None:
     for name in comparison.foreign:
-        raise OutputError(f"{shown / name}: was not written by rsegen, {_LOST}")
+        raise OutputError(f"{folder / name}: was not written by rsegen, {_LOST}")
     for name in comparison.changed:
-        raise OutputError(f"{shown / name}: was changed after rsegen wrote it, {_LOST}")
+        raise OutputError(f"{folder / name}: was changed after rsegen wrote it, {_LOST}")
 
 
 def refuse_link(path: Path) -> None:

@@ -1,6 +1,6 @@
 """A run: what it will make, checked once, then made item by item, each put in its place whole or not at all.
 
-    Product: item --> Output, files as bytes --Staging, in any process--> staged folder --run_in, this one--> its place
+    product: item --> Output, files as bytes --staging, in any process--> staged folder --run_in, this one--> its place
 
 Workers, or a cluster, only write below the hidden folder of the store; the process of the run alone puts things in
 place, in the order of the items. An item that exists already, to the byte, is kept by a run that is resumed: a folder
@@ -11,16 +11,17 @@ a run, the error says what is complete.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import partial
 from pathlib import Path, PurePosixPath
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
 from rsegen.io.input_files import Checksum
+from rsegen.io.targets import index_of
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run import dry
@@ -30,7 +31,7 @@ from rsegen.run.stop import held
 from rsegen.run.store import Store, new_root, open_store, stage_all, stage_journal
 from rsegen.run.swap import sync_trees
 
-Item_contra = TypeVar("Item_contra", contravariant=True)
+Item = TypeVar("Item")
 Made = TypeVar("Made")
 
 
@@ -52,17 +53,6 @@ class Output(Generic[Made]):
     whole: frozenset[str] = frozenset()
 
 
-class Product(Protocol[Item_contra, Made]):
-    """A picklable task that makes each of many items; the items are passed to each call."""
-
-    @property
-    def seconds(self) -> float:
-        """About how long an item takes; decides how the items are divided among workers, never the result."""
-
-    def __call__(self, item: Item_contra, /) -> Output[Made]:
-        """Return the files of an item."""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Staged(Generic[Made]):
     """An item whose files are complete in a folder of the staging: `output` without their bytes."""
@@ -72,47 +62,34 @@ class Staged(Generic[Made]):
     files: Mapping[str, Checksum]
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Batch(Generic[Made]):
-    """The items that a worker has staged, and the error by which the next one failed."""
+def _stage(
+    product: Callable[[Item], Output[Made]], folder: Path, items: Sequence[Item], *, sync: bool
+) -> tuple[Sequence[Staged[Made]], Exception | None]:
+    """Make items and stage their files, in any process that sees the folder.
 
-    staged: Sequence[Staged[Made]]
-    error: Exception | None = None
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Staging(Generic[Item_contra, Made]):
-    """Makes items and stages their files, in any process that sees the folder."""
-
-    product: Product[Item_contra, Made]
-    folder: Path
-    sync: bool
-
-    def __call__(self, items: Sequence[Item_contra], /) -> Batch[Made]:
-        """Return the items that are complete on the disk, up to the first that fails."""
-        staged: list[Staged[Made]] = []
-        error = None
-        for item in items:
-            try:
-                staged.append(self._staged(self.product(item)))
-            except Exception as failure:  # noqa: PERF203  # raised by the run, once those before it are in their places
-                error = failure
-                break
-        if self.sync:
-            sync_trees([item.root for item in staged if item.root])
-        return Batch(staged=staged, error=error)
-
-    def _staged(self, output: Output[Made]) -> Staged[Made]:
-        if not output.files:
-            return Staged(output=output, root=None, files={})
-        root = new_root(self.folder)
-        files = stage_all(root, output.files)
-        if output.folder and not output.adds:
-            stage_journal(root, files, output.holds)
-        return Staged(output=replace(output, files={}), root=root, files=files)
+    Returns those that are complete on the disk, and the error by which the next one failed.
+    """
+    staged: list[Staged[Made]] = []
+    error = None
+    for item in items:
+        try:
+            staged.append(_staged(product(item), folder))
+        except Exception as failure:  # noqa: PERF203  # raised by the run, once those before it are in their places
+            error = failure
+            break
+    if sync:
+        sync_trees([item.root for item in staged if item.root])
+    return staged, error
 
 
-Item = TypeVar("Item")
+def _staged(output: Output[Made], folder: Path) -> Staged[Made]:
+    if not output.files:
+        return Staged(output=output, root=None, files={})
+    root = new_root(folder)
+    files = stage_all(root, output.files)
+    if output.folder and not output.adds:
+        stage_journal(root, files, output.holds)
+    return Staged(output=replace(output, files={}), root=root, files=files)
 
 
 class OnExisting(Enum):
@@ -134,13 +111,15 @@ class OnExisting(Enum):
 class RunPlan(Generic[Item, Made]):
     """A run that was checked: the items to make, how, and those that exist already and stay.
 
-    product: how an item is made   to_make: the items, in order   existing: items that exist and are kept
+    product: a picklable function that makes an item   seconds: about how long an item takes; decides how the items are
+    divided among workers, never the result   to_make: the items, in order   existing: items that exist and are kept
     replaces: whether folders that exist are replaced, if rsegen wrote them and they are unchanged
     what: the items in messages
     """
 
     folder: Path
-    product: Product[Item, Made]
+    product: Callable[[Item], Output[Made]]
+    seconds: float
     to_make: Sequence[Item]
     existing: Sequence[Item] = ()
     replaces: bool = False
@@ -169,24 +148,23 @@ def run_in(
 
 def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None) -> tuple[Made, ...]:
     # Batches come in the order of the items; after each, results are reported, and an error ends the run.
-    staging = Staging(product=plan.product, folder=store.staging.absolute(), sync=plan.execution.sync)
-    batches = execute(staging, plan.to_make, plan.product.seconds, plan.execution)
+    staging = partial(_stage, plan.product, store.staging.absolute(), sync=plan.execution.sync)
+    batches = execute(staging, plan.to_make, plan.seconds, plan.execution)
     made: list[Made] = []
     try:
         with closing(batches):
-            for batch in batches:
-                before = len(made)
-                for staged in batch.staged:
+            for batch, failure in batches:
+                for staged in batch:
                     with held():
                         _put(store, staged, force=plan.replaces)
                         made.append(staged.output.made)
-                if batch.staged:
+                if batch:
                     store.sync_names()
-                for result in made[before:]:
-                    if progress:
-                        progress(result)
-                if batch.error:
-                    raise batch.error
+                if progress:
+                    for staged in batch:
+                        progress(staged.output.made)
+                if failure:
+                    raise failure
     except (KeyboardInterrupt, UserError, OSError) as error:
         raise _ended(error, store, _left(store, plan, len(made))) from error
     return tuple(made)
@@ -195,15 +173,15 @@ def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made],
 def _noted(noted: dry.Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Made]:
     """Note the files of each item in a dry run, and yield what is known of those that would be made."""
     for item in plan.existing:
-        noted.keep(folder / plan.product(item).folder)
+        noted.rest(folder / plan.product(item).folder, "keep")
     for item in plan.to_make:
         output = plan.product(item)
         home, names = folder / output.folder, [str(path) for path in output.files]
         if output.adds:
             noted.put(home, names)
             for top in output.whole:
-                noted.remove(home / top)
-            noted.keep(home)
+                noted.rest(home / top, "remove")
+            noted.rest(home, "keep")
         elif names:
             noted.put_whole(home, names)
         yield output.made
@@ -248,10 +226,9 @@ def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], boo
     OutputError for the first folder that has a map's name and holds something else, or a file that was changed.
     """
     names = os.listdir(folder) if folder.is_dir() else ()
-    indices = (map_index_of(recipe, name) for name in names)
-    homes = (
-        (index, folder / recipe.map_name(index)) for index in sorted(index for index in indices if index is not None)
-    )
+    indices = ((index_of(recipe, name), name) for name in names)
+    exact = sorted(index for index, name in indices if index is not None and recipe.map_name(index) == name)
+    homes = ((index, folder / recipe.map_name(index)) for index in exact)
     return [index for index, home in homes if is_kept(home, map_json(recipe, index), is_complete)]
 
 
@@ -279,10 +256,3 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
         return True
     refuse_loss(home, "map")
     return False
-
-
-def map_index_of(recipe: Recipe, name: str) -> int | None:
-    """Return the index of the recipe's map of this name, None if it has no such map."""
-    match = re.fullmatch(r"([0-9]{4,19})", name.removeprefix(f"{recipe.name}_"))  # 0000, and up to 64 bits
-    index = int(match[0]) if match else -1
-    return index if index in recipe.indices and recipe.map_name(index) == name else None

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,7 +36,6 @@ from rsegen.run.worlds import GeneratedMap, Sidecars, seconds_per_world, world_o
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 TABLE, PICTURE = "series.csv", "series.png"
 
@@ -95,16 +95,16 @@ def plan_series(
         refuse_taken_file(folder / name, force=replaces)
     if not keeps:
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
-    measure = _Fields(plan=plan)
     spans: list[Span] = []
-    for batch in execute(measure, plan.fields, measure.seconds, execution):
+    for batch in execute(partial(_spans, plan), plan.fields, 2 * _seconds_per_value(plan), execution):
         spans += batch
         tell("fields as designed", len(spans) / len(plan.fields))
     line = mean(plan, spans)
     existing = _existing(plan, line, folder, sidecars) if keeps else []
     return RunPlan(
         folder=folder,
-        product=_Maps(plan=plan, folder=folder, sidecars=sidecars, line=line, existing=frozenset(existing)),
+        product=partial(_map, plan, folder, sidecars, line, frozenset(existing)),
+        seconds=_seconds_per_map(plan, sidecars),
         to_make=numbers,
         existing=existing,
         replaces=replaces,
@@ -114,14 +114,13 @@ def plan_series(
 
 def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) -> list[int]:
     """Return the numbers of the maps that are complete; an OutputError if something else has the name of a map."""
-    complete = []
-    for number in range(plan.recipe.maps):
-        home = folder / plan.map_name(number)
-        if not os.path.lexists(home):
-            continue
-        if is_kept(home, to_json(map_target(plan, number, line).recipe).encode(), sidecars.complete_in):
-            complete.append(number)
-    return complete
+    homes = ((number, folder / plan.map_name(number)) for number in range(plan.recipe.maps))
+    return [
+        number
+        for number, home in homes
+        if os.path.lexists(home)
+        and is_kept(home, to_json(map_target(plan, number, line).recipe).encode(), sidecars.complete_in)
+    ]
 
 
 def _seconds_per_value(plan: SeriesPlan) -> float:
@@ -132,48 +131,29 @@ def _seconds_per_value(plan: SeriesPlan) -> float:
     return 0.2 if plan.robot is not None else 1e-3 + cells * 1.5e-6  # a robot looks for its ways
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Fields:
-    """A task that measures the fields of a series as designed."""
-
-    plan: SeriesPlan
-
-    @property
-    def seconds(self) -> float:
-        return 2 * _seconds_per_value(self.plan)
-
-    def __call__(self, numbers: Iterable[int], /) -> tuple[Span, ...]:
-        return tuple(span(self.plan, number) for number in numbers)
+def _spans(plan: SeriesPlan, numbers: Iterable[int]) -> tuple[Span, ...]:
+    """Measure fields of a series, level and as designed."""
+    return tuple(span(plan, number) for number in numbers)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Maps:
-    """A product that makes and measures maps by their numbers; existing ones are measured only, for their rows.
+def _seconds_per_map(plan: SeriesPlan, sidecars: Sidecars) -> float:
+    # Estimates, as in `seconds_per_world`: a world, 3 ms and 1 us per cell for its row, and a search for its share.
+    row = 3e-3 + prod(plan.recipe.grid.shape) * 1e-6
+    searched = 0 if plan.by == RMS else HALVINGS * _seconds_per_value(plan)
+    return seconds_per_world(plan.recipe, sidecars) + row + searched
 
-    line: the values from which and to which they rise
-    """
 
-    plan: SeriesPlan
-    folder: Path
-    sidecars: Sidecars
-    line: Span
-    existing: frozenset[int]
-
-    @property
-    def seconds(self) -> float:
-        # Estimates, as in `seconds_per_world`: a world, 3 ms and 1 us per cell for its row, and a search for its share.
-        row = 3e-3 + prod(self.plan.recipe.grid.shape) * 1e-6
-        searched = 0 if self.plan.by == RMS else HALVINGS * _seconds_per_value(self.plan)
-        return seconds_per_world(self.plan.recipe, self.sidecars) + row + searched
-
-    def __call__(self, number: int, /) -> Output[RowAndMap]:
-        target = map_target(self.plan, number, self.line)
-        scene = compose(target.recipe, target.recipe.first_map)
-        row = series_row(self.plan, number, scene, target)
-        if number in self.existing:
-            return Output(made=(row, None), folder=self.plan.map_name(number))
-        world = world_output(scene, self.folder, self.sidecars)
-        return Output(made=(row, world.made), files=world.files, folder=world.folder)
+def _map(
+    plan: SeriesPlan, folder: Path, sidecars: Sidecars, line: Span, existing: frozenset[int], number: int
+) -> Output[RowAndMap]:
+    """Return the row and the files of a map on a line by its number; an existing one is measured only, for its row."""
+    target = map_target(plan, number, line)
+    scene = compose(target.recipe, target.recipe.first_map)
+    row = series_row(plan, number, scene, target)
+    if number in existing:
+        return Output(made=(row, None), folder=plan.map_name(number))
+    world = world_output(scene, folder, sidecars)
+    return Output(made=(row, world.made), files=world.files, folder=world.folder)
 
 
 # The chart.
@@ -199,7 +179,10 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     _draw_rise(figure.add_subplot(grid[0, :]), plan, rows, shown)
     for column, scene in enumerate(scenes):
         _draw_plan(figure.add_subplot(grid[1, column]), plan, scene, rows[shown[column]])
-    _legend(figure, scenes)
+    # A swatch for every height in the plans, or for some of them evenly spaced.
+    levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
+    if handles := swatches(scenes[0], levels, _SWATCHES):
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     fields = "one field" if plan.same_field else f"{len(rows)} fields"
     figure.suptitle(f"{plan.recipe.name}: {fields}, difficulty {plan.from_:g} to {plan.to:g}, seed {plan.recipe.seed}")
     return encoded(figure, "png", to_json(plan.recipe))
@@ -269,10 +252,3 @@ def _draw_plan(axes: Axes, plan: SeriesPlan, scene: Scene, row: SeriesRow) -> No
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set(color=_INK, linewidth=0.5)
-
-
-def _legend(figure: Figure, scenes: Sequence[Scene]) -> None:
-    """Draw a swatch for every height in the plans, or for some of them evenly spaced."""
-    levels = sorted({level for scene in scenes for level in scene.field.level_counts() if level})
-    if handles := swatches(scenes[0], levels, _SWATCHES):
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)

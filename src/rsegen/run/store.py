@@ -24,6 +24,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
+from typing import ClassVar
 
 from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
 from rsegen.exporters.gazebo import Bundle
@@ -34,7 +35,6 @@ from rsegen.run.journal import (
     HIDDEN,
     Journal,
     OpenJournal,
-    compare,
     file_lines,
     first_line,
     is_empty,
@@ -42,6 +42,7 @@ from rsegen.run.journal import (
     read_journal,
     refuse_link,
     refuse_loss,
+    refuse_loss_below,
 )
 from rsegen.run.lease import Lease, refuse_leased, take, wait_until_free
 from rsegen.run.stop import held
@@ -95,6 +96,8 @@ class Store:
     Its journal lists the files that are put into the folder itself. A folder of maps has none: each map has its own.
     """
 
+    _journals: ClassVar[type[OpenJournal]] = OpenJournal
+
     def __init__(self, folder: Path, *, sync: bool) -> None:
         self.folder: Path = folder
         self.home: Path = folder / HIDDEN
@@ -106,7 +109,7 @@ class Store:
     @cached_property
     def journal(self) -> OpenJournal:
         """The journal of the folder."""
-        return OpenJournal(self.folder, self.staging, sync=self.sync)
+        return self._journals(self.folder, self.staging, sync=self.sync)
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
@@ -180,7 +183,7 @@ class Store:
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
         for name in units:
             if os.path.lexists(folder / name):
-                _refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole)
+                refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole)
         before = journal.content.files if journal.content else {}
         gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
         self._check_lease()
@@ -292,15 +295,12 @@ class _DryStore(Store):
     is_whole: whether its files take the place of all that is in the folder
     """
 
+    _journals: ClassVar[type[OpenJournal]] = _DryJournal
+
     def __init__(self, folder: Path, noted: dry.Notes, staging: Path, *, is_whole: bool = False) -> None:
         super().__init__(folder, sync=False)
         self.staging = staging
         self._noted, self._is_whole = noted, is_whole
-
-    @cached_property
-    def journal(self) -> OpenJournal:
-        """The journal of the folder."""
-        return _DryJournal(self.folder, self.staging, sync=False)
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Note the files of a folder."""
@@ -314,18 +314,12 @@ class _DryStore(Store):
         """Note files of the folder."""
         for name in bundle if not self._is_whole else ():
             if os.path.lexists(self.folder / name):
-                _refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=False)
+                refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=False)
         (self._noted.put_whole if self._is_whole else self._noted.put)(self.folder, bundle)
 
     def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """Note these files, and end the dry run."""
         dry.foresee(self.folder, names, kept=kept, is_whole=self._is_whole)
-
-    def note(self, result: Mapping[str, Json]) -> None:
-        """Write nothing."""
-
-    def adopt(self, names: Iterable[str]) -> None:
-        """Write nothing."""
 
 
 @contextmanager
@@ -346,29 +340,25 @@ def _put_back(aside: Path, place: Path) -> None:
             _put_back(path, place / path.name)
 
 
-def _refuse_unit(
+def refuse_unit(
     folder: Path, name: str, journal: Journal | None, *, force: Collection[str] | bool, is_folder: bool
 ) -> None:
     """Raise an OutputError if a file or folder that exists must not be replaced."""
-    place = folder / name
-    if force is False or (force is not True and name not in force):
-        raise taken(place)
-    refuse_link(place)
-    if is_folder and place.is_dir():
+    _refuse_kept(folder / name, force=force if isinstance(force, bool) else name in force, is_folder=is_folder)
+    if is_folder:
         refuse_loss_below(folder, name, journal)
-    elif is_folder or not place.is_file():
-        kind = "folder" if is_folder else "file"
-        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
     else:
         is_intact(folder, name, journal)
 
 
-def refuse_loss_below(folder: Path, name: str, journal: Journal | None) -> None:
-    """Raise an OutputError unless everything in a folder of a folder is as its journal lists it."""
-    comparison = compare(folder, journal or Journal(holds="files"), name)
-    for path in (*comparison.foreign, *comparison.changed):
-        problem = "was not written by rsegen, or changed since, so it is not replaced"
-        raise OutputError(f"{folder / path}: {problem}; move it away, or give another folder")
+def _refuse_kept(place: Path, *, force: bool, is_folder: bool = False) -> None:
+    """Raise an OutputError if what exists at a path is a link, of another kind, or not to be replaced."""
+    refuse_link(place)
+    if not (place.is_dir() if is_folder else place.is_file()):
+        kind = "folder" if is_folder else "file"
+        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
+    if not force:
+        raise taken(place)
 
 
 def taken(place: Path) -> OutputError:
@@ -536,14 +526,9 @@ def refuse_taken(folders: Iterable[str | Path], *, force: bool, holds: str = "ma
 
 def refuse_taken_file(path: Path, *, force: bool) -> None:
     """Raise an OutputError if a path exists, unless it is a file that rsegen wrote and `force` is given."""
-    if not os.path.lexists(path):
-        return
-    refuse_link(path)
-    if not path.is_file():
-        raise OutputError(f"{path}: exists already and is not a file; give another name")
-    if not force:
-        raise taken(path)
-    is_intact(path.parent, path.name, read_journal(path.parent))
+    if os.path.lexists(path):
+        _refuse_kept(path, force=force)
+        is_intact(path.parent, path.name, read_journal(path.parent))
 
 
 def write_folder(
@@ -562,22 +547,10 @@ def write_file(content: Iterable[bytes], path: Path, *, force: bool = False, con
     force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person has just been
     asked about this very file.
     """
-    write_files({path.name: content}, path.parent, force=force, confirmed=confirmed, output=path)
-
-
-def write_files(
-    contents: Mapping[str, Iterable[bytes]],
-    folder: Path,
-    *,
-    force: bool = False,
-    confirmed: bool = False,
-    output: Path | None = None,
-) -> None:
-    """Write files of a folder, all or none of them, as `write_file` does."""
-    with open_store(folder, wait=PATIENCE, output=output) as store:
+    with open_store(path.parent, wait=PATIENCE, output=path) as store:
         if confirmed:
-            store.adopt(contents)
-        store.put(contents, force=force or confirmed)
+            store.adopt([path.name])
+        store.put({path.name: content}, force=force or confirmed)
 
 
 def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
@@ -585,9 +558,9 @@ def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
     for path in contents:
         refuse_taken_file(path, force=force)
     for folder in dict.fromkeys(path.parent for path in contents):
-        files = {path: [content] for path, content in contents.items() if path.parent == folder}
-        named = {path.name: content for path, content in files.items()}
-        write_files(named, folder, force=force, output=next(iter(files)))
+        paths = [path for path in contents if path.parent == folder]
+        with open_store(folder, wait=PATIENCE, output=paths[0]) as store:
+            store.put({path.name: [contents[path]] for path in paths}, force=force)
 
 
 def sorted_names(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:

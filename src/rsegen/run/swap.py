@@ -65,7 +65,7 @@ def exchange(new: Path, place: Path, make_aside: Callable[[], Path]) -> Path:
 
 def _renamed(source: Path, place: Path, flags: int) -> bool:
     """Rename by renameat2; False if system or disk cannot do that, OSError if it failed."""
-    rename = _renameat2()
+    rename = _of_libc("renameat2")
     if rename is None:
         return False
     if rename(_AT_FDCWD, os.fsencode(source), _AT_FDCWD, os.fsencode(place), flags) == 0:
@@ -79,13 +79,8 @@ def _renamed(source: Path, place: Path, flags: int) -> bool:
 
 
 @cache
-def _renameat2() -> Any:
-    """Return Linux's function, None elsewhere."""
-    return _of_libc("renameat2")
-
-
-@cache
 def _of_libc(name: str) -> Any:
+    """Return a function of Linux's C library, None elsewhere."""
     if sys.platform != "linux":
         return None
     import ctypes  # which numpy has imported already

@@ -176,7 +176,8 @@ def plan_worlds(
         refuse_taken_file(folder / name, force=on_existing is not OnExisting.REFUSE)
     return RunPlan(
         folder=folder,
-        product=_Worlds(recipe=recipe, folder=folder, sidecars=sidecars),
+        product=partial(_world, recipe, folder, sidecars),
+        seconds=seconds_per_world(recipe, sidecars),
         to_make=_without(recipe.indices, existing),
         existing=existing,
         replaces=on_existing is not OnExisting.REFUSE,
@@ -224,22 +225,11 @@ def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
     return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Worlds:
-    """Makes worlds of a recipe by their indices."""
-
-    recipe: Recipe
-    folder: Path
-    sidecars: Sidecars
-
-    @property
-    def seconds(self) -> float:
-        return seconds_per_world(self.recipe, self.sidecars)
-
-    def __call__(self, index: int, /) -> Output[GeneratedMap]:
-        scene = compose(self.recipe, index)
-        output = world_output(scene, self.folder, self.sidecars)
-        return output if self.recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))
+def _world(recipe: Recipe, folder: Path, sidecars: Sidecars, index: int) -> Output[GeneratedMap]:
+    """Return the files of the world of map `index`, and its scene if it is the only one."""
+    scene = compose(recipe, index)
+    output = world_output(scene, folder, sidecars)
+    return output if recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))
 
 
 def _without(indices: Sequence[int], existing: Sequence[int]) -> Sequence[int]:

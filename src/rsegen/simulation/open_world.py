@@ -8,8 +8,8 @@ failure, except for harmless ones (docs/gazebo.md).
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,16 +52,38 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
     on_start: Callable[[OpenedWorld], None],
     on_error: Callable[[str], None],
 ) -> OpenResult:
-    """Open a world in a simulator, and wait until it ends or the seconds are over; see `rsegen.open`."""
+    """Open a world in a simulator, and wait until it ends or the seconds are over; see `rsegen.open`.
+
+    Ctrl-C is an ordinary end. A closed window is no failure, though Gazebo Classic may then exit with 255; nor are
+    error lines of a window.
+    """
     here = choose_installation(world.made_for, simulator, timeout)
     if not (headless or has_screen()):
         problem = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
         raise UserError(f"{problem}, so there can be no window; open the server alone with headless=True")
-    with _home(headless=headless) as home, world.on_disk() as file:
-        launch = _launch(here, OpenRequest(world=file, shared=shared, home=home), headless=headless)
-        opened = OpenedWorld(simulator=str(here), file=file, address=_address(launch, here))
+    # A headless server has a home of its own, so that it changes no settings; a window has the user's.
+    own_home = tempfile.TemporaryDirectory(prefix="rsegen-") if headless else nullcontext()
+    with own_home as home, world.on_disk() as file:
+        request = OpenRequest(world=file, shared=shared, home=Path(home) if home else None)
+        launch = _launch(here, request, headless=headless)
+        own_address = (name for name in here.simulator.address_variables if name in launch.environment)
+        address = tuple((name, launch.environment[name]) for name in own_address)
+        opened = OpenedWorld(simulator=str(here), file=file, address=address)
         on_start(opened)
-        return _run(here, launch, opened, seconds, on_error, headless=headless)
+        relay = ErrorRelay(on_error)  # the caller hears each sort of error once
+        try:
+            code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
+        except NothingRuns as error:
+            raise SimulatorFailed(f"{here} printed an error: {relay.first}" if relay.first else str(error)) from None
+        except KeyboardInterrupt:
+            code = None
+        finally:
+            relay.finish()
+        if code is not None and (headless or (code and relay.first)):
+            raise SimulatorFailed(f"{here} ended by itself, {_why_ended(file, code)}")
+        if headless and relay.first:
+            raise SimulatorFailed(f"{here} printed an error: {relay.first}")
+        return OpenResult(world=opened, exit_code=code, errors=relay.lines)
 
 
 def launch_command(world: World, target: str, simulator: str | None, *, headless: bool, shared: bool) -> LaunchCommand:
@@ -79,51 +101,6 @@ def _launch(here: Installation, request: OpenRequest, *, headless: bool) -> Laun
         hint = f"install it ({simulator.how_to_install[0]}) or open the server alone with headless=True"
         raise NoSimulator(f"{here} is installed without its window; {hint}")
     return launch
-
-
-def _address(launch: LaunchCommand, here: Installation) -> tuple[tuple[str, str], ...]:
-    """Return the variables of an address of its own; none at the default address."""
-    names = (name for name in here.simulator.address_variables if name in launch.environment)
-    return tuple((name, launch.environment[name]) for name in names)
-
-
-@contextmanager
-def _home(*, headless: bool) -> Iterator[Path | None]:
-    """A home folder for a headless server, so that it changes no settings; a window has the user's own."""
-    if not headless:
-        yield None
-        return
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as home:
-        yield Path(home)
-
-
-def _run(
-    here: Installation,
-    launch: LaunchCommand,
-    world: OpenedWorld,
-    seconds: float | None,
-    on_error: Callable[[str], None],
-    *,
-    headless: bool,
-) -> OpenResult:
-    """Run a simulator until it ends; Ctrl-C is an ordinary end.
-
-    A closed window is no failure, though Gazebo Classic may then exit with 255; nor are error lines of a window.
-    """
-    relay = ErrorRelay(on_error)  # the caller hears each sort of error once
-    try:
-        code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
-    except NothingRuns as error:
-        raise SimulatorFailed(f"{here} printed an error: {relay.first}" if relay.first else str(error)) from None
-    except KeyboardInterrupt:
-        code = None
-    finally:
-        relay.finish()
-    if code is not None and (headless or (code and relay.first)):
-        raise SimulatorFailed(f"{here} ended by itself, {_why_ended(world.file, code)}")
-    if headless and relay.first:
-        raise SimulatorFailed(f"{here} printed an error: {relay.first}")
-    return OpenResult(world=world, exit_code=code, errors=relay.lines)
 
 
 def _why_ended(world: Path, code: int) -> str:

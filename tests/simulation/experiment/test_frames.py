@@ -10,7 +10,7 @@ import pytest
 from rsegen.errors import NoSimulator, UserError
 from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
-from rsegen.simulation.experiment.trial_server import refuse_without_frames, wait_for_frames
+from rsegen.simulation.experiment.trial import refuse_without_frames, wait_for_frames
 from rsegen.simulation.simulators import SIMULATORS, Installation
 
 
@@ -44,9 +44,9 @@ def test_frames_are_refused_where_they_cannot_be_drawn(monkeypatch: pytest.Monke
 
 def test_a_screen_without_opengl_is_one_line() -> None:
     with pytest.raises(NoSimulator, match="the camera drew nothing in 120 s") as refused:
-        wait_for_frames(lambda: 0, "camera", lambda: 50.0)
+        wait_for_frames(lambda: 0, "camera", lambda _: None)
     assert "\n" not in str(refused.value)
-    wait_for_frames(iter((0, 0, 3)).__next__, "camera", lambda: 50.0)
+    wait_for_frames(iter((0, 0, 3)).__next__, "camera", lambda _: None)
 
 
 @pytest.mark.parametrize(

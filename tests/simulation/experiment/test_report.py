@@ -12,13 +12,13 @@ import pytest
 from PIL import Image
 
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.plot import plot
 from rsegen.simulation.experiment.report import (
     FIGURES,
     MARK,
     STARVED_MARK,
     PublishedRow,
     median_of,
+    plot,
     published_figures,
     report_page,
     rtf_limits,

@@ -11,8 +11,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.simulation.experiment import trial
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
 from rsegen.simulation.experiment.results import entry, read_outcome
-from rsegen.simulation.experiment.trial import BEHIND, STARVED, Outcome, Trial, is_starved, run_trial
-from rsegen.simulation.experiment.trial_server import Measurement
+from rsegen.simulation.experiment.trial import BEHIND, STARVED, Measurement, Outcome, Trial, is_starved, run_trial
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.server import ATTEMPTS, attempted
 

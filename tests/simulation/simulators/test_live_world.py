@@ -160,7 +160,7 @@ def test_a_drive_without_the_poses_that_a_robot_publishes_has_failed() -> None:
     """Its record would else be one of the commands, ten times as coarse."""
     with transport_client({"GZ_PARTITION": "silent", "GZ_IP": "127.0.0.1"}, Patience()) as client:
         told = {"name": "one", "header": {"stamp": {"sec": 1}}}
-        world = SimWorld(client=client, world="w", backend="sim", _recorded={"one": [told], "two": []})
+        world = SimWorld(client=client, name="w", backend="sim", _recorded={"one": [told], "two": []})
         assert [at for at, _ in world.recorded()] == [1.0]
         world._stopped = 2000, 2 * 10**9
         with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: no pose of two was published$"):

@@ -26,15 +26,13 @@ PLAIN: dict[object, st.SearchStrategy[Any]] = {
     float: st.floats(allow_nan=False),
     bool: st.booleans(),
     str: st.text(),
-    "text": st.text(),
     bytes: st.binary(),
-    "bytes": st.binary(),
 }
 
 
 def value_of(types: MessageTypes, kind: Any) -> st.SearchStrategy[Any]:
-    if isinstance(kind, str) and kind.endswith("[]"):
-        return st.lists(value_of(types, kind[:-2]), min_size=1, max_size=3)
+    if isinstance(kind, list):
+        return st.lists(value_of(types, kind[0]), min_size=1, max_size=3)
     return PLAIN[kind] if kind in PLAIN else message_of(types, str(kind))
 
 

@@ -19,14 +19,12 @@ from tests.fuzz.damage import damaged_bytes
 from tests.simulation.simulators.test_messages import EVERY, message_of
 
 Field = descriptor_pb2.FieldDescriptorProto
-PLAIN = {
+PLAIN: dict[Any, Any] = {
     int: Field.TYPE_INT64,
     float: Field.TYPE_DOUBLE,
     bool: Field.TYPE_BOOL,
     str: Field.TYPE_BYTES,
     bytes: Field.TYPE_BYTES,
-    "text": Field.TYPE_BYTES,
-    "bytes": Field.TYPE_BYTES,
 }
 """Types of fields; texts are bytes, as the library refuses those that are no Unicode."""
 
@@ -37,8 +35,8 @@ def classes(types: MessageTypes, package: str) -> dict[str, Any]:
     for type_name, fields in types.types.items():
         message = file.message_type.add(name=type_name)
         for name, (number, kind) in fields.items():
-            is_list = isinstance(kind, str) and kind.endswith("[]")
-            one = kind[:-2] if isinstance(kind, str) and is_list else kind
+            is_list = isinstance(kind, list)
+            one = kind[0] if isinstance(kind, list) else kind
             label = Field.LABEL_REPEATED if is_list else Field.LABEL_OPTIONAL
             field = message.field.add(name=name, number=number, label=label)
             field.type = PLAIN.get(one, Field.TYPE_MESSAGE)

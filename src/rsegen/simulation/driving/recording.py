@@ -13,6 +13,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
+from itertools import permutations
 from math import ceil, isfinite
 from pathlib import Path
 from typing import NamedTuple
@@ -23,7 +24,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.driving.routes import STOP, PlannedWay, Route
-from rsegen.simulation.driving.world_file import camera, last_frame, time_step, world_with_robots
+from rsegen.simulation.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import Contact, LiveWorld, Pose, Record
 from rsegen.simulation.simulators.server import attempted, running_server
@@ -50,7 +51,7 @@ def robot_contacts(samples: ContactSamples, robots: Iterable[str]) -> Iterator[R
     names = set(robots)
     for second, contacts in samples:
         for contact in contacts:
-            for (robot, _, part), (other, _, _) in _both_ways(contact.collisions):
+            for (robot, _, part), (other, _, _) in permutations(name.partition("::") for name in contact.collisions):
                 if robot in names and other != robot:
                     yield RobotContact(round(second, 3), robot, part, other, *contact.position)
 
@@ -67,12 +68,6 @@ def contacts_csv(samples: ContactSamples, robots: Iterable[str]) -> Iterator[str
     yield ",".join(RobotContact._fields) + "\n"
     for t, robot, part, other, *point in robot_contacts(samples, robots):
         yield ",".join([f"{t:g}", robot, part, other, *(f"{round(along, 4) + 0:.4f}" for along in point)]) + "\n"
-
-
-def _both_ways(names: tuple[str, str]) -> Iterator[tuple[tuple[str, str, str], tuple[str, str, str]]]:
-    first, second = names[0].partition("::"), names[1].partition("::")
-    yield first, second
-    yield second, first
 
 
 PERIOD = 0.05
@@ -129,48 +124,33 @@ def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
     looks at, which needs a screen.
     """
     # The world with the robots is written once, next to no other; each attempt runs it in a server of its own.
+    simulator, screen = here.simulator, camera_extent is not None
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         frames = Path(folder, "frames")
         models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
-        models = [here.simulator.with_contact_sensors(model) for model in models] if contacts else models
-        extra = [camera(camera_extent, frames)] if camera_extent else []
-        text = world_with_robots(world, [*models, *extra], unthrottled=True, backend=here.backend)
+        models = [simulator.with_contact_sensors(model) for model in models] if contacts else models
+        models += [camera_model(camera_extent, (1280, 720), rate=1, frames=frames)] if camera_extent else []
+        text = world_with_robots(world, models, unthrottled=True, backend=here.backend)
         file = Path(folder, world.name)
         file.write_text(text, "utf-8")
-        folder_of_models = world.absolute().parent.parent
-        attempt = _Attempt(file=file, models=folder_of_models, runs=runs, step=time_step(text), contacts=contacts)
-        screen = camera_extent is not None
-        recording, attempts = attempted(lambda: attempt.recording(here, seconds, progress, screen=screen))
+        folder_of_models, options = world.absolute().parent.parent, simulator.record_options(PERIOD)
+
+        def attempt() -> DriveRecording:
+            poses = Record()
+            with running_server(here, file, models=folder_of_models, options=options, screen=screen) as server:
+                with server.connect() as live:
+                    live.record([run.name for run in runs])
+                    watched = contacts and live.watch_contacts()
+                    samples = drive_in_steps(live, runs, seconds, time_step(text), progress, poses, contacts=watched)
+                    end, recorded = live.clock().simulated, live.recorded()
+                errors = server.errors
+                server.stop()
+                record = _from_the_start(simulator.read_record(server.home) or recorded or poses, poses)
+            trajectories = {run.name: _trajectory(run.name, record, end) for run in runs}
+            return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
+
+        recording, attempts = attempted(attempt)
         return replace(recording, attempts=attempts, image=last_frame(frames) if screen else b"")
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Attempt:
-    """An attempt at a drive: world file with robots, folder of its models, runs, physics step [s], contacts or not."""
-
-    file: Path
-    models: Path
-    runs: Sequence[RobotRun]
-    step: float
-    contacts: bool
-
-    def recording(
-        self, here: Installation, seconds: float, progress: Callable[[float], None], *, screen: bool
-    ) -> DriveRecording:
-        """Return the recording made in a server of its own."""
-        simulator, poses = here.simulator, Record()
-        options = simulator.record_options(PERIOD)
-        with running_server(here, self.file, models=self.models, options=options, screen=screen) as server:
-            with server.connect() as live:
-                live.record([run.name for run in self.runs])
-                contacts = self.contacts and live.watch_contacts()
-                samples = drive_in_steps(live, self.runs, seconds, self.step, progress, poses, contacts=contacts)
-                end, recorded = live.clock().simulated, live.recorded()
-            errors = server.errors
-            server.stop()
-            record = _from_the_start(simulator.read_record(server.home) or recorded or poses, poses)
-        trajectories = {run.name: _trajectory(run.name, record, end) for run in self.runs}
-        return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
 
 
 def drive_in_steps(  # noqa: PLR0913  # what a drive is made of

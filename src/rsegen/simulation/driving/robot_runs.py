@@ -6,7 +6,7 @@ one of its spots. The same seed gives the same spots and routes; `rsegen spots` 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from math import ceil
@@ -21,7 +21,7 @@ from rsegen.simulation.driving.recording import RobotRun
 from rsegen.simulation.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.standing.body import Body
-from rsegen.standing.spots import MOST_TILT, Outline, Spot, fits, spots
+from rsegen.standing.spots import Outline, Spot, fits, spots
 
 GAP = 0.1
 """Gap, metres, between a robot and the map next to it, and between two robots: more than they drift on the way."""
@@ -38,20 +38,8 @@ def adjacent_pose(field: StepField, body: Body, aside: float = 0.0) -> Pose:
     return Pose(x=-field.extent[0] / 2 - GAP - float(body.high[0]), y=aside, z=DROP_HEIGHT)
 
 
-def spots_on_map(
-    field: StepField,
-    body: Body,
-    count: int,
-    rng: np.random.Generator,
-    *,
-    most_tilt: float = MOST_TILT,
-    evenest: bool = False,
-) -> tuple[Spot, ...]:
-    """Return spots for robots on a map, which do not overlap; ParameterError if there are too few.
-
-    most_tilt: radians; evenest: where there is no spot, take the best place at which it stands.
-    """
-    return spots(field, body, count, rng, gap=GAP, most_tilt=most_tilt, evenest=evenest)
+spots_on_map = partial(spots, gap=GAP)
+"""Return spots for robots on a map, which do not overlap (`standing.spots`)."""
 
 
 def start_pose(spot: Spot) -> Pose:
@@ -96,39 +84,19 @@ def finish_x(field: StepField, robot: DrivableRobot) -> float:
 
 
 def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    body = robot.body_or_box
+    body, goal = robot.body_or_box, finish_x(field, robot) + GAP
     lane = Outline.of(body).width + GAP
-    lines = [(index - (count - 1) / 2) * lane for index in range(count)]
-    goal = finish_x(field, robot) + GAP
-    return [
-        RobotRun(
-            name=_name(robot, index),
-            robot=robot,
-            start=adjacent_pose(field, body, line),
-            route=partial(_straight, robot, line, goal),
-        )
-        for index, line in enumerate(lines)
-    ]
-
-
-def _straight(robot: DrivableRobot, line: float, goal: float) -> Route:
-    return Straight(speed=robot.driving_speed, turn=robot.turn, line=line, goal=goal)
+    starts = [adjacent_pose(field, body, (index - (count - 1) / 2) * lane) for index in range(count)]
+    routes = [partial(Straight, speed=robot.driving_speed, turn=robot.turn, line=at.y, goal=goal) for at in starts]
+    return _named(robot, starts, routes)
 
 
 def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int, best: str) -> list[RobotRun]:
     body = robot.body
     way = planned_way(field, body, best)
     first = adjacent_pose(field, body, float(way.points[0, 1]))
-    return [
-        RobotRun(
-            name=_name(robot, index),
-            robot=robot,
-            start=replace(first, x=first.x - index * (body.length + GAP)),
-            route=partial(_along, field, robot, way),
-            way=way,
-        )
-        for index in range(count)
-    ]
+    starts = [replace(first, x=first.x - index * (body.length + GAP)) for index in range(count)]
+    return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
 
 
 def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
@@ -151,16 +119,10 @@ def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: i
             places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
         except ParameterError as error:
             raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
-    return [
-        RobotRun(
-            name=_name(robot, index),
-            robot=robot,
-            start=start_pose(spot) if spot else beside.start,
-            route=partial(_random, field, robot, seed, index),
-            spot=spot,
-        )
-        for index, (spot, beside) in enumerate(zip(places, _side_by_side(field, robot, count), strict=True))
-    ]
+    beside = _side_by_side(field, robot, count)
+    starts = [start_pose(spot) if spot else run.start for spot, run in zip(places, beside, strict=True)]
+    runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
+    return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
 
 
 def spot_generator(seed: int) -> np.random.Generator:
@@ -175,5 +137,9 @@ def _random(field: StepField, robot: DrivableRobot, seed: int, index: int) -> Ro
     return Wandering(speed=robot.driving_speed, turn=robot.turn, half=(half_x, half_y), rng=rng)
 
 
-def _name(robot: DrivableRobot, index: int) -> str:
-    return f"{robot.kind}_{index}"
+def _named(robot: DrivableRobot, starts: Sequence[Pose], routes: Sequence[Callable[[], Route]]) -> list[RobotRun]:
+    """Return the runs of a robot at these poses, with a name each."""
+    return [
+        RobotRun(name=f"{robot.kind}_{index}", robot=robot, start=start, route=route)
+        for index, (start, route) in enumerate(zip(starts, routes, strict=True))
+    ]

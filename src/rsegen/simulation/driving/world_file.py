@@ -8,11 +8,10 @@ file has no plug-in at all, and those of a robot count, so time would run and no
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from math import atan2, hypot, pi, sqrt
 from pathlib import Path
-from xml.etree.ElementTree import Element, fromstring
+from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from rsegen.errors import FileError, SimulatorFailed
 from rsegen.exporters.gazebo.sdf import numbers
@@ -34,19 +33,13 @@ def add_systems(world: Element, backend: str) -> None:
     """Add to a <world> the systems that its models need and that it does not name; none in Gazebo Classic."""
     if backend == "classic":
         return
-    named = set(_named(world, backend))
+    # Gazebo Sim still reads Fortress's names, and Fortress no later ones.
+    names = (_NAME.fullmatch(plugin.get("name", "")) for plugin in world.findall("plugin"))
+    named = {name[2] for name in names if name and (backend == "sim" or name[1] == "ignition::gazebo")}
     sensors = {_OF_SENSORS.get(sensor.get("type", ""), "") for sensor in world.iter("sensor")} - {""}
     for kind in (*ALWAYS, *sorted(sensors)):
         if kind not in named:
             world.append(fromstring(system(kind, backend)))  # noqa: S314  # ours
-
-
-def _named(world: Element, backend: str) -> Iterator[str]:
-    """Yield the systems that a world names; Gazebo Sim still reads Fortress's names, and Fortress no later ones."""
-    for plugin in world.findall("plugin"):
-        name = _NAME.fullmatch(plugin.get("name", ""))
-        if name and (backend == "sim" or name[1] == "ignition::gazebo"):
-            yield name[2]
 
 
 _MOST_MIB = 512
@@ -68,18 +61,18 @@ def world_with_robots(
     if root.tag != "sdf" or element is None:
         raise FileError(f"{world}: no <world> in <sdf>")
     for model in models:
-        element.append(ET.fromstring(model))  # noqa: S314  # ours
+        element.append(fromstring(model))  # noqa: S314  # ours
     for uri in root.iter("uri"):
         uri.text = _absolute(uri.text or "", world.absolute().parent)
     add_systems(element, backend)
     if unthrottled:
         _unthrottle(element)
-    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    return '<?xml version="1.0"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
 def time_step(world: str) -> float:
     """Return the physics step of a world in seconds, from its text; by default that of both Gazebos, a millisecond."""
-    element = ET.fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
+    element = fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(element.text or 0) if element is not None else 0.001
 
 
@@ -87,27 +80,22 @@ def _absolute(uri: str, folder: Path) -> str:
     return uri if not uri.strip() or _SCHEME.match(uri) or uri.startswith("/") else str(folder / uri)
 
 
-def _unthrottle(world: ET.Element) -> None:
+def _unthrottle(world: Element) -> None:
     """Simulate as fast as possible: Gazebo Classic reads the update rate, Gazebo Sim the factor."""
     physics = world.find("physics")
     if physics is None:
-        physics = ET.SubElement(world, "physics", {"type": "ode"})
+        physics = SubElement(world, "physics", {"type": "ode"})
     for name in ("real_time_update_rate", "real_time_factor"):
         element = physics.find(name)
-        (ET.SubElement(physics, name) if element is None else element).text = "0"
+        (SubElement(physics, name) if element is None else element).text = "0"
 
 
-def camera(extent: tuple[float, float], frames: Path) -> str:
-    """Return the model of a camera that looks at a map from the south-west and saves a picture per second.
+def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, frames: Path | None = None) -> str:
+    """Return the model of a camera that looks at a map from the south-west; its server needs a screen.
 
-    Its server needs a screen, if only a virtual one.
+    rate: pictures per second, 0 for as many as possible; frames: a folder to save them in
     """
-    save = f'\n        <save enabled="true"><path>{frames}</path></save>'
-    return camera_model(extent, (1280, 720), rate=1, save=save)
-
-
-def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, save: str = "") -> str:
-    """Return the model of a camera that looks at a map; rate: pictures per second, 0 for as many as possible."""
+    save = f'\n        <save enabled="true"><path>{frames}</path></save>' if frames else ""
     # At 1.1 diagonals and a metre to the south-west, half the diagonal is within half the view: 1.1 tan(0.9 / 2) > 0.5.
     # From 0.8 / sqrt(2) of that distance up it looks down by 29 degrees: over walls, and yet along the ground.
     away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)

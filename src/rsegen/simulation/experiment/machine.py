@@ -1,8 +1,4 @@
-"""The description of this computer, its load, and the CPU time and memory of a process with those that it started.
-
-A server's own figures say what a map costs; the machine's say what else was going on. Resident memory counts
-shared pages once per process, so that of several processes is too large.
-"""
+"""The description of this computer, and its load: what else was going on while a server had its own figures."""
 
 from __future__ import annotations
 
@@ -12,31 +8,7 @@ import re
 import shutil
 import subprocess
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-
-from rsegen.errors import SimulatorFailed
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Usage:
-    """CPU time in seconds so far, and memory in MB."""
-
-    cpu: float
-    memory: float
-
-
-def usage(pid: int) -> Usage:
-    """Return the usage of a process with those that it has started; SimulatorFailed if it has ended."""
-    import psutil
-
-    try:
-        process = psutil.Process(pid)
-        usages = [(part.cpu_times(), part.memory_info()) for part in (process, *process.children(recursive=True))]
-    except psutil.Error:
-        raise SimulatorFailed("the simulator is gone") from None
-    cpu = sum(times.user + times.system for times, _ in usages)
-    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in usages) / 2**20)
 
 
 def busy() -> float:

@@ -15,7 +15,7 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated
 
-from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown, shown
+from rsegen.errors import ParameterError, UnknownName, inside, refuse_unknown, shown
 from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
@@ -97,10 +97,8 @@ class TableRow:
             "seed": seed,
             "obstacles": [{"kind": "random", "levels": self.levels}] if size else [],
         }
-        try:
+        with inside("recipe"):
             return decode({**given, **(self.recipe or {})})
-        except ParameterError as error:
-            raise error.inside("recipe") from None
 
     @property
     def model(self) -> DrivableRobot:
@@ -211,19 +209,16 @@ def load_plan(name: str) -> ExperimentPlan:
 
 
 def _plan(path: Path) -> ExperimentPlan:
-    plan = content(path)
-    if not isinstance(plan, Mapping) or not isinstance(plan.get("rows"), list):
-        raise FileError(f"{path}: not a plan of an experiment; it has name: and a list of rows:")
     try:
-        return read_plan(path.stem, plan)
+        return read_plan(path.stem, content(path))
     except ParameterError as error:
         raise error.of(str(path)) from None
 
 
-def read_plan(name: str, content: Mapping[str, Json]) -> ExperimentPlan:
+def read_plan(name: str, content: Json) -> ExperimentPlan:
     """Return the plan of a file's content, called `name` if it says none; ParameterError for a wrong value."""
     if not isinstance(content, Mapping) or not isinstance(content.get("rows"), list):
-        raise ParameterError("plan", f"{shown(content)} is not a plan, which has name: and a list of rows:")
+        raise ParameterError("", "not a plan of an experiment; it has name: and a list of rows:")
     known = [*parameters(ExperimentPlan), "rows"]
     refuse_unknown("key", content, known)
     rows = tuple(_row(index, row) for index, row in enumerate(content["rows"]))
@@ -236,8 +231,6 @@ def _row(index: int, content: object) -> TableRow:
     where = f"rows[{index}]"
     if not isinstance(content, Mapping):
         raise ParameterError(where, f"{shown(content)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
-    try:
+    with inside(where):
         refuse_unknown("key of a row", content, [*parameters(TableRow), "recipe"])
         return TableRow(**content)
-    except ParameterError as error:
-        raise error.inside(where) from None

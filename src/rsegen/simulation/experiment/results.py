@@ -14,7 +14,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from rsegen.errors import FileError, ParameterError, refuse_unknown, shown
+from rsegen.errors import FileError, ParameterError, inside, refuse_unknown, shown
 from rsegen.io.input_files import JOURNAL
 from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter
 from rsegen.run.journal import Journal
@@ -82,15 +82,13 @@ def _checked(
     """Return the values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
     if not isinstance(content, Mapping):
         raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
-    try:
+    with inside(where):
         refuse_unknown("key", content, sorts)
         given = {name: content.get(name) for name in sorts}
         return {
             name: None if given[name] is None and name in optional else sort.check(name, given[name])
             for name, sort in sorts.items()
         }
-    except ParameterError as error:
-        raise (error.inside(where) if where else error) from None
 
 
 FOLDER = "tracks"
@@ -101,18 +99,18 @@ def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> 
     """Return the file of the trajectories of a trial, and a picture of them if it is the last one of its cell."""
     if not trial.trajectories:
         return {}
-    files = {_csv_name(cell, repeat): [line.encode() for line in tracks_csv(trial.trajectories)]}
-    if repeat == plan.repeats - 1:
-        files[_picture_name(cell)] = [draw_trajectories(trial.scene, trial.trajectories)]
-    return files
+    rows, *picture = track_names(plan, [(cell, repeat)])
+    files = {rows: [line.encode() for line in tracks_csv(trial.trajectories)]}
+    return files | {name: [draw_trajectories(trial.scene, trial.trajectories)] for name in picture}
 
 
 def track_names(plan: ExperimentPlan, trials: Collection[tuple[Cell, int]] | None = None) -> Iterator[str]:
     """Yield the name of every file that the tracks of these trials have, by default of all of a plan."""
     for cell, repeat in plan.order() if trials is None else trials:
-        yield _csv_name(cell, repeat)
+        name = f"{FOLDER}/row{cell.row + 1}-{cell.size}-{cell.pace}"
+        yield f"{name}-{repeat}.csv"
         if repeat == plan.repeats - 1:
-            yield _picture_name(cell)
+            yield f"{name}.png"
 
 
 def tracks_csv(trajectories: Mapping[str, Trajectory]) -> Iterator[str]:
@@ -121,15 +119,3 @@ def tracks_csv(trajectories: Mapping[str, Trajectory]) -> Iterator[str]:
     for name, trajectory in trajectories.items():
         _, *lines = trajectory.csv()
         yield from (f"{name},{line}" for line in lines)
-
-
-def _csv_name(cell: Cell, repeat: int) -> str:
-    return f"{_cell_name(cell)}-{repeat}.csv"
-
-
-def _picture_name(cell: Cell) -> str:
-    return f"{_cell_name(cell)}.png"
-
-
-def _cell_name(cell: Cell) -> str:
-    return f"{FOLDER}/row{cell.row + 1}-{cell.size}-{cell.pace}"

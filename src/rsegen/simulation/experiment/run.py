@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,8 +19,7 @@ from rsegen.run.journal import is_intact, read_errors, read_journal
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, load_plan, read_plan
-from rsegen.simulation.experiment.plot import plot
-from rsegen.simulation.experiment.report import report_page, trials_csv
+from rsegen.simulation.experiment.report import plot, report_page, trials_csv
 from rsegen.simulation.experiment.results import (
     Results,
     entry,
@@ -31,9 +30,7 @@ from rsegen.simulation.experiment.results import (
     track_files,
     track_names,
 )
-from rsegen.simulation.experiment.trial import Outcome, refuse_undrivable, run_trial
-from rsegen.simulation.experiment.trial_server import refuse_without_frames
-from rsegen.simulation.simulators import Installation
+from rsegen.simulation.experiment.trial import refuse_undrivable, refuse_without_frames, run_trial
 from rsegen.simulation.simulators.server import choose_installation
 
 HOLDS = "experiment"
@@ -88,8 +85,12 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
         for number, (cell, repeat) in enumerate(plan.order()):
             progress(number, cell)
             if (cell, repeat) not in done:
-                try:
-                    done[cell, repeat] = _tried(plan, cell, repeat, installed, watch, store)
+                try:  # first the tracks of a trial are written, then its outcome
+                    trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
+                    if files := track_files(plan, cell, repeat, trial):
+                        store.put(files, force=True, holds=HOLDS)
+                    store.note(entry(cell, repeat, trial.outcome))
+                    done[cell, repeat] = trial.outcome
                 except KeyboardInterrupt:
                     there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
                     raise Stopped(there, changed=bool(done)) from None
@@ -97,22 +98,6 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
         found = ExperimentResult(plan=plan, results=results, machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(found).items()}, force=True, holds=HOLDS)
     return found
-
-
-def _tried(
-    plan: ExperimentPlan,
-    cell: Cell,
-    repeat: int,
-    installed: Mapping[str, Installation],
-    watch: Callable[[], None],
-    store: Store,
-) -> Outcome:
-    """Run a trial, and write its tracks and then its outcome."""
-    trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
-    if files := track_files(plan, cell, repeat, trial):
-        store.put(files, force=True, holds=HOLDS)
-    store.note(entry(cell, repeat, trial.outcome))
-    return trial.outcome
 
 
 @contextmanager

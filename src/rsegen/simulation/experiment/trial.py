@@ -3,22 +3,29 @@
 The cost of a map is only comparable if robots do about the same: stuck ones cost less. So how far they drove, how long
 they were stuck and what they have covered of the map is measured with it. At the pace `beside` the world and an empty
 one are simulated in turns of a second, in two servers, so that other load on the machine affects both alike.
+
+All clocks are read while the world is paused, before and after a span, so they belong to the same moment. CPU time is
+that of the server's process; the machine's own load is measured too, as it tells how far a real-time factor is the
+map's. Frames are drawn by a camera in the server, or by the simulator's own window, and counted by their messages.
+What breaks it: a machine so busy that a span takes twenty times as long, which ends the trial.
 """
 
 from __future__ import annotations
 
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass, field, replace
+from functools import partial
 from math import ceil
 from pathlib import Path
 from statistics import fmean
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rsegen.errors import inside
+from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Array, StepField
@@ -31,16 +38,216 @@ from rsegen.simulation.driving.drive_metrics import (
     drive_metrics,
     possible_part,
 )
-from rsegen.simulation.driving.recording import RobotRun
+from rsegen.simulation.driving.recording import RobotRun, send_commands
 from rsegen.simulation.driving.robot_runs import robot_runs
-from rsegen.simulation.driving.routes import Wandering
+from rsegen.simulation.driving.routes import Route, Wandering
 from rsegen.simulation.driving.world_file import camera_model, world_with_robots
+from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.trial_server import CAMERA_PIXELS, SOURCES, Measurement, Setup, total, trial_server
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live_world import Record
-from rsegen.simulation.simulators.server import attempted
+from rsegen.simulation.simulators.live_world import LiveWorld, Record
+from rsegen.simulation.simulators.process import running, usage
+from rsegen.simulation.simulators.server import attempted, has_screen, running_server
 from rsegen.simulation.worlds import write_world
+
+# A server, in which robots drive randomly.
+
+
+SOURCES = ("camera", "window")
+"""The paces in which frames are drawn."""
+
+CAMERA_PIXELS = (640, 480)
+"""Width and height of the camera's pictures: those of a usual robot's camera; frames per second fall with the area."""
+
+_FIRST_FRAME = 120.0
+"""Seconds within which the first frame must be drawn: a renderer without a GPU is slow to begin.
+
+With less, trials that work would end; with more, a screen without OpenGL is reported later.
+"""
+
+SETTLED = 2.0
+"""Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
+
+_FRAME_LOOK = 1.0
+"""Seconds between two looks for the first frame."""
+
+LOOKS = 0.05
+"""Seconds between two looks at the poses of robots: two per row of a trajectory, as poses come when they like."""
+
+PERIOD = 0.1
+"""Simulated seconds between two rows of a trajectory, or more if the world is simulated faster than is looked."""
+
+_SLOWEST = 20
+"""Times of a span within which it must end: a slower world is stuck, or the machine does something else."""
+
+
+def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installation]) -> None:
+    """Raise a UserError, before any trial, if a pace of the plan needs a screen or a window that there is not."""
+    for source in (pace for pace in plan.paces if pace in SOURCES):
+        for here in installed.values():
+            if source not in here.simulator.frames:
+                raise ParameterError("paces", f"frames of {here} cannot be counted; leave {source} out, or use classic")
+            if source == "window" and "gzclient" not in here.commands:
+                raise ParameterError("paces", f"the window of {here} is not installed; leave window out")
+        if not has_screen():
+            raise ParameterError("paces", f"{source} needs a screen, and there is none; run under xvfb-run -a")
+
+
+def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[float], object]) -> None:
+    """Wait until a frame has been drawn; `wait` waits for some seconds. NoSimulator if none is."""
+    for _ in range(ceil(_FIRST_FRAME / _FRAME_LOOK)):
+        if frames():
+            return
+        wait(_FRAME_LOOK)
+    raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Setup:
+    """A world file with robots on a map, their runs, and how they are simulated.
+
+    rest: seconds between commands; real: in real time; frames: the source that draws frames, None for none
+    """
+
+    file: Path
+    scene: Scene
+    runs: Sequence[RobotRun]
+    rest: float
+    real: bool
+    frames: str | None = None
+
+
+class Measurement(NamedTuple):
+    """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
+
+    busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
+    """
+
+    simulated: float
+    real: float
+    cpu: float
+    busy: float
+    frames: int
+    factors: list[float]
+    gpu: list[float]
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per second of CPU, which the system counts in hundredths."""
+        return self.simulated / max(self.cpu, 0.01)
+
+    @property
+    def cores(self) -> float:
+        """Processors that the server used."""
+        return self.cpu / max(self.real, 1e-9)
+
+
+def total(spans: Sequence[Measurement]) -> Measurement:
+    """Return the sum of spans; of their lists all that is in them."""
+    return Measurement(*(sum(parts, start=type(parts[0])()) for parts in zip(*spans, strict=True)))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TrialServer:
+    """A running server that took `load` seconds to load its setup, the routes of its robots, and their record.
+
+    watch: called several times per second while robots drive; may raise
+    """
+
+    live: LiveWorld
+    pid: int
+    load: float
+    setup: Setup
+    routes: Mapping[str, Route]
+    frames: Callable[[], int]
+    watch: Callable[[], None]
+    record: Record = field(default_factory=list)
+
+    def measure(self, seconds: float) -> Measurement:
+        """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
+        start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
+        samples = self.run_robots("real", seconds, self.record)
+        end = self.live.clock()
+        return Measurement(
+            simulated=end.simulated - start.simulated,
+            real=end.real - start.real,
+            cpu=usage(self.pid).cpu - cpu,
+            busy=busy() - machine,
+            frames=self.frames() - frames,
+            factors=[factor for factor, _ in samples],
+            gpu=[load for _, load in samples if load is not None],
+        )
+
+    def run_robots(
+        self, clock: Literal["simulated", "real"], seconds: float, record: Record | None = None
+    ) -> list[tuple[float, float | None]]:
+        """Let robots drive for this many simulated or real seconds.
+
+        Gives the real-time factor and the load of the GPU between commands; poses are added to `record`.
+        """
+        # Between two commands the world runs freely; each interval gives a real-time factor.
+        start = last = self.live.clock()
+        samples, end = [], time.monotonic() + _SLOWEST * seconds
+        self.live.unpause()
+        while getattr(last, clock) < getattr(start, clock) + seconds:
+            send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
+            self._rest(record)
+            now = self.live.clock()
+            if time.monotonic() > end:
+                raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {_SLOWEST * seconds:g} s")
+            factor = (now.simulated - last.simulated) / max(now.real - last.real, 1e-9)
+            samples.append((factor, gpu_load() if self.setup.real else None))
+            last = now
+        self.live.pause()
+        return samples
+
+    def _rest(self, record: Record | None) -> None:
+        """Wait until the next command, and add the poses of robots to a record as they come."""
+        end = time.monotonic() + self.setup.rest
+        while (left := end - time.monotonic()) > 0:
+            time.sleep(min(left, LOOKS))
+            self.watch()
+            if record is not None:
+                self._look(record)
+
+    def _look(self, record: Record) -> None:
+        """Add the last poses of robots to a record, unless it has some that are hardly older."""
+        second, poses = self.live.last_poses()
+        here = {run.name: list(astuple(poses[run.name])) for run in self.setup.runs if run.name in poses}
+        if here and (not record or second >= record[-1][0] + PERIOD):
+            record.append((second, here))
+
+
+@contextmanager
+def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) -> Iterator[TrialServer]:
+    """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
+    # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
+    began = time.monotonic()
+    with ExitStack() as stack:
+        screen = setup.frames == "camera"
+        server = stack.enter_context(running_server(here, setup.file, screen=screen, watch=watch))
+        live = stack.enter_context(server.connect())
+        live.stop_recording()
+        load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
+        frames = live.frame_counter(setup.frames) if setup.frames else lambda: 0
+        trial = TrialServer(
+            live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames, watch=watch
+        )
+        if setup.frames == "window":
+            window = here.simulator.window(here, server.launch)
+            if window is None:
+                raise NoSimulator(f"{here}: its window is not installed")
+            log = stack.enter_context((server.home / "window.log").open("w", encoding="utf-8"))
+            stack.enter_context(running(window, log))
+            wait_for_frames(frames, setup.frames, time.sleep)  # a window draws a paused world too
+        live.last_poses()
+        trial.run_robots("simulated", SETTLED)
+        if setup.frames == "camera":
+            wait_for_frames(frames, setup.frames, partial(trial.run_robots, "real"))
+        yield trial
+
+
+# What the robots did.
 
 
 class DrivingFigures(NamedTuple):
@@ -110,6 +317,9 @@ def _points_below(robot: DrivableRobot, apart: float) -> Array:
     """Return points of a robot's length and width about its origin, this far apart or less, shape (n, 2)."""
     axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
     return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+
+
+# A trial.
 
 
 REST, REST_AT_FULL_SPEED = 1.0, 0.2
@@ -247,7 +457,7 @@ def _trial(
         figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
         outcome = Outcome(
             load=round(first.load, 3),
-            memory=round(first.memory, 1),
+            memory=round(usage(first.pid).memory, 1),
             speed=round(ours.speed, 3),
             share=round(ours.speed / others[0].speed, 4) if others else None,
             simulated=round(ours.simulated, 3),

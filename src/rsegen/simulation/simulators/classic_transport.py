@@ -19,7 +19,7 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Set
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from functools import partial
 from typing import Any
 
@@ -46,7 +46,10 @@ _MOST = 2**26
 
 
 class TransportClient(Inbox):
-    """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each."""
+    """A client that publishes and subscribes topics below /gazebo/WORLD/, and keeps the last messages of each.
+
+    world: the name of the server's world
+    """
 
     def __init__(self, address: tuple[str, int], patience: Patience) -> None:
         # What threads learn changes inside the inbox's condition; sockets are kept to be closed at the end.
@@ -56,7 +59,7 @@ class TransportClient(Inbox):
         self._sockets: set[socket.socket] = set()
         self._threads: set[threading.Thread] = set()
         self._is_closed = False
-        self._world = ""
+        self.world = ""
         self._last = 0.0
         self._master = self._registered(socket.create_connection(address, patience.sign))
         self._host = self._master.getsockname()[0]
@@ -65,27 +68,20 @@ class TransportClient(Inbox):
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
         try:
-            self.wait("a server is there, but tells of no world", lambda: bool(self._world))
+            self.wait("a server is there, but tells of no world", lambda: bool(self.world))
         except SimulatorFailed:
             self.close()
             raise
 
-    @property
-    def world(self) -> str:
-        """The name of the server's world."""
-        return self._world
-
     def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
-        """Subscribe to a topic; `on_message` takes its messages, else they are kept."""
+        """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
         full = self.full_name(topic)
+        if full in self._types:
+            return
         self._types[full] = type_name
         if on_message:
             self._takers[full] = on_message
         self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
-
-    def is_subscribed(self, topic: str) -> bool:
-        """Return whether a topic was ever subscribed."""
-        return self.full_name(topic) in self._types
 
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
@@ -133,7 +129,7 @@ class TransportClient(Inbox):
 
     def full_name(self, topic: str) -> str:
         """Return the name with that of the world; a full name as it is."""
-        return topic if topic.startswith("/") else f"/gazebo/{self._world}/{topic.removeprefix('~/')}"
+        return topic if topic.startswith("/") else f"/gazebo/{self.world}/{topic.removeprefix('~/')}"
 
     def _subscribe_and_wait(self, topic: str) -> None:
         """Subscribe to a topic, and wait for a publisher."""
@@ -173,7 +169,7 @@ class TransportClient(Inbox):
                 if kind == "topic_namepaces_init":
                     names = CLASSIC.decode("GzString_V", inside).get("data", [])
                     world = next((name for name in names if "/" not in name), "")
-                    self.update(partial(setattr, self, "_world", world))
+                    self.update(partial(setattr, self, "world", world))
                 elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
                     self._connect_publisher(CLASSIC.decode("Publish", inside))
         self._end(self._master)
@@ -247,19 +243,13 @@ class TransportClient(Inbox):
         thread.start()
 
 
-@contextmanager
-def transport_client(address: tuple[str, int], patience: Patience) -> Iterator[TransportClient]:
+def transport_client(address: tuple[str, int], patience: Patience) -> AbstractContextManager[TransportClient]:
     """A client of the master at a host and port; it disconnects when this ends. NothingRuns if there is no master."""
     try:
-        opened = TransportClient(address, patience)
+        return closing(TransportClient(address, patience))
     except OSError as error:
-        raise NothingRuns(
-            f"Gazebo Classic: nobody answers at {address[0]}:{address[1]} ({error.strerror or error})"
-        ) from None
-    try:
-        yield opened
-    finally:
-        opened.close()
+        host, port = address
+        raise NothingRuns(f"Gazebo Classic: nobody answers at {host}:{port} ({error.strerror or error})") from None
 
 
 def _full_type(name: str) -> str:

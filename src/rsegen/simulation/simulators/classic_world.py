@@ -18,15 +18,14 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import count
 from secrets import randbelow
-from statistics import fmean
-from typing import Any
+from typing import Any, ClassVar
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
 from rsegen.simulation.simulators.classic_transport import TransportClient, transport_client
-from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, model_name, wait_until
+from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose
 from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.wire import CLASSIC, is_nearer, mesh_file, parse_text, pose_message, pose_of
+from rsegen.simulation.simulators.wire import CLASSIC, contact_of, mesh_file, parse_text, pose_message, pose_of
 
 _DELIVERY_TIME = 0.03
 """Seconds that a message between two programs on one machine takes at most.
@@ -60,14 +59,12 @@ _HIDDEN_HEIGHT = 10_000.0
 class ClassicWorld(LiveWorld):
     """The world in a Gazebo Classic server. A paused server answers, and publishes the time, five times a second."""
 
+    between_looks: ClassVar[float] = _RESPONSES_TIME / 6
+
     client: TransportClient
+    name: str
     backend: str = "classic"
     _numbers: Iterator[int] = field(default_factory=lambda: count(randbelow(2**30)))
-
-    @property
-    def name(self) -> str:
-        """The name in the topics of its server."""
-        return self.client.world
 
     @property
     def is_current(self) -> bool:
@@ -93,15 +90,10 @@ class ClassicWorld(LiveWorld):
             message = self.client.wait_for_message("physics/contacts", lambda _: True)
         self._step(steps - 1)
         self._wait_for(target)
-        return [_contact(contact) for contact in message["contact"] if contact["position"]]
-
-    def unpause(self) -> None:
-        """Unpause, and wait until the server reports it."""
-        self._pause(pause=False)
-
-    def pause(self) -> None:
-        """Pause, and wait until the server reports it."""
-        self._pause(pause=True)
+        contacts = (
+            contact_of((each["collision1"], each["collision2"]), each["position"]) for each in message["contact"]
+        )
+        return list(filter(None, contacts))
 
     def stop_recording(self) -> None:
         """Stop the record, and wait the time that messages take."""
@@ -124,8 +116,7 @@ class ClassicWorld(LiveWorld):
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
         """Return the last message of a topic that a server publishes at most sixty times a second."""
-        if not self.client.is_subscribed(_POSES):
-            self.client.subscribe(_POSES, "PosesStamped")
+        self.client.subscribe(_POSES, "PosesStamped")
         message = self.client.last(_POSES) or {}
         poses = (CLASSIC.decode("Pose", raw) for raw in message.get("pose", []) if _LINK not in raw)
         return _seconds(message.get("time", _START)), {pose["name"]: pose_of(pose) for pose in poses}
@@ -145,41 +136,36 @@ class ClassicWorld(LiveWorld):
         """Return the models that do not say that they are static."""
         return frozenset(name for name, model in self._models().items() if not model.get("is_static"))
 
-    def move(self, name: str, pose: Pose) -> None:
-        """Set the pose by a modification of the model."""
-        model = self._model(name)
-        before = pose_of(model["pose"])
-        self.client.publish("model/modify", "Model", _modified(model, pose))
-        self._wait(
-            f"{name} stays where it was", lambda: name in (at := self.poses()) and is_nearer(at[name], pose, before)
-        )
+    def _move(self, name: str, pose: Pose) -> Pose:
+        """Have the pose set by a modification of the model, hidden or not."""
+        models = self._models(hidden=True)
+        if name not in models:
+            raise SimulatorFailed(f"Gazebo Classic: no model {name} to move")
+        modified = {"name": name, "id": models[name]["id"], "pose": pose_message(pose)}
+        self.client.publish("model/modify", "Model", modified)
+        return pose_of(models[name]["pose"])
 
-    def spawn(self, sdf: str, pose: Pose) -> None:
-        """Spawn through the factory; a model that was only hidden is moved back."""
-        name = model_name(sdf)
-        if name == self.client.world and name in self._models(hidden=True):
+    def _spawn(self, name: str, sdf: str, pose: Pose) -> None:
+        """Have it spawned by the factory; a model that was only hidden is moved back."""
+        if name == self.name and name in self._models(hidden=True):
             self.move(name, pose)
-            return
-        self.client.publish("factory", "Factory", {"sdf": sdf, "pose": pose_message(pose)})
-        self._wait(f"{name} does not appear", lambda: name in self.poses())
+        else:
+            self.client.publish("factory", "Factory", {"sdf": sdf, "pose": pose_message(pose)})
 
-    def delete(self, name: str) -> None:
-        """Delete by a request; the many responses about its parts are muted.
+    def _delete(self, name: str) -> None:
+        """Have it deleted by a request; the many responses about its parts are muted.
 
         Gazebo 11 now and then stops publishing a topic after many messages at once. For the name of its world it would
         delete everything, so a model of that name is only hidden.
         """
-        if name == self.client.world:
-            hidden = _modified(self._model(name), Pose(x=0, y=0, z=_HIDDEN_HEIGHT))
-            self.client.publish("model/modify", "Model", hidden)
-            self._wait(f"{name} is still there", lambda: name not in self._models())
+        if name == self.name:
+            self._move(name, Pose(x=0, y=0, z=_HIDDEN_HEIGHT))
             return
         with self.client.muted("response"):
             self.client.publish(
                 "request", "Request", {"id": next(self._numbers), "request": "entity_delete", "data": name}
             )
             time.sleep(_RESPONSES_TIME)
-        self._wait(f"{name} is still there", lambda: name not in self.poses())
 
     def _step(self, steps: int) -> None:
         if steps:
@@ -191,10 +177,10 @@ class ClassicWorld(LiveWorld):
         while done < target:
             done = int(self._statistics(after=done)["iterations"])
 
-    def _pause(self, *, pause: bool) -> None:
+    def _set_paused(self, *, paused: bool) -> None:
         self.client.clear("world_stats")
-        self.client.publish("world_control", "WorldControl", {"pause": pause})
-        self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == pause)
+        self.client.publish("world_control", "WorldControl", {"pause": paused})
+        self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == paused)
 
     def _statistics(self, after: int) -> dict[str, Any]:
         """Return the first statistics with more steps than `after`."""
@@ -223,21 +209,11 @@ class ClassicWorld(LiveWorld):
         answers = self.client.kept("response")
         return [answer for answer in answers if answer["id"] == request_id and "serialized_data" in answer]
 
-    def _model(self, name: str) -> dict[str, Any]:
-        """Return a model, hidden or not."""
-        models = self._models(hidden=True)
-        if name not in models:
-            raise SimulatorFailed(f"Gazebo Classic: no model {name} to move")
-        return models[name]
-
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
         """Return the models by name, without or with hidden ones."""
         content = self._asked("entity_list", "")["serialized_data"]
         models = CLASSIC.decode("Model_V", content).get("models", [])
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
-
-    def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        wait_until(until, f"Gazebo Classic: {otherwise}", self.client.patience, pause=_RESPONSES_TIME / 6)
 
 
 @contextmanager
@@ -246,18 +222,7 @@ def classic_world(address: tuple[str, int], patience: Patience) -> Iterator[Clas
     with transport_client(address, patience) as opened:
         opened.subscribe("world_stats", "WorldStatistics")
         opened.subscribe("response", "Response")
-        yield ClassicWorld(client=opened)
-
-
-def _modified(model: Mapping[str, Any], pose: Pose) -> dict[str, Any]:
-    """Return the message that sets the pose of a model."""
-    return {"name": model["name"], "id": model["id"], "pose": pose_message(pose)}
-
-
-def _contact(message: Mapping[str, Any]) -> Contact:
-    points = [(point["x"], point["y"], point["z"]) for point in message["position"]]
-    x, y, z = (fmean(along) for along in zip(*points, strict=True))
-    return Contact(collisions=(message["collision1"], message["collision2"]), position=(x, y, z))
+        yield ClassicWorld(client=opened, name=opened.world)
 
 
 def _seconds(time_: Mapping[str, int]) -> float:

@@ -10,7 +10,7 @@ import threading
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from functools import cached_property
+from functools import cache, partial
 from itertools import islice
 from typing import Any
 
@@ -29,12 +29,12 @@ class Inbox:
 
     def __init__(self, title: str, patience: Patience) -> None:
         self.patience = patience
-        self._title = title
+        self.title = title
         self._types: dict[str, str] = {}
         self._takers: dict[str, Callable[[dict[str, Any]], None]] = {}
         self._failure = ""
         self._changed = threading.Condition()
-        self._messages: dict[str, deque[_Received]] = defaultdict(lambda: deque(maxlen=_KEPT))
+        self._messages: dict[str, deque[Callable[[], dict[str, Any] | None]]] = defaultdict(lambda: deque(maxlen=_KEPT))
 
     def full_name(self, topic: str) -> str:
         """Return the name under which the messages of a topic are sent."""
@@ -49,7 +49,7 @@ class Inbox:
             with suppress(NoMessage):
                 taker(decode())
         else:
-            self.update(lambda: self._messages[full].append(_Received(decode)))
+            self.update(lambda: self._messages[full].append(cache(partial(_decoded, decode))))
 
     def clear(self, topic: str) -> None:
         """Delete the messages of a topic that were received until now."""
@@ -77,10 +77,10 @@ class Inbox:
         with self._changed:
             while not (self._failure or until()):
                 if wait.is_over:
-                    raise SimulatorFailed(f"{self._title}: {why} within {patience}")
+                    raise SimulatorFailed(f"{self.title}: {why} within {patience}")
                 self._changed.wait(min(_LOOK, patience.seconds))
             if self._failure:
-                raise SimulatorFailed(f"{self._title}: {self._failure}")
+                raise SimulatorFailed(f"{self.title}: {self._failure}")
 
     def kept(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""
@@ -106,20 +106,13 @@ class Inbox:
 
     def _newest_first(self, full: str) -> Iterator[dict[str, Any]]:
         """Yield the messages of a topic, which are decoded as far as they are taken."""
-        for received in reversed(self._messages[full]):
-            if received.message is not None:
-                yield received.message
+        for decoded in reversed(self._messages[full]):
+            if (message := decoded()) is not None:
+                yield message
 
 
-class _Received:
-    """A message that was received."""
-
-    def __init__(self, decode: Callable[[], dict[str, Any]]) -> None:
-        self._decode = decode
-
-    @cached_property
-    def message(self) -> dict[str, Any] | None:
-        """The message; None if it is none of its type, as what others send may be anything."""
-        with suppress(NoMessage):
-            return self._decode()
-        return None
+def _decoded(decode: Callable[[], dict[str, Any]]) -> dict[str, Any] | None:
+    """Return a message; None if it is none of its type, as what others send may be anything."""
+    with suppress(NoMessage):
+        return decode()
+    return None

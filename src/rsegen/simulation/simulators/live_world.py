@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
+from typing import ClassVar
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import Command
-from rsegen.simulation.simulators.patience import Patience
+from rsegen.simulation.simulators.inbox import Inbox
 
 Record = list[tuple[float, dict[str, list[float]]]]
 """Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
@@ -37,6 +39,10 @@ class Pose:
     pitch: float = 0.0
     yaw: float = 0.0
 
+    def distance(self, other: Pose) -> float:
+        """Return the distance between the positions of both, metres."""
+        return math.dist((self.x, self.y, self.z), (other.x, other.y, other.z))
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
@@ -49,15 +55,14 @@ class Contact:
 class LiveWorld(ABC):
     """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
-    backend: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
+    between_looks: seconds between two looks whether something is done; client: its connection; name: of the world, as
+    in its file; backend: the name of its message and plug-in types, one of `rsegen.robots.BACKENDS`.
     """
 
+    between_looks: ClassVar[float]
+    client: Inbox
+    name: str
     backend: str
-
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """The name of the world, as in its file."""
 
     @property
     @abstractmethod
@@ -77,13 +82,17 @@ class LiveWorld(ABC):
         self.step(steps)
         return ()
 
-    @abstractmethod
     def unpause(self) -> None:
-        """Let simulation time run."""
+        """Let simulation time run, and wait until the server reports it."""
+        self._set_paused(paused=False)
+
+    def pause(self) -> None:
+        """Stop simulation time, and wait until the server reports it."""
+        self._set_paused(paused=True)
 
     @abstractmethod
-    def pause(self) -> None:
-        """Stop simulation time."""
+    def _set_paused(self, *, paused: bool) -> None:
+        """Pause or unpause, and wait until the server reports it."""
 
     def record(self, names: Sequence[str]) -> None:  # noqa: B027  # not needed where the server keeps a record
         """Record the poses of these robots from now on, as `recorded` gives them."""
@@ -126,31 +135,45 @@ class LiveWorld(ABC):
     def movable(self) -> Set[str]:
         """Return the names of the models that are not static."""
 
-    @abstractmethod
     def move(self, name: str, pose: Pose) -> None:
-        """Set the pose of a model, and wait until it has moved."""
+        """Set the pose of a model, and wait until it is closer to it than to its previous one."""
+        before = self._move(name, pose)
 
-    @abstractmethod
+        def has_moved() -> bool:
+            at = self.poses().get(name)
+            return at is not None and at.distance(pose) <= at.distance(before)
+
+        self._wait(f"{name} stays where it was", has_moved)
+
     def spawn(self, sdf: str, pose: Pose) -> None:
         """Spawn the model of an SDF text, and wait until it exists."""
+        start = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
+        if not start:
+            raise SimulatorFailed("no <model> in the SDF text to spawn")
+        self._spawn(start[1], sdf, pose)
+        self._wait(f"{start[1]} does not appear", lambda: start[1] in self.poses())
 
-    @abstractmethod
     def delete(self, name: str) -> None:
         """Delete a model, and wait until it is gone."""
+        self._delete(name)
+        self._wait(f"{name} is still there", lambda: name not in self.poses())
 
+    @abstractmethod
+    def _move(self, name: str, pose: Pose) -> Pose:
+        """Have the pose of a model set, and return the one before; SimulatorFailed if there is no such model."""
 
-def model_name(sdf: str) -> str:
-    """Return the name of the model of an SDF text."""
-    start = re.search(r"<model\s+name=['\"]([^'\"]+)['\"]", sdf)
-    if not start:
-        raise SimulatorFailed("no <model> in the SDF text to spawn")
-    return start[1]
+    @abstractmethod
+    def _spawn(self, name: str, sdf: str, pose: Pose) -> None:
+        """Have the model of an SDF text, of this name, spawned."""
 
+    @abstractmethod
+    def _delete(self, name: str) -> None:
+        """Have a model deleted."""
 
-def wait_until(done: Callable[[], bool], failure: str, patience: Patience, pause: float) -> None:
-    """Ask until something is done, with pauses in seconds; SimulatorFailed with the failure when patience is over."""
-    wait = patience.begin()
-    while not done():
-        if wait.is_over:
-            raise SimulatorFailed(f"{failure} after {patience}")
-        time.sleep(pause)
+    def _wait(self, otherwise: str, done: Callable[[], bool]) -> None:
+        """Ask until something is done; SimulatorFailed with what is the case otherwise when patience is over."""
+        wait = self.client.patience.begin()
+        while not done():
+            if wait.is_over:
+                raise SimulatorFailed(f"{self.client.title}: {otherwise} after {self.client.patience}")
+            time.sleep(self.between_looks)

@@ -13,7 +13,7 @@ import os
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 SECONDS = 20.0
@@ -40,11 +40,6 @@ class Patience:
     seconds: float = SECONDS
     sign: float = SECONDS
     works: Callable[[], bool] = lambda: False
-
-    @property
-    def for_a_sign(self) -> Patience:
-        """The patience until the program gives a sign."""
-        return replace(self, seconds=self.sign)
 
     def begin(self) -> Wait:
         """Begin to wait."""

@@ -27,7 +27,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import IO
+from typing import IO, NamedTuple
 
 from rsegen.errors import SimulatorFailed
 from rsegen.run import stop
@@ -133,16 +133,36 @@ class Work:
     @stop.held()  # a Ctrl-C inside psutil would leave the file open that it reads
     def _look(self) -> tuple[float, float, int]:
         """Return the time, the seconds of CPU of all processes, and the bytes of the files."""
-        import psutil
-
         cpu = 0.0
-        with suppress(psutil.Error):
-            first = psutil.Process(self._program.process.pid)
-            for process in (first, *first.children(recursive=True)):
-                with suppress(psutil.Error):  # it ends in this moment
-                    times = process.cpu_times()
-                    cpu += times.user + times.system
+        with suppress(SimulatorFailed):
+            cpu = usage(self._program.process.pid).cpu
         return time.monotonic(), cpu, sum(file.stat().st_size for file in self._output if file.exists())
+
+
+class Usage(NamedTuple):
+    """CPU time in seconds so far, and memory in MB."""
+
+    cpu: float
+    memory: float
+
+
+def usage(pid: int) -> Usage:
+    """Return the usage of a process with those that it has started; SimulatorFailed if it has ended.
+
+    Resident memory counts shared pages once per process, so that of several processes is too large.
+    """
+    import psutil
+
+    try:
+        first = psutil.Process(pid)
+        children, usages = first.children(recursive=True), [(first.cpu_times(), first.memory_info())]
+    except psutil.Error:
+        raise SimulatorFailed("the simulator is gone") from None
+    for child in children:
+        with suppress(psutil.Error):  # it ends in this moment
+            usages.append((child.cpu_times(), child.memory_info()))
+    cpu = sum(times.user + times.system for times, _ in usages)
+    return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in usages) / 2**20)
 
 
 def _started(
@@ -191,28 +211,16 @@ class OutputFiles:
     def lines(self, goes_on: Callable[[], bool]) -> Iterator[str]:
         """Yield the lines of both files as they are written, as long as their program goes on."""
         with ExitStack() as stack:
-            readers = [_Reader(stack.enter_context(path.open(errors="replace"))) for path in self.paths]
-            more = True
+            files = [stack.enter_context(path.open(errors="replace")) for path in self.paths]
+            rests, more = dict.fromkeys(files, ""), True  # the line of each file that has no end yet
             while more:
                 stop.check()  # Python drops a Ctrl-C that comes in a destructor or a callback
                 more = goes_on()
-                for reader in readers:
-                    yield from reader.whole_lines()
+                for file in files:
+                    *whole, rests[file] = (rests[file] + file.read()).split("\n")
+                    yield from whole
                 time.sleep(PAUSE if more else 0)
-            yield from (reader.rest for reader in readers)
-
-
-class _Reader:
-    """Reads a file that is being written; `rest` is the line that has no end yet."""
-
-    def __init__(self, file: IO[str]) -> None:
-        self._file = file
-        self.rest = ""
-
-    def whole_lines(self) -> list[str]:
-        """Return the lines that have been written since the last call."""
-        *whole, self.rest = (self.rest + self._file.read()).split("\n")
-        return whole
+            yield from rests.values()
 
 
 _NUMBER = re.compile(r"(?<!\w)[-+]?\d[\d.:]*(?:e[-+]?\d+)?(?!\w)")

@@ -30,7 +30,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, closing, suppress
 from enum import IntEnum
 from functools import partial
 from queue import SimpleQueue
@@ -476,11 +476,6 @@ class TransportClient(Inbox):
         self._closing = True
 
 
-@contextmanager
-def transport_client(environment: Mapping[str, str], patience: Patience) -> Iterator[TransportClient]:
+def transport_client(environment: Mapping[str, str], patience: Patience) -> AbstractContextManager[TransportClient]:
     """A client at the address in environment variables; it disconnects when this ends."""
-    client = TransportClient(environment, patience)
-    try:
-        yield client
-    finally:
-        client.close()
+    return closing(TransportClient(environment, patience))

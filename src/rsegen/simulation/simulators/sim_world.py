@@ -23,20 +23,19 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import astuple, dataclass, field
-from statistics import fmean
-from typing import Any
+from contextlib import contextmanager, suppress
+from dataclasses import astuple, dataclass, field, replace
+from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.robots.drives import POSE_RATE, Command
-from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record, model_name, wait_until
+from rsegen.simulation.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulation.simulators.wire import (
     SIM,
-    is_nearer,
+    contact_of,
     mesh_file,
     nanoseconds,
     parse_text,
@@ -85,17 +84,12 @@ class ContactSample:
 
 
 def _contact(content: bytes) -> Contact | None:
-    """Return the contact of a message; None if it has no points."""
-    try:
+    """Return the contact of a message; None if it has no points, or is no message."""
+    with suppress(NoMessage):
         message = SIM.decode("Contact", content)
-    except NoMessage:
-        return None
-    points = [tuple(point.get(along, 0.0) for along in "xyz") for point in message.get("position", [])]
-    first, second = sorted(message.get(name, {}).get("name", "") for name in ("collision1", "collision2"))
-    if not points:
-        return None
-    x, y, z = (fmean(along) for along in zip(*points, strict=True))
-    return Contact(collisions=(first, second), position=(x, y, z))
+        first, second = sorted(message[side]["name"] for side in ("collision1", "collision2"))
+        return contact_of((first, second), message["position"])
+    return None
 
 
 WORLDS = "/gazebo/worlds"
@@ -103,9 +97,6 @@ WORLDS = "/gazebo/worlds"
 
 TOPICS = {"stats": "WorldStatistics", "pose/info": "Pose_V", "dynamic_pose/info": "Pose_V"}
 """The topics of a world that are subscribed, and the types of their messages."""
-
-_BETWEEN_LOOKS = 0.02
-"""Seconds between two looks whether something is done: poses are published about as often."""
 
 _CONNECTION_TIME = 0.1
 """Seconds in which a publisher that has been told of a subscriber is connected with it; servers wait as long.
@@ -133,8 +124,10 @@ _MODEL = 2
 class SimWorld(LiveWorld):
     """The world in a Gazebo Sim server. A paused server answers, and publishes its clock and poses."""
 
+    between_looks: ClassVar[float] = 0.02  # poses are published about as often
+
     client: TransportClient
-    world: str
+    name: str
     backend: str
     _names: Mapping[int, str] = field(default_factory=dict)
     _ids: Set[int] = frozenset()
@@ -142,11 +135,6 @@ class SimWorld(LiveWorld):
     _sample: ContactSample | None = None
     _stopped: tuple[int, int] | None = None
     """Steps, and nanoseconds of simulation time, at which our last step has ended; None if time ran since."""
-
-    @property
-    def name(self) -> str:
-        """The name in the topics of its server."""
-        return self.world
 
     @property
     def is_current(self) -> bool:
@@ -199,14 +187,6 @@ class SimWorld(LiveWorld):
         self.step(steps - first)
         return contacts
 
-    def unpause(self) -> None:
-        """Unpause, and wait until the server reports it."""
-        self._pause(pause=False)
-
-    def pause(self) -> None:
-        """Pause, and wait until the server reports it."""
-        self._pause(pause=True)
-
     def clock(self) -> Clock:
         """Return the last clock that the server published, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
@@ -217,15 +197,12 @@ class SimWorld(LiveWorld):
         poses = self._poses("pose/info")
         if poses.keys() != self._ids:
             self._names, self._ids = self._models(), poses.keys()
-        return {name: pose_of(poses[entity]) for entity, name in self._names.items() if entity in poses}
+        return self._by_name(poses)
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
         """Return the last message of the topic of poses; the names are those of the last `poses`."""
         message = self.client.last(self._topic("pose/info")) or {}
-        poses = {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
-        return _stamp(message) / 1e9, {
-            name: pose_of(poses[entity]) for entity, name in self._names.items() if entity in poses
-        }
+        return _stamp(message) / 1e9, self._by_name(_by_id(message))
 
     def record(self, names: Sequence[str]) -> None:
         """Record the poses that the plug-ins of these robots publish from now on."""
@@ -260,32 +237,27 @@ class SimWorld(LiveWorld):
         moving = self._poses("dynamic_pose/info")
         return frozenset(name for entity, name in self._models().items() if entity in moving)
 
-    def move(self, name: str, pose: Pose) -> None:
-        """Set the pose of a model by a service."""
+    def _move(self, name: str, pose: Pose) -> Pose:
+        """Have the pose set by a service."""
         before = self.poses().get(name)
         if before is None:
             raise SimulatorFailed(f"Gazebo Sim: no model {name} to move")
         self._order("set_pose", "Pose", {"name": name, **pose_message(pose)})
-        self._wait(
-            f"{name} stays where it was", lambda: name in (at := self.poses()) and is_nearer(at[name], pose, before)
-        )
+        return before
 
-    def spawn(self, sdf: str, pose: Pose) -> None:
-        """Spawn by a service, under the name in the text."""
-        name = model_name(sdf)
+    def _spawn(self, name: str, sdf: str, pose: Pose) -> None:
+        """Have it spawned by a service, which finds the name in the text."""
         self._order("create", "EntityFactory", {"sdf": sdf, "pose": pose_message(pose)})
-        self._wait(f"{name} does not appear", lambda: name in self.poses())
 
-    def delete(self, name: str) -> None:
-        """Delete by a service."""
+    def _delete(self, name: str) -> None:
+        """Have it deleted by a service."""
         self._order("remove", "Entity", {"name": name, "type": _MODEL})
-        self._wait(f"{name} is still there", lambda: name not in self.poses())
 
-    def _pause(self, *, pause: bool) -> None:
-        self._order("control", "WorldControl", {"pause": pause})
+    def _set_paused(self, *, paused: bool) -> None:
+        self._order("control", "WorldControl", {"pause": paused})
         self.client.clear(self._topic("stats"))
         self._stopped = None
-        self._message("stats", lambda message: bool(message.get("paused")) == pause)
+        self._message("stats", lambda message: bool(message.get("paused")) == paused)
 
     def _steps_and_time(self) -> tuple[int, int]:
         message = self._message("stats", lambda _: True)
@@ -307,8 +279,11 @@ class SimWorld(LiveWorld):
     def _poses(self, topic: str) -> dict[int, dict[str, Any]]:
         """Return the poses in a topic by the ids of their entities, not before the end of our last step."""
         reached = self._stopped[1] if self._stopped else 0
-        message = self._message(topic, lambda message: _stamp(message) >= reached)
-        return {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
+        return _by_id(self._message(topic, lambda message: _stamp(message) >= reached))
+
+    def _by_name(self, poses: Mapping[int, Mapping[str, Any]]) -> dict[str, Pose]:
+        """Return poses by the names of their models, of those that are known."""
+        return {name: pose_of(poses[entity]) for entity, name in self._names.items() if entity in poses}
 
     def _models(self) -> dict[int, str]:
         """Return the names of the models in the scene by their ids."""
@@ -330,55 +305,51 @@ class SimWorld(LiveWorld):
             raise SimulatorFailed(f"Gazebo Sim: {self._topic(name)} refuses")
 
     def _topic(self, name: str) -> str:
-        return f"/world/{self.world}/{name}"
-
-    def _wait(self, otherwise: str, until: Callable[[], bool]) -> None:
-        wait_until(until, f"Gazebo Sim: {otherwise}", self.client.patience, pause=_BETWEEN_LOOKS)
+        return f"/world/{self.name}/{name}"
 
 
 @contextmanager
 def sim_world(environment: Mapping[str, str], patience: Patience) -> Iterator[SimWorld]:
     """The world of the server at the address in environment variables.
 
-    NothingRuns if no server gives a sign; SimulatorFailed if none answers, or several do.
-    """
-    with ExitStack() as stack:
-        client, worlds = _answered_client(stack, environment, patience)
-        offers = client.all_offers(WORLDS)
-        if len(offers) > 1 or not worlds:
-            what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
-            advice = "set GZ_PARTITION to that of one server"
-            raise SimulatorFailed(f"Gazebo Sim: {what} in the partition {client.partition}; {advice}")
-        client.attend(offers[0]["process_uuid"])
-        backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
-        yield SimWorld(client=client, world=worlds[0], backend=backend)
-
-
-def _answered_client(
-    stack: ExitStack, environment: Mapping[str, str], patience: Patience
-) -> tuple[TransportClient, list[str]]:
-    """Return a client that a server has answered, and the server's worlds; an unanswered client is replaced.
-
-    A server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if the program
-    has the port of an earlier one, whose name the server goes on to use.
+    NothingRuns if no server gives a sign; SimulatorFailed if none answers, or several do. A client that is not answered
+    is replaced: a server's response to a new program is lost if the connection takes it more than 0.1 s; and always, if
+    the program has the port of an earlier one, whose name the server goes on to use.
     """
     for _ in range(_CLIENTS):
-        with ExitStack() as attempt:  # closes the client, unless it is kept by `stack`
-            client = attempt.enter_context(transport_client(environment, patience))
+        with transport_client(environment, patience) as client:
             try:
-                client.offers(WORLDS, patience.for_a_sign)
+                client.offers(WORLDS, replace(patience, seconds=patience.sign))
             except SimulatorFailed:
                 raise NothingRuns(f"Gazebo Sim: no server answers in the partition {client.partition}") from None
-            with suppress(SimulatorFailed):
+            try:
                 worlds = client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", [])
-                stack.enter_context(attempt.pop_all())
-                return client, worlds
+            except SimulatorFailed:
+                continue
+            yield _only_world(client, worlds)
+            return
     raise SimulatorFailed("Gazebo Sim: a server exists, but does not answer")
+
+
+def _only_world(client: TransportClient, worlds: Sequence[str]) -> SimWorld:
+    """Return the world of the only server, which has answered; SimulatorFailed if there are several, or it has none."""
+    offers = client.all_offers(WORLDS)
+    if len(offers) > 1 or not worlds:
+        what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
+        advice = "set GZ_PARTITION to that of one server"
+        raise SimulatorFailed(f"Gazebo Sim: {what} in the partition {client.partition}; {advice}")
+    client.attend(offers[0]["process_uuid"])
+    backend = "fortress" if offers[0]["srv_pub"]["request_type"].startswith("ignition.") else "sim"
+    return SimWorld(client=client, name=worlds[0], backend=backend)
 
 
 def _clock(message: Mapping[str, Any]) -> Clock:
     simulated, real = (nanoseconds(message.get(name)) / 1e9 for name in ("sim_time", "real_time"))
     return Clock(simulated=simulated, real=real, steps=message.get("iterations", 0), paused=bool(message.get("paused")))
+
+
+def _by_id(message: Mapping[str, Any]) -> dict[int, dict[str, Any]]:
+    return {pose["id"]: pose for pose in message.get("pose", []) if "id" in pose}
 
 
 def _stamp(message: Mapping[str, Any]) -> int:

@@ -13,21 +13,22 @@ from __future__ import annotations
 import math
 import re
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from statistics import fmean
 from typing import Any, TypeAlias
 
 from rsegen.errors import NoMessage, shown
-from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulation.simulators.live_world import Contact, Pose
 
 Message: TypeAlias = Mapping[str, Any]
 """A message: numbers, texts, bytes and messages by the names of their fields; lists where a field may be repeated."""
 
 Kind: TypeAlias = type | str
-"""int, float, bool, str, bytes, or the name of a message type; a name, `text` or `bytes` with [] after it: repeated."""
+"""int, float, bool, str, bytes, or the name of a message type."""
 
-Fields: TypeAlias = Mapping[str, tuple[int, Kind]]
-"""Number and kind of each field of a message type, by its name."""
+Fields: TypeAlias = Mapping[str, tuple[int, Kind | list[Kind]]]
+"""Number and kind of each field of a message type, by its name; a list of the kind: repeated."""
 
 _NONSENSE = (AttributeError, IndexError, OverflowError, TypeError, ValueError, struct.error)
 """Errors of Python where bytes are no message of a type."""
@@ -66,41 +67,37 @@ class MessageTypes:
             if number not in names:
                 continue
             name, kind = names[number]
-            if wire_type != _wire_type(kind):
+            single = kind[0] if isinstance(kind, list) else kind
+            if wire_type != _wire_type(single):
                 raise ValueError(f"{name} is of another kind")
-            if isinstance(kind, str) and kind.endswith("[]"):
-                message.setdefault(name, []).append(self._value(kind[:-2], value))
+            if isinstance(kind, list):
+                message.setdefault(name, []).append(self._value(single, value))
             else:
-                message[name] = self._value(kind, value)
+                message[name] = self._value(single, value)
         return message
 
     def default(self, type_name: str, name: str) -> Any:
         """Return what a field is that a message does not have: a zero, or nothing."""
         _, kind = self.types[type_name][name]
-        if isinstance(kind, str) and kind not in ("text", "bytes"):
-            return [] if kind.endswith("[]") else _Decoded(self, kind)
-        return {"text": "", "bytes": b""}[kind] if isinstance(kind, str) else kind()
+        if isinstance(kind, list):
+            return []
+        return _Decoded(self, kind) if isinstance(kind, str) else kind()
 
-    def _field(self, number: int, kind: Kind, value: Any) -> bytes:
-        if isinstance(kind, str) and kind.endswith("[]"):
-            return b"".join(self._field(number, kind[:-2], item) for item in value)
+    def _field(self, number: int, kind: Kind | list[Kind], value: Any) -> bytes:
+        if isinstance(kind, list):
+            return b"".join(self._field(number, kind[0], item) for item in value)
         key = _varint(number << 3 | _wire_type(kind))
         if kind is float:
             return key + struct.pack("<d", float(value))
         if kind in (int, bool):
             return key + _varint(int(value))
-        plain = value.encode() if kind in (str, "text") else None
-        content = value if kind in (bytes, "bytes") else self.encode(str(kind), value) if plain is None else plain
+        content = self.encode(kind, value) if isinstance(kind, str) else value.encode() if kind is str else value
         return key + _varint(len(content)) + content
 
     def _value(self, kind: Kind, value: Any) -> Any:
-        if kind in (str, "text"):
+        if kind is str:
             return value.decode(errors="replace")
-        if kind in (bytes, "bytes"):
-            return value
-        if isinstance(kind, str):
-            return self.decode(kind, value)
-        return kind(value)
+        return self.decode(kind, value) if isinstance(kind, str) else kind(value)
 
 
 class _Decoded(dict[str, Any]):
@@ -185,39 +182,32 @@ CLASSIC = MessageTypes(
         "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
         "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
         "ImageStamped": {"time": (1, "Time"), "image": (2, bytes)},
-        "PosesStamped": {"time": (1, "Time"), "pose": (2, "bytes[]")},
+        "PosesStamped": {"time": (1, "Time"), "pose": (2, [bytes])},
         "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "GzString": {"data": (1, str)},
-        "GzString_V": {"data": (1, "text[]")},
+        "GzString_V": {"data": (1, [str])},
         "Mesh": {"filename": (1, str)},
         "Geometry": {"mesh": (8, "Mesh")},
         "Visual": {"geometry": (9, "Geometry")},
-        "Link": {"name": (2, str), "pose": (9, "Pose"), "visual": (10, "Visual[]")},
-        "Model": {"name": (1, str), "id": (2, int), "is_static": (3, bool), "pose": (4, "Pose"), "link": (6, "Link[]")},
-        "Model_V": {"models": (2, "Model[]")},
-        "Factory": {"sdf": (1, str), "sdf_filename": (2, str), "pose": (3, "Pose"), "allow_renaming": (6, bool)},
+        "Link": {"visual": (10, ["Visual"])},
+        "Model": {"name": (1, str), "id": (2, int), "is_static": (3, bool), "pose": (4, "Pose"), "link": (6, ["Link"])},
+        "Model_V": {"models": (2, ["Model"])},
+        "Factory": {"sdf": (1, str), "pose": (3, "Pose")},
         "Request": {"id": (1, int), "request": (2, str), "data": (3, str)},
         "Response": {"id": (1, int), "response": (3, str), "type": (4, str), "serialized_data": (5, bytes)},
         "LogControl": {"stop": (2, bool)},
-        "WorldControl": {"pause": (1, bool), "step": (2, bool), "multi_step": (3, int)},
+        "WorldControl": {"pause": (1, bool), "multi_step": (3, int)},
         "WorldStatistics": {
             "sim_time": (2, "Time"),
-            "pause_time": (3, "Time"),
             "real_time": (4, "Time"),
             "paused": (5, bool),
             "iterations": (6, int),
         },
-        "Contact": {"collision1": (1, str), "collision2": (2, str), "position": (3, "Vector3d[]")},
-        "Contacts": {"contact": (1, "Contact[]")},
+        "Contact": {"collision1": (1, str), "collision2": (2, str), "position": (3, ["Vector3d"])},
+        "Contacts": {"contact": (1, ["Contact"])},
         "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
         "Publish": {"topic": (1, str), "msg_type": (2, str), "host": (3, str), "port": (4, int)},
-        "Subscribe": {
-            "topic": (1, str),
-            "host": (2, str),
-            "port": (3, int),
-            "msg_type": (4, str),
-            "latching": (5, bool),
-        },
+        "Subscribe": {"topic": (1, str), "host": (2, str), "port": (3, int), "msg_type": (4, str)},
     }
 )
 """The message types of Gazebo Classic that rsegen sends and receives, with the numbers in Gazebo 11.1's library."""
@@ -235,23 +225,23 @@ SIM = MessageTypes(
             "position": (4, "Vector3d"),
             "orientation": (5, "Quaternion"),
         },
-        "Pose_V": {"header": (1, "Header"), "pose": (2, "Pose[]")},
+        "Pose_V": {"header": (1, "Header"), "pose": (2, ["Pose"])},
         "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "Double": {"data": (2, float)},
         "Boolean": {"data": (2, bool)},
         "Empty": {},
-        "StringMsg_V": {"data": (2, "text[]")},
+        "StringMsg_V": {"data": (2, [str])},
         "Entity": {"id": (2, int), "name": (3, str), "type": (4, int)},
-        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose"), "name": (8, str), "allow_renaming": (9, bool)},
-        "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, "Vector3d[]")},
-        "Contacts": {"header": (1, "Header"), "contact": (2, "bytes[]")},
+        "EntityFactory": {"sdf": (2, str), "pose": (7, "Pose")},
+        "Contact": {"collision1": (2, "Entity"), "collision2": (3, "Entity"), "position": (4, ["Vector3d"])},
+        "Contacts": {"header": (1, "Header"), "contact": (2, [bytes])},
         "Mesh": {"filename": (2, str)},
         "Geometry": {"mesh": (9, "Mesh")},
         "Visual": {"geometry": (10, "Geometry")},
-        "Link": {"visual": (11, "Visual[]")},
-        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, "Link[]")},
-        "Scene": {"name": (2, str), "model": (9, "Model[]")},
-        "WorldControl": {"pause": (2, bool), "step": (3, bool), "multi_step": (4, int)},
+        "Link": {"visual": (11, ["Visual"])},
+        "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, ["Link"])},
+        "Scene": {"name": (2, str), "model": (9, ["Model"])},
+        "WorldControl": {"pause": (2, bool), "multi_step": (4, int)},
         "WorldStatistics": {
             "sim_time": (2, "Time"),
             "real_time": (4, "Time"),
@@ -317,10 +307,12 @@ def pose_of(message: PoseMessage) -> Pose:
     )
 
 
-def is_nearer(at: Pose, wanted: Pose, before: Pose) -> bool:
-    """Return whether a model is closer to its target pose than to its previous one."""
-    place, target, start = ((pose.x, pose.y, pose.z) for pose in (at, wanted, before))
-    return math.dist(place, target) <= math.dist(place, start)
+def contact_of(collisions: tuple[str, str], points: Sequence[Mapping[str, float]]) -> Contact | None:
+    """Return a contact at the mean of its points; None if it has none."""
+    if not points:
+        return None
+    x, y, z = (fmean(point[along] for point in points) for along in "xyz")
+    return Contact(collisions=collisions, position=(x, y, z))
 
 
 def mesh_file(model: Mapping[str, Any]) -> str:

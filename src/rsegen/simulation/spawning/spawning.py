@@ -13,7 +13,7 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, count, product
 from math import cos, floor, hypot, sin
@@ -126,12 +126,6 @@ def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area
     """Return the rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
     known = {spawned.name: spawned.area for spawned in maps}
     return [known.get(name) or Area(at.x, at.y) for name, at in poses.items() if name != GROUND]
-
-
-def at_free_place(new: SpawnedMap, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> SpawnedMap:
-    """Return the map moved to the free place that is nearest to the origin."""
-    place = free_area(*new.area[2:], occupied(poses, maps))
-    return replace(new, at=Pose(x=place.x, y=place.y, z=0))
 
 
 def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:
