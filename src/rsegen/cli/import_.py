@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_recipe_flags, recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import picture_path
+from rsegen.cli.targets import picture_of
 from rsegen.errors import ParameterError
 from rsegen.params.command import Declared, Shell, add_flags, declared, given
 from rsegen.params.sorts import FilePath, Flag, parameters
@@ -51,13 +52,10 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Import, generate, and say what was made and how far heights were rounded."""
     from rsegen.exporters.pictures.measured import rounding_plot
-    from rsegen.exporters.pictures.preview import image_format
     from rsegen.exporters.scene import compose
     from rsegen.io.importers import heights_in, importer_for, recipe_of
-    from rsegen.run.store import write_file
 
-    path, force = Path(arguments.file), bool(arguments.force)
-    picture = picture_path(arguments.errors, force=force)
+    path, picture = Path(arguments.file), picture_of(arguments.errors, force=arguments.force)
     said, sorts = recipe_flags(arguments), parameters(Recipe)
     settled = {name: sorts[name].check(name, said[name]) for name in ("unit_cm", "chunk_size") if name in said}
     heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
@@ -66,8 +64,7 @@ def run(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--errors", f"{path} has levels, which are not rounded")
     report = produce(recipe, arguments)
     if picture and heights.errors_cm is not None and heights.holes is not None:
-        drawn = rounding_plot(compose(recipe), heights.errors_cm, heights.holes, image_format(picture))
-        write_file([drawn], picture, force=force)
+        picture.write(partial(rounding_plot, compose(recipe), heights.errors_cm, heights.holes))
     return replace(report, notes=[str(heights.rounding)]) if heights.rounding else report
 
 

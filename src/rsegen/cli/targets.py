@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from rsegen.cli.flags import complete_examples, has_recipe_flags, with_flags
 from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError
+from rsegen.params.command import Shell
+from rsegen.params.sorts import FilePath
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -111,14 +113,32 @@ def which_map(target: str | None, which: str | None) -> Iterator[str]:
         yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map takes another"
 
 
-def picture_path(name: str | None, *, force: bool) -> Path | None:
-    """Return the path of a picture if one is wanted; a UserError if it is no picture or may not be replaced."""
+PictureName = Annotated[str | None, FilePath("a picture"), Shell(("-o", "--output"), "PICTURE")]
+"""The flag for a picture that a command draws besides its report; each says of what."""
+
+
+class Picture(NamedTuple):
+    """A picture that a command is asked for; `picture_of` has found that its name is one, and may be written."""
+
+    path: Path
+    force: bool
+
+    def write(self, draw: Callable[[str], bytes]) -> None:
+        """Write what `draw` makes for the image format of the name."""
+        from rsegen.exporters.pictures.preview import image_format
+        from rsegen.run.store import write_file
+
+        write_file([draw(image_format(self.path))], self.path, force=self.force)
+
+
+def picture_of(name: str | None, *, force: bool | None) -> Picture | None:
+    """Return the picture of a name if one is wanted; a UserError if it is no picture or may not be replaced."""
     from rsegen.exporters.pictures.preview import image_format
     from rsegen.run.store import refuse_taken_file
 
     if name is None:
         return None
-    path = Path(name)
-    image_format(path)
-    refuse_taken_file(path, force=force)
-    return path
+    picture = Picture(Path(name), bool(force))
+    image_format(picture.path)
+    refuse_taken_file(picture.path, force=picture.force)
+    return picture

@@ -269,7 +269,7 @@ def close(host: Host, *, doc: str) -> dict[str, Any]:
     """Close a document, and discard what is not saved; one that another page has open stays."""
     opened = host.opened(doc)
     if opened.pages <= 1:
-        opened.document.close()
+        opened.document.journal.remove()
         del host.documents[doc]
     return {}
 

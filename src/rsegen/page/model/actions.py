@@ -76,13 +76,6 @@ def _set(session: Session, _index: int, *, name: str, value: Any, gesture: str |
 
 
 @_action
-def reroll(session: Session, _index: int) -> int:
-    """Draw another seed."""
-    session.reroll()
-    return -1
-
-
-@_action
 def add(session: Session, _index: int, *, entry: dict[str, Any], at: int | None = None) -> int:
     """Add an obstacle, in line where its kind must be axis-aligned."""
     if len(session.draft.rows) >= MOST_OBSTACLES:
@@ -104,13 +97,6 @@ def remove(session: Session, _index: int, *, row: int) -> int:
     """Remove a row."""
     session.remove(row)
     return row
-
-
-@_action
-def clear(session: Session, _index: int) -> int:
-    """Remove all rows."""
-    session.clear()
-    return -1
 
 
 @_action
@@ -167,15 +153,15 @@ def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: 
     return session.add(painted(None, cells, level), gesture=key)
 
 
-@_action
-def undo(session: Session, _index: int) -> int:
-    """Undo the last change."""
-    session.undo()
-    return -1
+def _of_session(method: Callable[[Session], None]) -> None:
+    """Let pages do what a method of a session does, which is about no row."""
+
+    def do(session: Session, _index: int) -> int:
+        method(session)
+        return -1
+
+    _ACTIONS[method.__name__] = do
 
 
-@_action
-def redo(session: Session, _index: int) -> int:
-    """Redo the change that was undone last."""
-    session.redo()
-    return -1
+for _method in (Session.reroll, Session.clear, Session.undo, Session.redo):
+    _of_session(_method)

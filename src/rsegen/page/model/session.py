@@ -196,8 +196,8 @@ class Session:
                 self.changed()
             raise
 
-    def _put_rows(self, rows: tuple[Entry, ...], gesture: object = None) -> None:
-        self._put(replace(self.draft, rows=rows), gesture)
+    def _put_rows(self, rows: tuple[Entry, ...]) -> None:
+        self._put(replace(self.draft, rows=rows), None)
 
     def _replace(self, number: int, entry: Entry, gesture: object) -> None:
         rows = (*self.draft.rows[:number], MappingProxyType(dict(entry)), *self.draft.rows[number + 1 :])
