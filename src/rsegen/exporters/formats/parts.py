@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.exporters.colours import Colour
+from rsegen.exporters.colours import Colour, linear, rounded
 from rsegen.exporters.formats.solid import Solid
 from rsegen.exporters.gazebo.obj import PARTS, obj
 from rsegen.exporters.scene import Scene
@@ -91,8 +91,5 @@ def textured_parts(mesh: Solid) -> Iterator[TexturedPart]:
 
 
 def srgb_to_linear(colour: Colour) -> Colour:
-    """Return the linear colour of an sRGB colour (IEC 61966-2-1)."""
-    red, green, blue = (
-        round(part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4, 6) for part in colour
-    )
-    return red, green, blue
+    """Return the linear colour of an sRGB colour as files have it."""
+    return rounded(linear(colour), 6)

@@ -6,12 +6,12 @@ Obstacles are numbered from 0, as in messages: obstacles[0], ...
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from rsegen.exporters.colours import Colour
-from rsegen.exporters.numbers import Lengths, lengths_in
+from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
@@ -19,6 +19,7 @@ from rsegen.recipe.building import placed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.image import AxesImage
 
 
 LEGIBLE = 26
@@ -70,28 +71,33 @@ def draw_heights(axes: Axes, drawn: Drawable, share: float = 1.0) -> str:
     if most > LEGIBLE or size < _SMALLEST:
         return "plan"
     written = lengths_in(drawn.units)
-    _write_heights(axes, drawn, colours, size, written)
+    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
+    heights = drawn.field.heights
+    for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
+        text, ink = written.measured(heights[i, j], 3), ink_on(colours[i, j])
+        axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
     return f"plan, heights in {written.name}"
+
+
+def ink_on(colour: Colour | Array) -> str:
+    """Return the text colour that is legible on a colour, in greyscale print too (luma of ITU-R BT.601)."""
+    red, green, blue = colour
+    return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.5 else "black"
 
 
 def draw_cells(axes: Axes, drawn: Drawable) -> Array:
     """Draw the colours of a plan without heights, and return them: (n_x, n_y, 3)."""
-    field = drawn.field
-    edges_x, edges_y = field.edges()
-    colours = cell_colours(drawn.plan_colour, field)
-    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
-    axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
+    colours = cell_colours(drawn.plan_colour, drawn.field)
+    show_cells(axes, drawn.field, colours)
     return colours
 
 
-def _write_heights(axes: Axes, drawn: Drawable, colours: Array, size: float, written: Lengths) -> None:
-    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
-    heights = drawn.field.heights
-    for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
-        # Legible on its colour, by the luma of ITU-R BT.601.
-        ink = "white" if colours[i, j] @ (0.3, 0.59, 0.11) < 0.5 else "black"
-        text = written.measured(heights[i, j], 3)
-        axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
+def show_cells(axes: Axes, field: StepField, values: Array, **style: Any) -> AxesImage:
+    """Draw a value per cell, (n_x, n_y), or a colour, (n_x, n_y, 3), where the cells of a field are, metres."""
+    (west, *_, east), (south, *_, north) = (line.tolist() for line in field.edges())
+    shown = values.transpose(1, 0, *range(2, values.ndim))
+    style = {"origin": "lower", "extent": (west, east, south, north), "interpolation": "nearest", **style}
+    return axes.imshow(shown, **style)
 
 
 def number_cells(axes: Axes, field: StepField) -> None:
@@ -172,7 +178,11 @@ def _nearest(lines: Ints, between: Ints, side: int) -> Ints:
 
 def boundary(cells: Mask, edges_x: Array, edges_y: Array) -> Array:
     """Return the sides between cells of a mask and cells outside it, as lines: metres, (m, 2, 2)."""
-    region = np.pad(cells, 1)
+    return changes(np.pad(cells, 1), edges_x, edges_y)
+
+
+def changes(region: Array | Mask, edges_x: Array, edges_y: Array) -> Array:
+    """Return the sides between cells of different values, as lines; region: the cells, and one more on each side."""
     i, j = np.nonzero(region[1:, 1:-1] != region[:-1, 1:-1])
     upright = np.stack([np.stack([edges_x[i], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
     i, j = np.nonzero(region[1:-1, 1:] != region[1:-1, :-1])

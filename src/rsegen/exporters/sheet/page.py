@@ -173,9 +173,3 @@ def draw_run(page: Page, ends: tuple[float, float], y: float) -> None:
 def block_colour(scene: Scene, level: int) -> Colour:
     """Return the colour of a level on the page; white for no block."""
     return scene.plan_colour(level) if level else EMPTY
-
-
-def ink(colour: Colour) -> str:
-    """Return the text colour that is legible on a colour, in greyscale print too (luma of ITU-R BT.601)."""
-    red, green, blue = colour
-    return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.5 else "black"

@@ -11,9 +11,10 @@ from itertools import product
 import numpy as np
 
 from rsegen.exporters.numbers import lengths_in
+from rsegen.exporters.pictures.plan import ink_on
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.overview import SMALLEST, draw_cut_list
-from rsegen.exporters.sheet.page import COLUMN, GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
+from rsegen.exporters.sheet.page import COLUMN, GREY, INK, POINT, Page, PrintedPlan, block_colour
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
@@ -111,7 +112,7 @@ def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]
     cells = product(*(plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1)))
     for at, cell in zip(np.ndindex(levels.shape), cells, strict=True):
         level, (x, y) = int(levels[at]), plan.middle(*cell)
-        style = {"color": ink(block_colour(plan.scene, level)) if level else GREY}
+        style = {"color": ink_on(block_colour(plan.scene, level)) if level else GREY}
         plan.page.text(x, y, texts[level], size, ha="center", va="center", **style)
         if ordered and level:
             corner = 0.44 * plan.cell

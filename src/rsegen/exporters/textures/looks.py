@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour, rounded
 from rsegen.exporters.textures import edged, pine
 from rsegen.exporters.textures.images import png
 from rsegen.field.stepfield import Array
@@ -39,10 +40,9 @@ def textures(look: str, seed: int) -> Textures:
     return Textures(*(png(_indices(tones), made.PALETTE) for tones in (made.top(rng), made.side(rng))))
 
 
-def mean_colour(look: str) -> tuple[float, float, float]:
+def mean_colour(look: str) -> Colour:
     """Return the colour, 0..1, that the textures of a look have from afar."""
-    red, green, blue = (round(float(part) / 255, 3) for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])
-    return red, green, blue
+    return rounded(float(part) / 255 for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])
 
 
 def _indices(tones: Array) -> Array:
