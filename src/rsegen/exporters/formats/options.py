@@ -6,21 +6,15 @@ import shlex
 from collections.abc import Iterator, Sequence
 
 from rsegen.errors import ParameterError, refuse_unknown, shown
-from rsegen.exporters.formats.base import Format, format_named
+from rsegen.exporters.formats.base import FORMATS, Format
 from rsegen.params.sorts import key_values, parameters
 
 
 def formats_in(where: str, text: str) -> Iterator[Format]:
     """Yield the formats that a text names, with their options; errors name the flag `where`."""
-    for cls, words in list(_named(where, text)):
+    parts = [part or [""] for part in _parts(where, text)]
+    for cls, words in [(FORMATS.named(name, where), words) for name, *words in parts]:
         yield _with_options(where, cls, words)
-
-
-def _named(where: str, text: str) -> Iterator[tuple[type[Format], list[str]]]:
-    """Each format of a text such as `stl,mjcf shape=hfield`, with the words that follow it."""
-    for part in _parts(where, text):
-        name, *words = part or [""]
-        yield format_named(name, where), words
 
 
 def _parts(where: str, text: str) -> list[list[str]]:

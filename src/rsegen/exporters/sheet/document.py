@@ -7,6 +7,7 @@ Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.pictures.preview import pdf_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.listing import listing
-from rsegen.exporters.sheet.timber import building_order
+from rsegen.exporters.sheet.timber import building_order, materials
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -62,20 +63,13 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
     from rsegen.exporters.sheet.page import Page
     from rsegen.exporters.sheet.pallet_page import draw_form, draw_pallet
 
-    pallets = building_order(scene)
-    page = Page(scene.recipe.units)
-    draw_overview(page, scene, pallets, saw)
-    yield page.figure
-    for numbered in pallets:
+    pallets, needed = building_order(scene), materials(scene.field, scene.recipe, saw)
+    own = [partial(draw_pallet, scene=scene, numbered=pallet, pallets=len(pallets)) for pallet in pallets]
+    whole = partial(draw_overview, scene=scene, pallets=pallets, needed=needed)
+    for draw in (whole, *own, partial(draw_materials, scene=scene, needed=needed), partial(draw_form, scene=scene)):
         page = Page(scene.recipe.units)
-        draw_pallet(page, scene, numbered, len(pallets))
+        draw(page)
         yield page.figure
-    page = Page(scene.recipe.units)
-    draw_materials(page, scene, saw)
-    yield page.figure
-    page = Page(scene.recipe.units)
-    draw_form(page, scene)
-    yield page.figure
 
 
 def page_count(recipe: Recipe) -> int:

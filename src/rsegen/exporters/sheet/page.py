@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rsegen.exporters.colours import Colour
+from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 
@@ -40,12 +41,13 @@ ROW = 5.2
 class Page:
     """A page of vector graphics: A4, or Letter if a recipe is in inches; `across` is the width between its margins.
 
-    second: x of the right one of two columns
+    second: x of the right one of two columns; written: the units of lengths
     """
 
     def __init__(self, units: str) -> None:
         from matplotlib.figure import Figure
 
+        self.written = lengths_in(units)
         width, height = LETTER if units == "in" else A4
         self.left, self.right, self.bottom = MARGIN, width - MARGIN, height - MARGIN
         self.across = width - 2 * MARGIN

@@ -10,7 +10,6 @@ from itertools import product
 
 import numpy as np
 
-from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.pictures.plan import ink_on
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.overview import SMALLEST, draw_cut_list
@@ -84,20 +83,16 @@ def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
 
 def _draw_rulers(plan: PrintedPlan, numbered: NumberedPallet) -> None:
     """Draw cell numbers on all four sides: all of them, or every fifth if they would overlap."""
-    cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
     far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
     size, step = (8, 1) if plan.cell > 5 else (6, 5)
     style = {"color": GREY, "ha": "center", "va": "center"}
-    for at, i in enumerate(cells_x):
-        if (numbered.corner[0] + at) % step == 0:
-            for y in (plan.top - 3, plan.top + far_y + 3):
-                plan.page.text(plan.middle(i, 0)[0], y, str(numbered.corner[0] + at), size, **style)
-    for at, j in enumerate(cells_y):
-        if (numbered.corner[1] + at) % step == 0:
-            for x in (plan.left - 4, plan.left + far_x + 4):
-                plan.page.text(x, plan.middle(0, j)[1], str(numbered.corner[1] + at), size, **style)
-    plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, color=GREY, ha="center", va="center")
-    plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
+    for axis, sides in enumerate(((plan.top - 3, plan.top + far_y + 3), (plan.left - 4, plan.left + far_x + 4))):
+        for at, cell in enumerate(plan.field.inside(axis).nonzero()[0].tolist(), numbered.corner[axis]):
+            middle = plan.middle(cell, cell)[axis]
+            for side in sides if at % step == 0 else ():
+                plan.page.text(*((side, middle) if axis else (middle, side)), str(at), size, **style)
+    plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, **style)
+    plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, **style)
 
 
 _SMALL = 5.5
@@ -123,7 +118,7 @@ def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]
 
 def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
     """Return the text of each level in the cells, and the notes that explain it."""
-    field, written = plan.field, lengths_in(plan.scene.recipe.units)
+    field, written = plan.field, plan.page.written
     heights = {level: written.tape(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= SMALLEST:
         return heights, (f"Large numbers are heights in {written.name}.",)

@@ -159,8 +159,7 @@ def placing_order(levels: Levels) -> Ints:
 
 def length_counts(field: StepField) -> Mapping[int, int]:
     """Return the number of blocks of each length [nm], the shortest first."""
-    counts = Counter({length(level, field): count for level, count in field.level_counts().items() if level})
-    return dict(counts)
+    return {length(level, field): count for level, count in field.level_counts().items() if level}
 
 
 def length(level: int, field: StepField) -> int:
@@ -192,11 +191,7 @@ def frames(recipe: Recipe, play: int = 0) -> FrameBoards | None:
     """
     if recipe.boundary == "none" or not recipe.frame_height_cm:
         return None
-    m_x, m_y = recipe.chunks
-    count, (n_x, n_y) = (
-        (m_x * m_y, (recipe.chunk_size,) * 2) if recipe.boundary == "divided" else (1, recipe.grid.shape)
-    )
-    width = nanometres(recipe.block_width_cm)
+    (count, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
     boards = Counter({(n_x + 2) * width + play: 2})
     boards[n_y * width + play] += 2
     return FrameBoards(number=count, boards=dict(sorted(boards.items(), reverse=True)))
@@ -244,11 +239,15 @@ def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materi
 
 def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]:
     """Return number and sides of base boards: one below each chunk with its frame, or one below a map in one frame."""
+    (count, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
+    rim = 2 * width + settings.play if recipe.boundary != "none" else 0
+    return count, (n_x * width + rim, n_y * width + rim)
+
+
+def _bodies(recipe: Recipe) -> tuple[int, Cell]:
+    """Return the number of parts that are moved as one, and their blocks along x and y: a framed map, or chunks."""
     m_x, m_y = recipe.chunks
-    n_x, n_y = recipe.grid.shape if recipe.boundary == "outer" else (recipe.chunk_size,) * 2
-    rim = 2 * nanometres(recipe.block_width_cm) + settings.play if recipe.boundary != "none" else 0
-    width = nanometres(recipe.block_width_cm)
-    return 1 if recipe.boundary == "outer" else m_x * m_y, (n_x * width + rim, n_y * width + rim)
+    return (1, recipe.grid.shape) if recipe.boundary == "outer" else (m_x * m_y, (recipe.chunk_size,) * 2)
 
 
 def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
