@@ -14,7 +14,7 @@ from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import picture_of
 from rsegen.errors import ParameterError
-from rsegen.params.command import Declared, Shell, add_flags, declared, given
+from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
 from rsegen.params.sorts import FilePath, Flag, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -86,11 +86,11 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
-        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items()).replace("%", "%%")
-        switch: dict[str, Any] = {"action": "store_const", "const": True} if isinstance(option.sort, Flag) else {}
-        metavar: dict[str, Any] = {} if switch else {"metavar": name.upper()}
-        action = group.add_argument(*option.flags, dest=name, help=text, **switch, **metavar)
-        action.declared = option._replace(default=None)  # type: ignore[attr-defined]  # as `add_flags` does
+        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
+        is_switch = isinstance(option.sort, Flag)
+        options = {"action": "store_const", "const": True} if is_switch else {"metavar": name.upper()}
+        action = add_flag(group, option._replace(default=None), text, **options)
+        action.completer = None  # its words depend on the file
 
 
 def _meanings(name: str) -> Mapping[str, Collection[str]]:

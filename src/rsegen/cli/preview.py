@@ -9,12 +9,12 @@ from math import radians
 from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.report import Report, Subparsers, add_command, checked_flags
 from rsegen.cli.targets import add_target_flags, picture_of, scene_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.params.command import Shell, add_flags, flags_in_errors, given
-from rsegen.params.sorts import FilePath, Flag, Float, ListOf, Reference, validate
+from rsegen.params.command import Shell, add_flags
+from rsegen.params.sorts import FilePath, Flag, Float, ListOf, Reference
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,11 +64,9 @@ def run(arguments: argparse.Namespace) -> Report:
 
     picture = picture_of(arguments.output, force=arguments.force)
     assert picture  # noqa: S101  # -o is required
-    with flags_in_errors(_Drawing):
-        drawing = _Drawing(**given(_Drawing, arguments))
-        validate(drawing)
-        if drawing.at and not drawing.robot:
-            raise ParameterError("at", "is the place of a robot; give --robot too")
+    drawing = _Drawing(**checked_flags(_Drawing, arguments))
+    if drawing.at and not drawing.robot:
+        raise ParameterError("--at", "is the place of a robot; give --robot too")
     robot = robot_of(drawing.robot, "--robot").body if drawing.robot else None
     x, y, heading = drawing.at or (0.0, 0.0, 0.0)
     scene = scene_of(arguments)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 from rsegen.cli.parser import Parser
-from rsegen.params.command import add_flags, flags_in_errors, given
+from rsegen.params.command import add_flags, declared, flags_in_errors, given
 from rsegen.params.registry import offered_names
 from rsegen.params.sorts import Choice, Flag, plain, validate
 from rsegen.params.watch import watched
@@ -122,6 +122,13 @@ def call(function: Callable[..., R], arguments: argparse.Namespace, *positional:
     """Call a command with what its flags say, and what else is given; its errors name the flags."""
     with flags_in_errors(function):
         return function(*positional, **{**given(function, arguments), **named})
+
+
+def checked_flags(owner: Callable[..., Any], arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return what the flags of a command, or of a dataclass of options, say; errors name the flags."""
+    with flags_in_errors(owner):
+        known, said = declared(owner), given(owner, arguments)
+        return {name: known[name].sort.check(name, value) for name, value in said.items()}
 
 
 _PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")

@@ -8,9 +8,9 @@ from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING
 
 from rsegen.cli.advice import in_flags
-from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.flags import add_input, add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call, robot_kinds
-from rsegen.cli.targets import add_target, target_of, which_map
+from rsegen.cli.targets import target_of, which_map
 from rsegen.commands.spawn import spawn
 from rsegen.params.command import add_flags, flags_in_errors
 
@@ -30,7 +30,7 @@ def add(commands: Subparsers) -> None:
         commands, "spawn", spawn, epilog=f"{epilog}rsegen open --shared starts a simulation. {robot_kinds()}"
     )
     where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF or Xacro file of a robot"
-    add_target(command, "DIR-or-RECIPE-or-ROBOT", where)
+    add_input(command, where, name="target", metavar="DIR-or-RECIPE-or-ROBOT")
     add_flags(command.add_argument_group("spawn"), spawn)
     add_target_recipe_flags(command, _OWN)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-from rsegen.cli.flags import complete_examples, has_recipe_flags, with_flags
+from rsegen.cli.flags import add_input, has_recipe_flags, with_flags
 from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError
 from rsegen.params.command import Shell
@@ -22,16 +22,10 @@ if TYPE_CHECKING:
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
 
 
-def add_target(command: Parser, metavar: str, text: str) -> None:
-    """Add what a command looks at; a command that makes a map of flags alone can do without."""
-    complete_examples(command.add_argument("target", nargs="?", metavar=metavar, help=text))
-
-
 def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.add_argument_group("input")
-    where = f"{_WHERE}; or none, but --obstacle"
-    complete_examples(group.add_argument("target", nargs="?", metavar="RECIPE-or-DIR", help=where))
+    add_input(group, f"{_WHERE}; or none, but --obstacle", name="target", metavar="RECIPE-or-DIR")
     group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
 
 
@@ -79,25 +73,23 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
     return recipe.alone(index)
 
 
-def scene_of(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of that map."""
+def scene_of(arguments: argparse.Namespace, step: Step = "build") -> Scene:
+    """Return the scene of that map; `step` is the one that needs the most memory."""
     from rsegen.exporters.scene import compose
     from rsegen.io.resources import refuse_too_large
 
     _, recipe, index = map_of_flags(arguments)
-    refuse_too_large(recipe)
+    refuse_too_large(recipe, step)
     return compose(recipe, index)
 
 
-def scenes_of(arguments: argparse.Namespace, step: Step = "build") -> Iterator[Scene]:
-    """Yield the scenes of all of them, or of the one that --map names; `step` is the one that needs the most memory."""
+def scenes_of(arguments: argparse.Namespace, step: Step) -> Iterator[Scene]:
+    """Yield the scenes of all of them, or of the one that --map names."""
     from rsegen.exporters.scene import compose
     from rsegen.io.resources import refuse_too_large
 
     if arguments.map is not None:
-        _, recipe, index = map_of_flags(arguments)
-        refuse_too_large(recipe, step)
-        yield compose(recipe, index)
+        yield scene_of(arguments, step)
         return
     for _, recipe in recipes_of(arguments):
         refuse_too_large(recipe, step)

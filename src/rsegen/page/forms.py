@@ -38,14 +38,8 @@ from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import PLANS
 from rsegen.simulation.simulators import SIMULATORS
 
-COMMANDS = (
-    *("generate", "series", "terrain", "import", "scan"),
-    *("metrics", "compare", "spots", "preview", "view"),
-    *("export", "sheet", "dataset"),
-    *("open", "drive", "spawn", "respawn", "remove", "experiment"),
-    *("sim", "doctor"),
-)
-"""The commands that a page may run."""
+_OF_A_SHELL = ("gui", "info", "examples", "obstacles", "schema", "completion", "man")
+"""The commands that a page does not run: it is one of them, and shows what others print."""
 
 _RARE = frozenset({"workers", "scheduler", "sync", "resume", "timeout", "wheels", "tracks", "size", "speed", "turn"})
 """Fields of commands that a form shows only when it is asked for more."""
@@ -371,7 +365,11 @@ def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
     line = import_module("rsegen.cli.commands")
     groups = {name: title for title, names in line.GROUPS.items() for name in names}
-    return {name: CommandForm.of(name, line.COMMANDS[name], groups[name], line.parser_of(name)) for name in COMMANDS}
+    return {
+        name: CommandForm.of(name, text, groups[name], line.parser_of(name))
+        for name, text in line.COMMANDS.items()
+        if name not in _OF_A_SHELL
+    }
 
 
 def command_form(name: str) -> CommandForm:
