@@ -10,7 +10,7 @@ one and starts the page, so it is found by its name, as the processes are that r
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -59,23 +59,16 @@ _INPUTS = ("file", "clouds", "paths")
 _WORDS_OR_FILES = ("robot", "plan", "inventory", "crossable_by")
 """Names of the parameters that are a word or a file."""
 
-_WORDS: Mapping[str, Callable[[], Collection[str]]] = {
-    "robot": lambda: ROBOTS,
-    "simulator": lambda: SIMULATORS,
-    "plan": lambda: PLANS,
-    "formats": lambda: FORMATS,
-}
+_WORDS: Mapping[str, Iterable[str]] = {"robot": ROBOTS, "simulator": SIMULATORS, "plan": PLANS, "formats": FORMATS}
 """The known words of parameters that take these or something else, such as a file, by their names."""
 
 TITLES = {
     "maps": "Number of maps",
-    "chunk_size": "Chunk size",
     "chunks": "Map size in chunks",
     "unit_cm": "Height step (unit)",
     "boundary": "Chunk boundary",
     "mesh_type": "Model mesh type",
     "by": "Metric",
-    "plan": "Plan",
     "names": "Models",
     "paths": "Scans, or a map",
     "csv": "CSV file",
@@ -146,7 +139,7 @@ def _with_words(name: str, schema: dict[str, Json]) -> dict[str, Json]:
     if name not in _WORDS:
         return schema
     if schema.get("type") == "string":
-        return {"anyOf": [{"enum": sorted(_WORDS[name]())}, schema]}
+        return {"anyOf": [{"enum": sorted(_WORDS[name])}, schema]}
     if schema.get("type") == "array":
         return schema | {"items": _with_words(name, schema["items"])}
     return schema
