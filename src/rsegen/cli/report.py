@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 from rsegen.cli.parser import Parser
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
 from rsegen.params.registry import offered_names
-from rsegen.params.sorts import Choice, Flag, plain, validate
+from rsegen.params.sorts import Choice, Flag, plain
 from rsegen.params.watch import watched
 
 if TYPE_CHECKING:
@@ -72,9 +72,6 @@ class Shown:
     progress: Annotated[
         str, Choice(("bar", "json", "none"), help="show progress as a bar on a terminal, or as lines of JSON on stderr")
     ] = "bar"
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -137,9 +134,8 @@ _PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")
 @contextmanager
 def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
     """Show progress inside as the flags of a command ask for; a ParameterError if they say what is not known."""
-    with flags_in_errors(Shown):
-        shown = Shown(**given(Shown, arguments)).progress
-    token = _PROGRESS.set("none" if arguments.quiet else shown)
+    shown = Shown(**checked_flags(Shown, arguments))
+    token = _PROGRESS.set("none" if arguments.quiet else shown.progress)
     try:
         with _long_work():
             yield

@@ -196,7 +196,8 @@ class CommandForm:
     def of(cls, name: str, text: str, group: str, parser: argparse.ArgumentParser) -> CommandForm:
         """Return the form of a command from its parser."""
         actions = {action.dest: action for action in parser._actions}
-        takes_recipe = name == "compare" or any(_is_argument(actions.get(each)) for each in _RECIPES)
+        arguments = {action.dest for action in parser._actions if not action.option_strings}
+        takes_recipe = name == "compare" or not arguments.isdisjoint(_RECIPES)
         of_recipe = {
             action
             for part in parser._action_groups
@@ -213,7 +214,6 @@ class CommandForm:
             # A document has its own parameters; what makes a new recipe may be given some, but no obstacles as texts.
             and not (action in of_recipe and (takes_recipe or not hasattr(action, "declared")))
         }
-        can_replace = "force" in actions
         return cls(
             name=name,
             help=text,
@@ -221,7 +221,7 @@ class CommandForm:
             fields=known,
             output=output,
             takes_recipe=takes_recipe,
-            can_replace=can_replace,
+            can_replace="force" in actions,
         )
 
     @property
@@ -278,7 +278,8 @@ class CommandForm:
                 if action.required:
                     raise ParameterError(name, "is missing")
             elif action.nargs == 0:
-                flags += [action.option_strings[-1]] if _switched(name, value) != _is_on(action) else []
+                is_on = getattr(action, "declared", _undeclared(action)).default is True
+                flags += [action.option_strings[-1]] if _switched(name, value) != is_on else []
             elif action.option_strings:
                 flags += [f"{action.option_strings[-1]}={text}" for text in _texts(action, value, places)]
             else:
@@ -286,20 +287,10 @@ class CommandForm:
         return flags, others
 
 
-def _is_on(action: argparse.Action) -> bool:
-    """Return whether a switch is on without its flag."""
-    parameter: Declared | None = getattr(action, "declared", None)
-    return parameter is not None and parameter.default is True
-
-
 def _undeclared(action: argparse.Action) -> Declared:
     """Return a declaration for an action that has none: any text."""
     text = (action.help or "").replace("%%", "%")
     return Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
-
-
-def _is_argument(action: argparse.Action | None) -> bool:
-    return action is not None and not action.option_strings
 
 
 def _switched(name: str, value: Json) -> bool:
@@ -324,14 +315,10 @@ def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str
         value = _placed(name, value, places)  # before it is checked, which may read it
     checked = parameter.sort.check(name, value)
     listed = value if isinstance(value, list) or not isinstance(checked, tuple) else [value]
-    text = parameter.sort.format(_as_file(listed))
+    # Without the endings of whole numbers that are floats in JSON.
+    text = parameter.sort.format([plain(each) for each in listed] if isinstance(listed, list) else plain(listed))
     _refuse_unusable(name, text)
     yield _inside(name, text, places) if isinstance(parameter.sort, FilePath) else text
-
-
-def _as_file(value: Json) -> Json:
-    """Return a value without the endings of whole numbers that are floats in JSON."""
-    return [plain(each) for each in value] if isinstance(value, list) else plain(value)
 
 
 def _refuse_unusable(name: str, text: str) -> None:

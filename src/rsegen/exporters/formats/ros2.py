@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json
-from rsegen.exporters.formats.occupancy import Occupancy
+from rsegen.exporters.formats.occupancy import Climb, Occupancy
 from rsegen.exporters.formats.urdf import urdf_files
 from rsegen.exporters.gazebo import sdf, single
 from rsegen.exporters.ros2.elevation import layer_files
@@ -56,10 +56,7 @@ class Ros2(Format):
             help="robot that is spawned by default, on a spot of each map that has one; the others start on the ground",
         ),
     ] = None
-    climb_cm: Annotated[
-        float | None,
-        Float(0, 100_000, unit="cm", help="cells higher than this are occupied; default: one unit"),
-    ] = None
+    climb_cm: Climb = None
     margin_cm: Annotated[
         float | None,
         Float(0, 100_000, unit="cm", help="free ground around the map in its occupancy grid; default: 200"),
