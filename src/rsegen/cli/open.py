@@ -51,11 +51,10 @@ def run(arguments: argparse.Namespace) -> Report:
             lines = [f"{world.simulator}: {world.file}" + (f", at {address}" if address else "")]
             print(*lines, *which_map(arguments.target, arguments.map), sep="\n", flush=True)
 
-    result = call(open_world, arguments, target, on_start=started, on_error=_print_error)
+    def failed(line: str) -> None:
+        print(printable(line), file=sys.stderr, flush=True)
+
+    result = call(open_world, arguments, target, on_start=started, on_error=failed)
     opened = {"simulator": result.world.simulator, "world": str(result.world.file)}
     ended = {"address": dict(result.world.address), "exit_code": result.exit_code, "errors": list(result.errors)}
     return Report(lines=[], content=opened | ended)
-
-
-def _print_error(line: str) -> None:
-    print(printable(line), file=sys.stderr, flush=True)

@@ -20,12 +20,6 @@ VARIABLE = "RSEGEN_PLUGINS"
 """Of the environment: the same for every command, separated like PATH."""
 
 
-def add_plugin_flag(command: argparse.ArgumentParser) -> None:
-    """The flag, for --help; `load_plugins` has read it before."""
-    text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
-    command.add_argument(FLAG, metavar="MODULE", help=text)
-
-
 def load_plugins(arguments: Sequence[str]) -> list[str]:
     """Load the plug-ins that the environment and the arguments name; gives the arguments without them."""
     rest, named = _parted(arguments)
@@ -67,7 +61,8 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
         self._rows: list[tuple[str, Callable[[], Iterable[HelpRow]]]] = []
-        add_plugin_flag(self)
+        text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
+        self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
 
     def add_rows(self, title: str, rows: Callable[[], Iterable[HelpRow]]) -> None:
         """Add a group of names to the help; `rows` is called when the help is shown."""

@@ -74,11 +74,7 @@ SimulatorName = Annotated[
     Shell(metavar="NAME", default="the newest that is installed"),
 ]
 
-RunningSimulator = Annotated[
-    str | None,
-    Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)"),
-    Shell(metavar="NAME", default="whichever runs"),
-]
+RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]
 
 Timeout = Annotated[
     float,

@@ -54,12 +54,14 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     if not scene.field.levels.any():
         lines.append("every block is at level 0: there is nothing to see except frames and ground")
     lines += block_warnings(scene)
-    if _loses_friction(scene.recipe):
+    recipe = scene.recipe
+    is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"
+    if recipe.simulator == "both" and is_mesh and not (recipe.friction == 1 and recipe.is_of_one_friction):
         lines.append(
             "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "
             "set collision: boxes to keep it, which costs CPU time"
         )
-    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
+    mesh_type = MESH_TYPES[recipe.mesh_type]
     models = mesh_type.model_count(scene)
     # The figures are those of MANY; collisions matter only if the models do not already.
     if models > MANY:
@@ -73,9 +75,3 @@ def warnings(scene: Scene) -> tuple[str, ...]:
             "load and to step, Gazebo Sim several times the CPU time; collision: mesh costs almost nothing"
         )
     return tuple(lines)
-
-
-def _loses_friction(recipe: Recipe) -> bool:
-    """Return whether a target simulator ignores the friction of the map."""
-    is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"
-    return recipe.simulator == "both" and is_mesh and not (recipe.friction == 1 and recipe.is_of_one_friction)

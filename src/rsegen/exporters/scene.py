@@ -74,15 +74,12 @@ class Scene:
 
     def colour(self, material: int) -> Colour:
         """Return the colour of a material in worlds: 0 is the frame, any other number a level."""
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if given is not None:
-            return _colour(given)
-        return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
+        default = level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
+        return self._given_colour(material) or default
 
     def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material in plans: a level has that of its height, unless the recipe gives one."""
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if not material or given is not None:
+        if not material or self._given_colour(material):
             return self.colour(material)
         return height_colour(material * self.field.unit, self.recipe.highest_level * self.field.unit)
 
@@ -92,10 +89,7 @@ class Scene:
             return rounded(along(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
         if self.recipe.look != "wood":
             return self.colour(material)
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if given is not None:
-            return _colour(given)
-        return _TIMBER[material % len(_TIMBER)] if material else _BOARDS
+        return self._given_colour(material) or (_TIMBER[material % len(_TIMBER)] if material else _BOARDS)
 
     def surface_colour(self, material: int) -> Colour:
         """Return the colour of a material from afar, for programs and pictures without textures."""
@@ -107,6 +101,10 @@ class Scene:
     def view_colour(self, material: int) -> Colour:
         """Return the colour of a material in views: of its texture if the look has one, else as in plans."""
         return self.surface_colour(material) if self.recipe.is_textured else self.plan_colour(material)
+
+    def _given_colour(self, material: int) -> Colour | None:
+        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
+        return rounded(part / 255 for part in bytes.fromhex(given[1:])) if given else None
 
     def friction_of(self, material: int) -> float:
         """Return the friction coefficient of a material: 0 is the frame, any other number a level."""
@@ -144,11 +142,6 @@ def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None)
     if not material:
         return frame
     return levels[material - 1] if levels and material <= len(levels) else None
-
-
-def _colour(given: str) -> Colour:
-    """Return the colour of a text `#rrggbb`."""
-    return rounded(part / 255 for part in bytes.fromhex(given[1:]))
 
 
 def csv(field: StepField) -> Iterator[bytes]:

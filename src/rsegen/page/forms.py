@@ -165,15 +165,14 @@ def kinds() -> list[dict[str, Json]]:
             "title": title_of(name),
             "help": summary(cls),
             "default_place": cls.default_place,
-            "fields": [field(declared(cls)[each]) for each in sorted(own_parameters(cls), key=_levels_first)],
+            "fields": [
+                field(declared(cls)[each])
+                for each in sorted(own_parameters(cls), key=lambda each: {"levels": 0, "softness": 1}.get(each, 2))
+            ],
             "place": [field(declared(cls)[each], basic=each != "key") for each in PLACING],
         }
         for name, cls in KINDS.items()
     ]
-
-
-def _levels_first(name: str) -> int:
-    return ("levels", "softness").index(name) if name in ("levels", "softness") else 2
 
 
 @dataclass(frozen=True, kw_only=True)

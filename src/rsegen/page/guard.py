@@ -10,7 +10,6 @@ from __future__ import annotations
 import ipaddress
 import json
 import re
-from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -57,7 +56,8 @@ class Guard:
 
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                MutableHeaders(scope=message).update(_guarding_headers())
+                frames = f"; frame-ancestors {_FRAMES}"
+                MutableHeaders(scope=message).update({"Content-Security-Policy": policy("'self'") + frames, **_HEADERS})
             await send(message)
 
         if problem:
@@ -84,15 +84,12 @@ class Guard:
         return address is None or address.is_loopback or self._any_address
 
 
-def _guarding_headers() -> Mapping[str, str]:
-    return {
-        "Content-Security-Policy": policy("'self'") + f"; frame-ancestors {_FRAMES}",
-        "Referrer-Policy": "no-referrer",
-        "X-Content-Type-Options": "nosniff",
-        "Cross-Origin-Resource-Policy": "same-origin",
-        "Cache-Control": "no-store",
-    }
-
+_HEADERS = {
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
 
 _DEEPEST = 60
 """Lists and objects in each other in a call: a recipe has five."""

@@ -21,7 +21,6 @@ from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array
 from rsegen.params.extras import USD, Extra
 from rsegen.params.sorts import Flag
 
@@ -163,7 +162,9 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, dtype=np.int32)))
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(surface.triangles.astype(np.int32).ravel()))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(surface).astype(np.float32)))
+    first, second, third = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
+    normals = np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0  # along an axis
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
     colours = np.array(
         [srgb_to_linear(scene.surface_colour(level)) for level in range(int(surface.materials.max()) + 1)],
@@ -172,12 +173,6 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     shown = mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.uniform)
     shown.Set(Vt.Vec3fArray.FromNumpy(colours[surface.materials]))
     return mesh
-
-
-def _normals(surface: Solid) -> Array:
-    """The normal of each triangle, (m, 3), along an axis."""
-    first, second, third = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
-    return np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0
 
 
 def _material(root: Any, scene: Scene, kind: int) -> Any:

@@ -38,8 +38,9 @@ def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None
     for mesh in meshes:
         texture = None if textured is None else texture_coordinates(mesh, textured)
         yield from _vertices(mesh)
-        if texture:
-            yield from _coordinates(texture)
+        for strip in _strips(len(texture.values), "textures") if texture else ():
+            columns = (texture.values[strip] / TILES).round(9).T.tolist()
+            yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
         yield from _faces(mesh, vertices + 1, texture, coordinates + 1)
         coordinates += len(texture.values) if texture else 0
         vertices += len(mesh.places)
@@ -104,13 +105,6 @@ def _vertices(mesh: Mesh) -> Iterator[bytes]:
         yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
 
 
-def _coordinates(texture: TextureCoordinates) -> Iterator[bytes]:
-    """Texture coordinates, in images: u to the right, v upward."""
-    for strip in _strips(len(texture.values), "textures"):
-        columns = (texture.values[strip] / TILES).round(9).T.tolist()
-        yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
-
-
 def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coordinate: int) -> Iterator[bytes]:
     """Yield the faces, a group per material, with textures one of tops and then one of sides.
 
@@ -125,7 +119,8 @@ def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coo
     before = -1
     for strip in _strips(len(mesh.faces), "faces"):
         rows = strip if order is None else order[strip]
-        normal, corners = normals[mesh.normals[rows]], []
+        normal = normals[mesh.normals[rows]]
+        corners: list[_Texts | bytes] = []
         for corner in range(mesh.faces.shape[1]):
             at = [own[texture.corners[rows, corner]]] if texture else []
             corners += [b" ", numbers[mesh.faces[rows, corner]], *at, normal]

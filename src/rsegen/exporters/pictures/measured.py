@@ -194,14 +194,10 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
     axes.set(xlabel="x [cells]", ylabel="y [cells]", title=f"measured height above that of the block [{written.unit}]")
     figure.colorbar(shown, ax=axes, label=written.unit)
     if max(n_x, n_y) <= LEGIBLE:
-        _write_errors(axes, errors, holes, half)
+        for (x, y), error in np.ndenumerate(errors):
+            text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"
+            colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
+            axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)
     filled = f"; grey: {int(holes.sum()):,} filled" if holes.any() else ""
     figure.suptitle(f"{scene.name}: rounded to {written.said(scene.recipe.unit_cm / 100, 3)}{filled}")
     return figure_bytes(figure, scene, format)
-
-
-def _write_errors(axes: Axes, errors: Array, holes: Mask, half: float) -> None:
-    for (x, y), error in np.ndenumerate(errors):
-        text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"
-        colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
-        axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)

@@ -92,7 +92,7 @@ def draw_cells(axes: Axes, drawn: Drawable) -> Array:
     return colours
 
 
-def show_cells(axes: Axes, field: StepField, values: Array, **style: Any) -> AxesImage:
+def show_cells(axes: Axes, field: StepField, values: Array | Ints, **style: Any) -> AxesImage:
     """Draw a value per cell, (n_x, n_y), or a colour, (n_x, n_y, 3), where the cells of a field are, metres."""
     (west, *_, east), (south, *_, north) = (line.tolist() for line in field.edges())
     shown = values.transpose(1, 0, *range(2, values.ndim))

@@ -53,10 +53,10 @@ def sheet(
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
-    return pdf_bytes(_with_progress(pages(scene, saw), progress), scene)
+    return pdf_bytes(pages(scene, saw, progress or (lambda _: None)), scene)
 
 
-def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
+def pages(scene: Scene, saw: CutSettings, progress: Callable[[Figure], None] = lambda _: None) -> Iterator[Figure]:
     """Yield the pages: the map, each pallet in build order, frames and cost, and a form for repetitions."""
     # Each page is yielded before the next is drawn, so that only one is in memory.
     from rsegen.exporters.sheet.overview import draw_materials, draw_overview
@@ -70,6 +70,7 @@ def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
         page = Page(scene.recipe.units)
         draw(page)
         yield page.figure
+        progress(page.figure)
 
 
 def page_count(recipe: Recipe) -> int:
@@ -96,10 +97,3 @@ def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
         problem = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
         raise ParameterError("chunks", f"{problem}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
     saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")
-
-
-def _with_progress(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
-    for figure in figures:
-        yield figure
-        if progress:
-            progress(figure)

@@ -15,7 +15,7 @@ from rsegen.exporters.cut_settings import CutSettings, nanometres
 from rsegen.exporters.numbers import Lengths, decimal
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
-from rsegen.exporters.sheet.timber import CuttingPlan, Materials, NumberedPallet, Pattern, frame_price, length
+from rsegen.exporters.sheet.timber import CuttingPlan, Materials, NumberedPallet, frame_price, length
 from rsegen.field.stepfield import StepField
 
 _ABREAST = 3
@@ -107,7 +107,7 @@ def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
     about = f"seen from above; fingerprint {fingerprint(scene.field.blocks)}; rsegen {__version__}"
     page.text(page.left, 39.5, about, 8, color=GREY)
-    page.compass(page.right - 4, 23)
+    page.compass()
 
 
 def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> float:
@@ -172,15 +172,18 @@ def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
     """Draw how every piece of stock is cut, in the right column; return the y of the next line."""
     written = page.written
     y = page.heading(page.second, y, f"Cutting {written.stock(plan.settings.stock)} of stock", COLUMN)
-    rows = [_pattern_row(pattern, plan.settings, written) for pattern in plan.patterns]
-    for drawn, (pieces, parts, offcut) in enumerate(rows):
+    for drawn, pattern in enumerate(plan.patterns):
+        texts = (f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
+        parts, offcut = wrap(" + ".join(texts), _BROAD), written.tape(pattern.offcut(plan.settings))
         if y + len(parts) * ROW > page.bottom:
-            page.text(page.second, y, f"and {len(rows) - drawn} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(
+                page.second, y, f"and {len(plan.patterns) - drawn} more ways, which the sheet as CSV has", 8, color=GREY
+            )
             return y + ROW
-        page.text(page.second + 10, y, pieces, ha="right")
+        page.text(page.second + 10, y, f"{pattern.pieces:,} x", ha="right")
         for at, line in enumerate(parts):
             page.text(page.second + 13, y + at * ROW, line)
-        page.text(page.second + COLUMN, y, offcut, 8, ha="right", color=GREY)
+        page.text(page.second + COLUMN, y, f"{offcut} left", 8, ha="right", color=GREY)
         y += len(parts) * ROW
     return y
 
@@ -220,12 +223,6 @@ def _section_of_frames(scene: Scene) -> tuple[int, int]:
 def _pieces(count: int) -> str:
     """Return a number of pieces of stock as text."""
     return f"{count:,} piece{'s'[: count != 1]}"
-
-
-def _pattern_row(pattern: Pattern, settings: CutSettings, written: Lengths) -> tuple[str, list[str], str]:
-    """Return a cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
-    parts = " + ".join(f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
-    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.tape(pattern.offcut(settings))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
@@ -288,10 +285,7 @@ def draw_materials(page: Page, scene: Scene, needed: Materials) -> None:
     y = 40.0
     if needed.boards:
         y = _draw_patterns(page, needed.boards, y) + 4
-    y = page.heading(page.second, y, "How to build it", COLUMN)
-    for text in _STEPS:
-        page.text(page.second, y, text, 8.2)
-        y += 4.4 if text else 2
+    page.instructions(y, _STEPS)
 
 
 def _frames(needed: Materials, scene: Scene, written: Lengths) -> Iterator[tuple[str, str]]:

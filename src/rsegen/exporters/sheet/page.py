@@ -91,6 +91,13 @@ class Page:
         self.line((x, x + width), (y + 1.8, y + 1.8), 0.6, INK)
         return y + 7
 
+    def instructions(self, y: float, lines: Iterable[str]) -> None:
+        """Draw lines on how to build, in the right column; an empty one is a gap."""
+        y = self.heading(self.second, y, "How to build it", COLUMN)
+        for text in lines:
+            self.text(self.second, y, text, 8.2)
+            y += 4.4 if text else 2
+
     def table(self, y: float, columns: Sequence[float], rows: Iterable[Sequence[str]], **style: Any) -> float:
         """Draw rows of texts that end at the x of their columns; return the y of the next line."""
         for row in rows:
@@ -103,10 +110,11 @@ class Page:
         """Draw a patch of colour before a line of a table."""
         self.rectangle((x, y - 3), (6, 3.6), facecolor=colour)
 
-    def compass(self, x: float, y: float) -> None:
-        """Draw a north arrow with its centre at x, y."""
+    def compass(self) -> None:
+        """Draw a north arrow in the upper right corner."""
         from matplotlib.patches import Polygon
 
+        x, y = self.right - 4, 23
         for side, colour in ((-1, INK), (1, "white")):
             points = [(x, y - 6), (x + side * 2.6, y + 4), (x, y + 2)]
             self.paper.add_patch(Polygon(points, facecolor=colour, edgecolor=INK, linewidth=0.6))

@@ -13,7 +13,7 @@ import numpy as np
 from rsegen.exporters.pictures.plan import ink_on
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.overview import SMALLEST, draw_cut_list
-from rsegen.exporters.sheet.page import COLUMN, GREY, INK, POINT, Page, PrintedPlan, block_colour
+from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
@@ -51,7 +51,7 @@ def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int
     notes = _draw_blocks(plan, numbered)
     y = _TOP + field.shape[1] * cell + 14
     draw_cut_list(page, scene, field, (page.left, y), page.bottom + 3)
-    _draw_notes(page, notes, y)
+    page.instructions(y, (*_PLACING, "", *notes, "", *_RULE))
 
 
 def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
@@ -61,7 +61,7 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
     name = f"fingerprint {fingerprint(numbered.levels)}"
     order = f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}; {name}"
     page.fitted((page.left, 29), order, 9, page.across - (52 if pallets > 1 else 12))
-    page.compass(page.right - 4, 23)
+    page.compass()
     if pallets > 1:
         _draw_position(page, scene, numbered)
 
@@ -90,7 +90,8 @@ def _draw_rulers(plan: PrintedPlan, numbered: NumberedPallet) -> None:
         for at, cell in enumerate(plan.field.inside(axis).nonzero()[0].tolist(), numbered.corner[axis]):
             middle = plan.middle(cell, cell)[axis]
             for side in sides if at % step == 0 else ():
-                plan.page.text(*((side, middle) if axis else (middle, side)), str(at), size, **style)
+                x, y = (side, middle) if axis else (middle, side)
+                plan.page.text(x, y, str(at), size, **style)
     plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, **style)
     plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, **style)
 
@@ -134,14 +135,6 @@ def _size(cell: float, texts: dict[int, str]) -> float:
     """
     widest = max(len(text) - (text.count(" ") + text.count("/")) / 2 for text in texts.values())
     return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
-
-
-def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
-    """Draw the notes on how to read the plan and how to place the blocks."""
-    y = page.heading(page.second, y, "How to build it", COLUMN)
-    for text in (*_PLACING, "", *notes, "", *_RULE):
-        page.text(page.second, y, text, 8.2)
-        y += 4.4 if text else 2
 
 
 _HEAD = (("Robot", 0, 85), ("Operator", 95, 85), ("Place and date", 0, 85), ("Time allowed", 95, 85))

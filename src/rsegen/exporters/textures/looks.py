@@ -16,7 +16,6 @@ import numpy as np
 from rsegen.exporters.colours import Colour, rounded
 from rsegen.exporters.textures import edged, pine
 from rsegen.exporters.textures.images import png
-from rsegen.field.stepfield import Array
 from rsegen.params.streams import generator
 
 
@@ -37,14 +36,10 @@ LOOKS = {"levels": edged, "friction": edged, "wood": pine}
 def textures(look: str, seed: int) -> Textures:
     """Return the textures of a look, drawn from a seed."""
     made, rng = LOOKS[look], generator(seed, 0, "textures of blocks")
-    return Textures(*(png(_indices(tones), made.PALETTE) for tones in (made.top(rng), made.side(rng))))
+    rows = (np.clip(np.rint(tones * _TONES), 0, _TONES) for tones in (made.top(rng), made.side(rng)))
+    return Textures(*(png(row.astype(np.uint8), made.PALETTE) for row in rows))
 
 
 def mean_colour(look: str) -> Colour:
     """Return the colour, 0..1, that the textures of a look have from afar."""
     return rounded(float(part) / 255 for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])
-
-
-def _indices(tones: Array) -> Array:
-    """Return tones 0..1 as indices into a palette."""
-    return np.clip(np.rint(tones * _TONES), 0, _TONES).astype(np.uint8)
