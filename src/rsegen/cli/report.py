@@ -66,18 +66,12 @@ def _print(line: str, arguments: argparse.Namespace, file: Any = None) -> None:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Shown:
-    """The options of all commands that say what they show while they work."""
+class _Shared:
+    """The option of all commands that says what they show while they work, and that of those that write files."""
 
     progress: Annotated[
         str, Choice(("bar", "json", "none"), help="show progress as a bar on a terminal, or as lines of JSON on stderr")
     ] = "bar"
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Writing:
-    """The option of all commands that write files."""
-
     dry_run: Annotated[
         bool, Flag(help="print which files would be written, replaced, removed or kept, and change nothing")
     ] = False
@@ -86,7 +80,7 @@ class Writing:
 def add_dry_run(parser: Parser) -> None:
     """Add --dry-run to the parser of a command that writes files: it has --force."""
     if "--force" in parser._option_string_actions:
-        add_flags(parser, Writing)
+        add_flags(parser, _Shared, only=["dry_run"])
 
 
 def planned(arguments: argparse.Namespace) -> Report | None:
@@ -106,7 +100,7 @@ def add_command(
     parser = commands.add_parser(name, description=description.replace("%", "%%"), epilog=epilog)
     parser.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
     parser.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
-    add_flags(parser, Shown)
+    add_flags(parser, _Shared, only=["progress"])
     return parser
 
 
@@ -134,7 +128,7 @@ _PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")
 @contextmanager
 def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
     """Show progress inside as the flags of a command ask for; a ParameterError if they say what is not known."""
-    shown = Shown(**checked_flags(Shown, arguments))
+    shown = _Shared(**checked_flags(_Shared, arguments))
     token = _PROGRESS.set("none" if arguments.quiet else shown.progress)
     try:
         with _long_work():

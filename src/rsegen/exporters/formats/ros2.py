@@ -109,7 +109,7 @@ class Ros2(Format):
     def _on_ground(self, field: StepField) -> dict[str, Json]:
         """The pose on the ground west of the map, heading east, metres and radians."""
         x = -field.extent[0] / 2 - self.clearance_cm / 100
-        return _pose(round(x, NANOMETRE_DIGITS), 0.0, _DROP_HEIGHT)
+        return dict(zip(_POSE, (round(x, NANOMETRE_DIGITS), 0.0, _DROP_HEIGHT, 0.0, 0.0, 0.0), strict=True))
 
     def _on_spot(self, scene: Scene) -> dict[str, Json]:
         """The pose of the robot on a spot of the map, by its kind; nothing if the map has none."""
@@ -120,14 +120,11 @@ class Ros2(Format):
             (spot,) = spots(scene.field, ROBOTS[self.robot].body, 1, rng)
         except ParameterError:
             return {}
-        x, y, z, roll, pitch, yaw = (
-            round(value, 4) for value in (spot.x, spot.y, spot.z + _CLEARANCE, spot.roll, spot.pitch, spot.yaw)
-        )
-        return {self.robot: _pose(x, y, z, roll, pitch, yaw)}
+        raised = replace(spot, z=spot.z + _CLEARANCE)
+        return {self.robot: {name: round(getattr(raised, name), 4) for name in _POSE}}
 
 
-def _pose(x: float, y: float, z: float, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> dict[str, Json]:
-    return {"x": x, "y": y, "z": z, "roll": roll, "pitch": pitch, "yaw": yaw}
+_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 def package_name(name: str) -> str:

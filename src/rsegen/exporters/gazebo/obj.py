@@ -38,11 +38,12 @@ def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None
     for mesh in meshes:
         texture = None if textured is None else texture_coordinates(mesh, textured)
         yield from _vertices(mesh)
-        for strip in _strips(len(texture.values), "textures") if texture else ():
-            columns = (texture.values[strip] / TILES).round(9).T.tolist()
+        values = texture.values if texture else np.zeros((0, 2))
+        for strip in _strips(len(values), "textures"):
+            columns = (values[strip] / TILES).round(9).T.tolist()
             yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
         yield from _faces(mesh, vertices + 1, texture, coordinates + 1)
-        coordinates += len(texture.values) if texture else 0
+        coordinates += len(values)
         vertices += len(mesh.places)
 
 
