@@ -101,14 +101,11 @@ def _lines(comparison: Comparison, written: Lengths) -> Iterator[str]:
     for x, y, height, wanted in changes[:_SHOWN]:
         way = "too high" if height > wanted else "too low"
         stands, right = (written.said(metres, 1) for metres in (height, wanted))
-        yield f"  {_cell(comparison, x, y)}: {stands}, should be {right} ({way})"
+        i, j = _numbers(comparison, x, y)
+        cell = f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
+        yield f"  {cell}: {stands}, should be {right} ({way})"
     if len(changes) > _SHOWN:
         yield f"  and {len(changes) - _SHOWN} more"
-
-
-def _cell(comparison: Comparison, x: int, y: int) -> str:
-    i, j = _numbers(comparison, x, y)
-    return f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
 
 
 def _numbers(comparison: Comparison, x: int, y: int) -> tuple[int, int] | tuple[None, None]:

@@ -72,9 +72,11 @@ def _made(arguments: argparse.Namespace) -> Dataset:
 
 
 def _content(dataset: Dataset) -> dict[str, object]:
+    names = ("name", "seed", "maps")
+    recipes = [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]
     return {
         "folder": str(dataset.folder),
-        **_seeds(dataset),
+        **({"recipes": recipes} if recipes[1:] else {"seed": dataset.recipe.seed}),
         "maps": len(dataset),
         "shape": list(dataset.levels.shape),
         "dtype": dataset.levels.dtype.name,
@@ -82,13 +84,6 @@ def _content(dataset: Dataset) -> dict[str, object]:
         "shards": len(dataset.shards),
         "bytes": dataset.bytes,
     }
-
-
-def _seeds(dataset: Dataset) -> dict[str, object]:
-    if len(dataset.recipes) == 1:
-        return {"seed": dataset.recipe.seed}
-    names = ("name", "seed", "maps")
-    return {"recipes": [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]}
 
 
 def _described(dataset: Dataset) -> str:
