@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.parser import HelpRow, Parser
+from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.params.command import Declared, Shell, add_flag, declared, given
 from rsegen.params.registry import offered_names
@@ -161,11 +161,8 @@ _METAVARS = {
 
 def add_format_rows(command: Parser, flag: str = "--formats") -> None:
     """Add the names of formats and of their options to the help."""
-
-    def rows() -> Iterator[HelpRow]:
-        yield HelpRow(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")
-
-    command.add_rows(f"formats for {flag} (rsegen export --list explains them and their options)", rows)
+    title = f"formats for {flag} (rsegen export --list explains them and their options)"
+    command.add_rows(title, lambda: [(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")])
 
 
 def listed() -> Iterator[str]:

@@ -25,8 +25,7 @@ import numpy as np
 from rsegen import __version__
 from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
-from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
-from rsegen.exporters.pictures.preview import ColouredField
+from rsegen.exporters.pictures.plan import GROUND_GREY, ColouredField, Drawable
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.field.metrics import metrics
 from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.numbers import Lengths, lengths_in
-from rsegen.exporters.pictures.plan import LEGIBLE, draw_heights, number_cells, show_cells
-from rsegen.exporters.pictures.preview import ColouredField, encoded, figure_bytes, figure_of
+from rsegen.exporters.pictures.plan import LEGIBLE, ColouredField, draw_heights, number_cells, show_cells
+from rsegen.exporters.pictures.preview import encoded, figure_bytes, figure_of
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Mask
 from rsegen.scanning import SURE, Scan

@@ -6,13 +6,14 @@ Obstacles are numbered from 0, as in messages: obstacles[0], ...
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.exporters.colours import Colour
+from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import lengths_in
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import FRAME_COLOUR, Scene
 from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.recipe.building import placed
@@ -34,25 +35,23 @@ GROUND_GREY = 0.86
 """Each part of the colour of level ground, 0..1: lighter than all levels, darker than paper."""
 
 
-class Drawable(Protocol):
-    """A field, and the colour of each of its materials: a scene, or a field by itself."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ColouredField:
+    """A field with the default colours: frames red, blocks in the colours of their heights."""
 
-    @property
-    def field(self) -> StepField:
-        """Blocks and frames to draw."""
-
-    @property
-    def units(self) -> str:
-        """Units of its heights for people, as in recipes: cm or in."""
+    field: StepField
+    units: str = "cm"
 
     def plan_colour(self, material: int) -> Colour:
-        """Return the colour of a material in plans: 0 is the frame, any other number a level."""
+        """Return the colour of a material: 0 is the frame, any other number a level."""
+        highest = int(self.field.levels.max(initial=0))
+        return height_colour(material * self.field.unit, highest * self.field.unit) if material else FRAME_COLOUR
 
-    def view_colour(self, material: int) -> Colour:
-        """Return the colour of a material in views."""
+    view_colour = surface_colour = plan_colour
 
-    def surface_colour(self, material: int) -> Colour:
-        """Return the colour that the surface of a material has in a world from afar."""
+
+Drawable = Scene | ColouredField
+"""A field, and the colour of each of its materials in plans, in views, and of its surface from afar."""
 
 
 def draw_plan(axes: Axes, drawn: Drawable) -> None:

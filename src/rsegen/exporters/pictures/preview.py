@@ -24,10 +24,10 @@ import numpy as np
 
 from rsegen import __version__
 from rsegen.errors import FileError
-from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import decimal, lengths_in
 from rsegen.exporters.pictures.plan import (
     GROUND_GREY,
+    ColouredField,
     Drawable,
     cell_colours,
     draw_heights,
@@ -35,7 +35,7 @@ from rsegen.exporters.pictures.plan import (
     number_cells,
 )
 from rsegen.exporters.pictures.robot_drawing import draw_robot, in_front, silhouettes
-from rsegen.exporters.scene import FRAME_COLOUR, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
 from rsegen.standing.body import Body
@@ -443,21 +443,6 @@ def _metadata(format: str, recipe: str) -> dict[str, Any] | None:  # noqa: A002 
 
 THUMBNAIL = 320
 """Pixels along the longer side of a small plan, at most."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ColouredField:
-    """A field with the default colours: frames red, blocks in the colours of their heights."""
-
-    field: StepField
-    units: str = "cm"
-
-    def plan_colour(self, material: int) -> Colour:
-        """Return the colour of a material: 0 is the frame, any other number a level."""
-        highest = int(self.field.levels.max(initial=0))
-        return height_colour(material * self.field.unit, highest * self.field.unit) if material else FRAME_COLOUR
-
-    view_colour = surface_colour = plan_colour
 
 
 def thumbnail(shown: StepField | Scene) -> bytes:
