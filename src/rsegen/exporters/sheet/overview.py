@@ -15,7 +15,7 @@ from rsegen.exporters.cut_settings import CutSettings, nanometres
 from rsegen.exporters.numbers import Lengths, decimal
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
-from rsegen.exporters.sheet.timber import CuttingPlan, Materials, NumberedPallet, frame_price, length
+from rsegen.exporters.sheet.timber import CuttingPlan, Materials, NumberedPallet, frame_price, length, together
 from rsegen.field.stepfield import StepField
 
 _ABREAST = 3
@@ -204,7 +204,7 @@ def _timber(scene: Scene, needed: Materials, written: Lengths) -> Iterator[tuple
         pieces = _pieces(needed.boards.pieces) if needed.boards else "too short"
         yield f"frames: {stock} of {_by((width, high), written)}", pieces
         yield from _sold_as((width, high), written)
-        for board, count in known.all_boards.items():
+        for board, count in known.items():
             yield f"  {count:,} boards of {written.tape(board)} {written.unit}", written.long(board * count)
 
 
@@ -289,11 +289,11 @@ def draw_materials(page: Page, scene: Scene, needed: Materials) -> None:
 
 
 def _frames(needed: Materials, scene: Scene, written: Lengths) -> Iterator[tuple[str, str]]:
-    if needed.frames is None:
+    if not needed.frames:
         yield "none", ""
         return
-    yield f"boards, {_by(_section_of_frames(scene), written)} high", written.long(needed.frames.timber)
-    for board, count in needed.frames.all_boards.items():
+    yield f"boards, {_by(_section_of_frames(scene), written)} high", written.long(together(needed.frames))
+    for board, count in needed.frames.items():
         yield f"  {count:,} of {written.tape(board)} {written.unit}", written.long(board * count)
     stock = written.stock(needed.blocks.settings.stock)
     if needed.boards:

@@ -31,11 +31,7 @@ class Draft:
 
     def recipe(self) -> Recipe:
         """Return the recipe of the draft; a ParameterError if it is invalid."""
-        return decode(self.content())
-
-    def content(self) -> dict[str, Json]:
-        """Return the draft as the content of a recipe file."""
-        return {**self.values, "obstacles": [dict(row) for row in self.rows]}
+        return decode({**self.values, "obstacles": [dict(row) for row in self.rows]})
 
 
 def draft_of(recipe: Recipe) -> Draft:
