@@ -16,7 +16,7 @@ from rsegen.exporters.colours import Colour, linear, rounded
 from rsegen.exporters.formats.solid import Solid
 from rsegen.exporters.gazebo.obj import PARTS, obj
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import Mask, StepField
 from rsegen.geometry import Mesh, surface, texture_coordinates
 from rsegen.geometry.mesh import label_grid
 from rsegen.geometry.rectangles import merge
@@ -62,16 +62,6 @@ def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:
         yield material, mesh.part(mesh.materials == material)
 
 
-class TexturedPart(NamedTuple):
-    """The triangles of a material with one texture, `top` or `side`: vertices (n, 3) in metres, coordinates (n, 2)."""
-
-    material: int
-    part: str
-    vertices: Array
-    coordinates: Array
-    triangles: Ints
-
-
 def textured_groups(mesh: Solid) -> Iterator[tuple[int, str, Mask]]:
     """Yield each material with each texture that it has, and its triangles as a mask."""
     for material in np.unique(mesh.materials).tolist():
@@ -79,15 +69,6 @@ def textured_groups(mesh: Solid) -> Iterator[tuple[int, str, Mask]]:
             chosen = (mesh.materials == material) & sides
             if chosen.any():
                 yield material, part, chosen
-
-
-def textured_parts(mesh: Solid) -> Iterator[TexturedPart]:
-    """Yield the triangles of each material and texture, with a vertex per pair of texture coordinates."""
-    for material, part, chosen in textured_groups(mesh):
-        places = mesh.vertices[mesh.triangles[chosen]]
-        corners = np.concatenate([places, mesh.coordinates[chosen]], axis=2).reshape(-1, 5)
-        known, numbers = np.unique(corners, axis=0, return_inverse=True)
-        yield TexturedPart(material, part, known[:, :3], known[:, 3:], numbers.reshape(-1, 3))
 
 
 def srgb_to_linear(colour: Colour) -> Colour:
