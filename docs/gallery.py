@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from docs import catalogue
-from rsegen import KINDS, Recipe, Scene, StepField, compose
+from rsegen import KINDS, Recipe, Scene, compose
 from rsegen.exporters.colours import Colour
+from rsegen.exporters.pictures.plan import ColouredField
 from rsegen.exporters.pictures.preview import draw_view, figure_bytes, view_bounds
 from rsegen.field.stepfield import Ints
 
@@ -26,32 +27,31 @@ _MESH_TYPES = {"single": 0, "pallet": 1, "multi": 2}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Apart:
+class Apart(ColouredField):
     """The models of a map moved apart, in the colours of the map."""
 
     scene: Scene
-    mesh_type: str
-    units = "cm"
+
+    @classmethod
+    def of(cls, scene: Scene, mesh_type: str) -> Apart:
+        """The models in cells of a third of a block, with empty ones between them."""
+        field, gap = scene.field, _MESH_TYPES[mesh_type]
+        along_x, along_y = (_apart(side, scene.recipe.chunk_size + 2, gap) for side in field.shape)
+        empty = (along_x < 0)[:, None] | (along_y < 0)
+        levels, frame = (each[np.ix_(along_x, along_y)] for each in (field.levels, field.frame))
+        thirds = replace(
+            field,
+            levels=np.where(empty, np.int16(0), levels),
+            frame=frame & ~empty,
+            block_width=field.block_width / 3,
+        )
+        return cls(scene=scene, field=thirds)
 
     def plan_colour(self, material: int) -> Colour:
         """The colour of the map in plans."""
         return self.scene.plan_colour(material)
 
     view_colour = surface_colour = plan_colour
-
-    @property
-    def field(self) -> StepField:
-        """The field in cells of a third of a block, with empty ones between models."""
-        field, gap = self.scene.field, _MESH_TYPES[self.mesh_type]
-        along_x, along_y = (_apart(side, self.scene.recipe.chunk_size + 2, gap) for side in field.shape)
-        empty = (along_x < 0)[:, None] | (along_y < 0)
-        levels, frame = (each[np.ix_(along_x, along_y)] for each in (field.levels, field.frame))
-        return replace(
-            field,
-            levels=np.where(empty, np.int16(0), levels),
-            frame=frame & ~empty,
-            block_width=field.block_width / 3,
-        )
 
 
 def pictures() -> dict[Path, Recipe]:
@@ -65,7 +65,7 @@ def picture(path: Path) -> bytes:
     """One of the pictures."""
     if path == MESH_TYPES:
         scene = compose(pictures()[path])
-        return _beside([(name, Apart(scene=scene, mesh_type=name)) for name in _MESH_TYPES], scene)
+        return _beside([(name, Apart.of(scene, name)) for name in _MESH_TYPES], scene)
     by_path = {path: kind for kind, path in _softness().items()}
     shown = catalogue.boundaries() if path == BOUNDARIES else catalogue.softnesses(by_path[path])
     scenes = [(title, compose(recipe)) for title, recipe in shown]

@@ -42,7 +42,7 @@ from rsegen import (
 from rsegen.cli.commands import COMMANDS, GROUPS, parser_of
 from rsegen.cli.schema import FUNCTIONS
 from rsegen.exporters.pictures.pose_plots import pose_maps
-from rsegen.exporters.pictures.preview import figure_bytes, preview
+from rsegen.exporters.pictures.preview import encoded, preview
 from rsegen.exporters.pictures.robot_plots import describe_limits, path_plot
 from rsegen.exporters.sheet import pages
 from rsegen.field.obstacles.base import PLACING, own_parameters
@@ -50,7 +50,7 @@ from rsegen.params.command import rows
 from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
-from rsegen.recipe.codec import decode
+from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment import report as experiments
@@ -278,7 +278,7 @@ def _rise(*, same_field: bool) -> bytes:
 
 
 def _page(scene: Scene, number: int) -> bytes:
-    return figure_bytes(list(pages(scene, CutSettings()))[number], scene, "png", is_stamped=False)
+    return encoded(list(pages(scene, CutSettings()))[number], "png", to_json(scene.alone), is_stamped=False)
 
 
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {

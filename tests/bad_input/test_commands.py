@@ -39,6 +39,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a flag without its value": (["generate", "-o", "out", "--seed"], ["--seed", "expected one argument"]),
     "no worker": (["generate", "-o", "out", "--workers", "0"], ["--workers: 0 is not 1 or more"]),
     "workers in a word": (["generate", "-o", "out", "--workers", "all"], ["--workers: 'all' is not a whole number"]),
+    "a port in a word": (["gui", "--port", "http"], ["--port: 'http' is not a whole number"]),
     "to keep maps and to replace them": (
         ["generate", "-o", "out", "--force", "--resume"],
         ["--resume and --force exclude each other"],

@@ -17,12 +17,14 @@ from rsegen.cli.commands import parser_of
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import row_parameters
-from rsegen.page.forms import COMMANDS, CommandForm, command_form, global_groups, hello, kinds
+from rsegen.page.forms import CommandForm, command_form, command_forms, global_groups, hello, kinds
 from rsegen.page.host import Host
 from rsegen.page.places import Places
 from rsegen.params.command import declared
 from rsegen.params.sorts import parameters, plain
 from rsegen.recipe.recipe import Recipe
+
+COMMANDS = tuple(command_forms())
 
 
 def test_every_parameter_of_a_recipe_is_in_one_field_with_its_schema_and_default() -> None:

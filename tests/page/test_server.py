@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.page import calls
-from rsegen.page.bodies import file_name
+from rsegen.page.guard import file_name
 from rsegen.page.host import Host
 from rsegen.page.server import MOST_CALL, MOST_UPLOAD
 from rsegen.page.service import Service

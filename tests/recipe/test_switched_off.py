@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Peak, Random, Recipe, build, build_many, compose, load, save
+from rsegen import Peak, Random, Recipe, build, build_many, load, save
 from rsegen.cli.edge import main
 from rsegen.cli.flags import obstacle_in
 from rsegen.errors import ParameterError
-from rsegen.exporters.map_summary import map_summary
+from rsegen.exporters import map_summary
 from rsegen.field.obstacles import Obstacle
 from rsegen.recipe.codec import decode
 from tests.support.strategies import recipes
@@ -71,6 +71,6 @@ def test_files_and_flags_have_it(suffix: str, tmp_path: Path) -> None:
 
 def test_info_names_it(capsys: pytest.CaptureFixture[str]) -> None:
     recipe = Recipe(seed=1, obstacles=[Random(levels=3), Peak(levels=5, enabled=False)])
-    assert map_summary(compose(recipe)).switched_off == ("obstacles[1]: peak",)
+    assert map_summary.switched_off(recipe) == ["obstacles[1]: peak"]
     assert main(["info", "--seed", "1", "--obstacle", "random levels=3", "--obstacle", "peak levels=5 enabled=no"]) == 0
     assert "off      obstacles[1]: peak\n" in capsys.readouterr().out

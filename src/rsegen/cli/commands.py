@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from rsegen import __version__
-from rsegen.cli.parser import HelpRow, Parser
+from rsegen.cli.parser import Parser
 
 GROUPS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -98,7 +98,7 @@ def parser() -> Parser:
     top.add_argument("-V", "--version", action="version", version=f"rsegen {__version__}")
     top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", help=argparse.SUPPRESS)
     for title, commands in GROUPS.items():
-        top.add_rows(title, lambda commands=commands: [HelpRow(*row) for row in commands.items()])  # type: ignore[misc]
+        top.add_rows(title, commands.items)
     return top
 
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import map_of_flags, picture_path, which_map
+from rsegen.cli.targets import PictureName, map_of_flags, picture_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, lengths_in
 from rsegen.io.scan_options import ScanOptions
 from rsegen.params.command import Shell, add_flags, given
-from rsegen.params.sorts import FilePath, parameters
+from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -34,11 +34,7 @@ _SHOWN = 20
 class _Drawing:
     """Print, and draw, which blocks of a real field or of a map differ from those of MAP."""
 
-    output: Annotated[
-        str | None,
-        FilePath("a picture", help="draw what to change: png, svg or pdf, by its ending"),
-        Shell(("-o", "--output"), "PICTURE"),
-    ] = None
+    output: Annotated[PictureName, Shell(help="draw what to change: png, svg or pdf, by its ending")] = None
     force: Force = False
 
 
@@ -62,20 +58,18 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Compare and draw; the exit code is 1 if anything differs or was not seen."""
     from rsegen.exporters.pictures.measured import summary
-    from rsegen.exporters.pictures.preview import image_format
     from rsegen.io.resources import refuse_too_large
-    from rsegen.run.store import write_file
 
     *stands, wanted = arguments.paths
     if not stands:
         raise ParameterError("MAP", f"only {wanted} is given; give a scan or a map, and then the map that should stand")
-    picture = picture_path(arguments.output, force=bool(arguments.force))
+    picture = picture_of(arguments.output, force=arguments.force)
     arguments.target = wanted
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
     compared = _compared(stands, arguments, recipe.alone(index))
     if picture:
-        write_file([compared.picture(image_format(picture))], picture, force=bool(arguments.force))
+        picture.write(compared.picture)
     comparison = compared.comparison
     lines = [summary(comparison), *_lines(comparison, lengths_in(recipe.units))]
     notes = [line for path in dict.fromkeys(arguments.paths) for line in which_map(path, arguments.map)]
@@ -107,14 +101,11 @@ def _lines(comparison: Comparison, written: Lengths) -> Iterator[str]:
     for x, y, height, wanted in changes[:_SHOWN]:
         way = "too high" if height > wanted else "too low"
         stands, right = (written.said(metres, 1) for metres in (height, wanted))
-        yield f"  {_cell(comparison, x, y)}: {stands}, should be {right} ({way})"
+        i, j = _numbers(comparison, x, y)
+        cell = f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
+        yield f"  {cell}: {stands}, should be {right} ({way})"
     if len(changes) > _SHOWN:
         yield f"  and {len(changes) - _SHOWN} more"
-
-
-def _cell(comparison: Comparison, x: int, y: int) -> str:
-    i, j = _numbers(comparison, x, y)
-    return f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
 
 
 def _numbers(comparison: Comparison, x: int, y: int) -> tuple[int, int] | tuple[None, None]:

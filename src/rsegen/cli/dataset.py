@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rsegen.cli.edge import how_to_go_on
-from rsegen.cli.flags import RECIPE_HELP, add_recipe_argument, add_recipe_flags, recipes_from
+from rsegen.cli.flags import RECIPE_HELP, add_input, add_recipe_flags, recipes_from
 from rsegen.cli.generate import run_options
 from rsegen.cli.report import Report, Subparsers, add_command, call, shards_bar
 from rsegen.commands.dataset import make_dataset
@@ -29,7 +29,7 @@ def add(commands: Subparsers) -> None:
         commands, "dataset", make_dataset, epilog=f"{epilog}shows how to read it in Python, and how to train on it."
     )
     text = f"{RECIPE_HELP}; flags apply to every recipe, so --maps N makes N maps of each"
-    add_recipe_argument(command, text=text, name="recipes", nargs="*")
+    add_input(command.add_argument_group("input"), text, name="recipes", nargs="*")
     group = command.add_argument_group("output")
     what = group.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", dest="folder", metavar="DIR", help="folder for the data set")
@@ -72,9 +72,11 @@ def _made(arguments: argparse.Namespace) -> Dataset:
 
 
 def _content(dataset: Dataset) -> dict[str, object]:
+    names = ("name", "seed", "maps")
+    recipes = [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]
     return {
         "folder": str(dataset.folder),
-        **_seeds(dataset),
+        **({"recipes": recipes} if recipes[1:] else {"seed": dataset.recipe.seed}),
         "maps": len(dataset),
         "shape": list(dataset.levels.shape),
         "dtype": dataset.levels.dtype.name,
@@ -82,13 +84,6 @@ def _content(dataset: Dataset) -> dict[str, object]:
         "shards": len(dataset.shards),
         "bytes": dataset.bytes,
     }
-
-
-def _seeds(dataset: Dataset) -> dict[str, object]:
-    if len(dataset.recipes) == 1:
-        return {"seed": dataset.recipe.seed}
-    names = ("name", "seed", "maps")
-    return {"recipes": [{name: getattr(recipe, name) for name in names} for recipe in dataset.recipes]}
 
 
 def _described(dataset: Dataset) -> str:

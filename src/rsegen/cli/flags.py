@@ -9,9 +9,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.parser import HelpRow, Parser
+from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
-from rsegen.params.command import Declared, Shell, completer, declared, given
+from rsegen.params.command import Declared, Shell, add_flag, declared, given
 from rsegen.params.registry import offered_names
 from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
@@ -29,15 +29,11 @@ OBSTACLE_HELP = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 las
 RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, or DIR#17: a map of a data set"
 
 
-def add_recipe_argument(command: Parser, *, text: str = RECIPE_HELP, name: str = "recipe", nargs: str = "?") -> None:
-    """Add RECIPE: where a recipe is, or several."""
-    group = command.add_argument_group("input")
-    complete_examples(group.add_argument(name, nargs=nargs, metavar="RECIPE", help=text))
-
-
-def complete_examples(argument: argparse.Action) -> None:
-    """Let a shell complete the names of examples where an argument stands."""
-    argument.completer = _examples  # type: ignore[attr-defined]  # argcomplete's word
+def add_input(
+    group: Any, text: str = RECIPE_HELP, *, name: str = "recipe", nargs: str = "?", metavar: str = "RECIPE"
+) -> None:
+    """Add the argument that says where a recipe or map is, or several; a shell completes the names of examples."""
+    group.add_argument(name, nargs=nargs, metavar=metavar, help=text).completer = _examples
 
 
 def _examples(**_: object) -> Collection[str]:
@@ -68,8 +64,7 @@ def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str])
     group = command.add_argument_group(RECIPE, text)
     group.add_argument("--obstacle", action="append", default=[], metavar=OBSTACLE, help=OBSTACLE_HELP)
     for each, said in helps.items():
-        action = group.add_argument(*each.flags, dest=each.name, metavar=each.metavar, help=said.replace("%", "%%"))
-        action.completer, action.declared = completer(each.sort), each  # type: ignore[attr-defined]  # as `add_flags` does
+        add_flag(group, each, said, metavar=each.metavar)
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
@@ -166,11 +161,8 @@ _METAVARS = {
 
 def add_format_rows(command: Parser, flag: str = "--formats") -> None:
     """Add the names of formats and of their options to the help."""
-
-    def rows() -> Iterator[HelpRow]:
-        yield HelpRow(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")
-
-    command.add_rows(f"formats for {flag} (rsegen export --list explains them and their options)", rows)
+    title = f"formats for {flag} (rsegen export --list explains them and their options)"
+    command.add_rows(title, lambda: [(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")])
 
 
 def listed() -> Iterator[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.edge import how_to_go_on
-from rsegen.cli.flags import add_format_rows, add_recipe_argument, add_recipe_flags, recipe_from
+from rsegen.cli.flags import add_format_rows, add_input, add_recipe_flags, recipe_from
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, Subparsers, add_command, call, maps_bar
 from rsegen.commands.generate import generate
@@ -29,7 +29,7 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     epilog = "rsegen obstacles lists the kinds of obstacles and their parameters."
     command = add_command(commands, "generate", generate, epilog=epilog)
-    add_recipe_argument(command)
+    add_input(command.add_argument_group("input"))
     add_output_flags(command)
     add_recipe_flags(command)
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import add_target_recipe_flags, complete_examples, has_recipe_flags, recipe_from
+from rsegen.cli.flags import add_input, add_target_recipe_flags, has_recipe_flags, recipe_from
 from rsegen.cli.generate import SHOWN
-from rsegen.cli.report import Subparsers, add_command
+from rsegen.cli.report import Subparsers, add_command, checked_flags
 from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import Flag, Integer, Text
 
@@ -43,7 +43,7 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     command = add_command(commands, "gui", _Serving)
     where = "YAML or JSON file, the name of an example, a folder, that of a drive, or DIR#17 of a data set"
-    complete_examples(command.add_argument("recipe", nargs="?", metavar="RECIPE-or-DIR", help=where))
+    add_input(command, where, metavar="RECIPE-or-DIR")
     add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
 
@@ -53,16 +53,12 @@ def run(arguments: argparse.Namespace) -> None:
     from rsegen.page.host import Host
     from rsegen.page.service import Service
 
+    serving = _Serving(**checked_flags(_Serving, arguments))
     folder, what = _place(arguments.recipe)
     host = Host(folder=folder)
     doc = _opened(host, what, arguments)
     with flags_in_errors(_Serving):
-        service = Service(
-            host=host,
-            address=arguments.host or "127.0.0.1",
-            port=None if arguments.port is None else int(arguments.port),
-            keep=bool(arguments.keep),
-        )
+        service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
     drive = what if what and (folder / what / "drive.json").is_file() else ""
     _say(service, service.url(doc, drive), arguments)
     service.run()

@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_recipe_flags, recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import picture_path
+from rsegen.cli.targets import picture_of
 from rsegen.errors import ParameterError
-from rsegen.params.command import Declared, Shell, add_flags, declared, given
+from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
 from rsegen.params.sorts import FilePath, Flag, parameters
 from rsegen.recipe.recipe import Recipe
 
@@ -51,13 +52,10 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Import, generate, and say what was made and how far heights were rounded."""
     from rsegen.exporters.pictures.measured import rounding_plot
-    from rsegen.exporters.pictures.preview import image_format
     from rsegen.exporters.scene import compose
     from rsegen.io.importers import heights_in, importer_for, recipe_of
-    from rsegen.run.store import write_file
 
-    path, force = Path(arguments.file), bool(arguments.force)
-    picture = picture_path(arguments.errors, force=force)
+    path, picture = Path(arguments.file), picture_of(arguments.errors, force=arguments.force)
     said, sorts = recipe_flags(arguments), parameters(Recipe)
     settled = {name: sorts[name].check(name, said[name]) for name in ("unit_cm", "chunk_size") if name in said}
     heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
@@ -66,8 +64,7 @@ def run(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--errors", f"{path} has levels, which are not rounded")
     report = produce(recipe, arguments)
     if picture and heights.errors_cm is not None and heights.holes is not None:
-        drawn = rounding_plot(compose(recipe), heights.errors_cm, heights.holes, image_format(picture))
-        write_file([drawn], picture, force=force)
+        picture.write(partial(rounding_plot, compose(recipe), heights.errors_cm, heights.holes))
     return replace(report, notes=[str(heights.rounding)]) if heights.rounding else report
 
 
@@ -89,11 +86,11 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
-        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items()).replace("%", "%%")
-        switch: dict[str, Any] = {"action": "store_const", "const": True} if isinstance(option.sort, Flag) else {}
-        metavar: dict[str, Any] = {} if switch else {"metavar": name.upper()}
-        action = group.add_argument(*option.flags, dest=name, help=text, **switch, **metavar)
-        action.declared = option._replace(default=None)  # type: ignore[attr-defined]  # as `add_flags` does
+        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
+        is_switch = isinstance(option.sort, Flag)
+        options = {"action": "store_const", "const": True} if is_switch else {"metavar": name.upper()}
+        action = add_flag(group, option._replace(default=None), text, **options)
+        action.completer = None  # its words depend on the file
 
 
 def _meanings(name: str) -> Mapping[str, Collection[str]]:

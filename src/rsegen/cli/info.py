@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.generate import SHOWN
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of, which_map
 from rsegen.errors import ParameterError
-from rsegen.params.sorts import Json, parameters
+from rsegen.params.sorts import parameters
 
 if TYPE_CHECKING:
-    from rsegen.exporters.map_summary import MapSummary
-    from rsegen.recipe.recipe import Recipe
+    from rsegen.exporters.scene import Scene
 
 _CONSTRAINTS = ("max_step", "crossable_by", "inventory")
 
@@ -37,12 +36,9 @@ def run(arguments: argparse.Namespace) -> Report:
     """Summarise the map, or verify a folder."""
     if arguments.verify:
         return _verified(arguments)
-    from rsegen.exporters.map_summary import map_summary
-
     scene = scene_of(arguments)
-    summary = map_summary(scene)
-    notes = which_map(arguments.target, arguments.map)
-    return Report(lines=_lines(summary, scene.recipe), content=_content(summary, scene.recipe), notes=notes)
+    content = _content(scene)
+    return Report(lines=_lines(scene, content), content=content, notes=which_map(arguments.target, arguments.map))
 
 
 def _verified(arguments: argparse.Namespace) -> Report:
@@ -58,65 +54,59 @@ def _verified(arguments: argparse.Namespace) -> Report:
     return Report(lines=lines, content={"folders": verified.folders, "files": verified.files, "unlisted": unlisted})
 
 
-def _content(summary: MapSummary, recipe: Recipe) -> dict[str, object]:
+def _content(scene: Scene) -> dict[str, Any]:
+    from rsegen.exporters.map_summary import costs, switched_off, warnings
+    from rsegen.exporters.scene import fingerprint
+    from rsegen.recipe.codec import needed_plugins
+
+    field, recipe = scene.field, scene.recipe
+    added = {"plugins": needed_plugins(recipe), "switched_off": switched_off(recipe)}
     return {
-        "name": summary.name,
-        "seed": summary.seed,
-        "size": list(summary.cells),
-        "size_m": list(summary.extent),
-        "unit_cm": summary.unit_cm,
-        "levels": list(summary.level_counts),
-        "level_counts": summary.level_counts,
-        "fingerprint": summary.fingerprint,
+        "name": scene.name,
+        "seed": recipe.seed,
+        "size": list(field.shape),
+        "size_m": list(field.extent),
+        "unit_cm": recipe.unit_cm,
+        "levels": list(field.level_counts()),
+        "level_counts": field.level_counts(),
+        "fingerprint": fingerprint(field.blocks),
         "obstacles": [obstacle.entry() for _, obstacle in recipe.enabled_obstacles],
-        "constraints": _constraints(recipe),
-        "mesh_type": summary.mesh_type,
-        "models": summary.models,
-        "collisions": summary.collisions,
-        "faces": summary.faces,
-        "bytes": summary.bytes,
-        "warnings": list(summary.warnings),
-        **({"plugins": summary.plugins} if summary.plugins else {}),
-        **({"switched_off": list(summary.switched_off)} if summary.switched_off else {}),
+        "constraints": {name: value for name, value in recipe.entry().items() if name in _CONSTRAINTS},
+        "mesh_type": recipe.mesh_type,
+        **costs(scene)._asdict(),
+        "warnings": list(warnings(scene)),
+        **{name: known for name, known in added.items() if known},
     }
 
 
-def _constraints(recipe: Recipe) -> dict[str, Json]:
-    """Return the constraints of a recipe, as its file has them."""
-    return {name: value for name, value in recipe.entry().items() if name in _CONSTRAINTS}
-
-
-def _lines(summary: MapSummary, recipe: Recipe) -> Iterator[str]:
+def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
     from rsegen.exporters.map_summary import size_in_words
     from rsegen.exporters.numbers import lengths_in
     from rsegen.recipe.codec import row_text
 
-    along_x, along_y = summary.extent
-    blocks = sum(summary.level_counts.values())
-    yield f"{summary.name}, seed {summary.seed}"
-    yield f"size     {size_in_words(summary.grid, summary.cells)}, {along_x:g} x {along_y:g} m"
-    written = lengths_in(summary.units)
-    in_levels = f"in levels of {written.level(1, summary.unit_cm)} {written.unit}"
-    yield f"blocks   {blocks:,} {in_levels}, fingerprint {summary.fingerprint}"
-    for level, count in summary.level_counts.items():
-        high = written.level(level, summary.unit_cm)
+    recipe, (along_x, along_y) = scene.recipe, scene.field.extent
+    blocks = sum(content["level_counts"].values())
+    yield f"{scene.name}, seed {recipe.seed}"
+    yield f"size     {size_in_words(recipe.grid.shape, scene.field.shape)}, {along_x:g} x {along_y:g} m"
+    written = lengths_in(recipe.units)
+    in_levels = f"in levels of {written.level(1, recipe.unit_cm)} {written.unit}"
+    yield f"blocks   {blocks:,} {in_levels}, fingerprint {content['fingerprint']}"
+    for level, count in content["level_counts"].items():
+        high = written.level(level, recipe.unit_cm)
         yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"
-    costs = (_many(summary.models, "model"), _many(summary.collisions, "collision"), _many(summary.faces, "face"))
-    cost = f"{', '.join(costs)}, {summary.bytes:,} bytes"
-    yield f"costs    mesh type {summary.mesh_type}: {cost}"
+    cost = ", ".join(_many(content[f"{what}s"], what) for what in ("model", "collision", "face"))
+    yield f"costs    mesh type {recipe.mesh_type}: {cost}, {content['bytes']:,} bytes"
     for _, placed in recipe.enabled_obstacles[:SHOWN]:
         text = row_text(placed)
         yield f"obstacle {text if len(text) <= _LONGEST else f'{text[:_LONGEST]}...'}"
     if len(recipe.enabled_obstacles) > SHOWN:
         yield f"         and {len(recipe.enabled_obstacles) - SHOWN} more"
-    for name, value in _constraints(recipe).items():
+    for name, value in content["constraints"].items():
         yield f"demand   {name} {parameters(type(recipe))[name].format(value)}"
-    for kind, source in summary.plugins.items():
+    for kind, source in content.get("plugins", {}).items():
         yield f"plug-in  {kind} of {source}"
-    for obstacle in summary.switched_off:
-        yield f"off      {obstacle}"
-    for text in summary.warnings:
-        yield f"warning: {text}"
+    yield from (f"off      {obstacle}" for obstacle in content.get("switched_off", ()))
+    yield from (f"warning: {text}" for text in content["warnings"])
 
 
 def _many(count: int, what: str) -> str:

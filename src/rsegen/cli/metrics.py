@@ -7,19 +7,20 @@ import csv
 import io
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds, share_bar
-from rsegen.cli.targets import add_target_flags, picture_path, scenes_of
+from rsegen.cli.targets import PictureName, add_target_flags, picture_of, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, lengths_in, whole_degrees
 from rsegen.field.limits import StepLimits
 from rsegen.params.command import Shell, add_flags, given
-from rsegen.params.sorts import FilePath, Float, Reference
+from rsegen.params.sorts import Float, Reference
 
 if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
@@ -35,16 +36,12 @@ _NO_ROBOT = "give a robot, as in --robot burger, or limits of steps, as in --cli
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Drawing:
-    """The picture that the shell can ask for."""
+class _Options:
+    """The robot that the shell can name, and the picture that it can ask for."""
 
+    robot: Annotated[str | None, _KINDS, Shell(metavar="KIND|FILE")] = None
     output: Annotated[
-        str | None,
-        FilePath(
-            "a picture",
-            help="draw the ways of the robot across the first map, and the area that it can reach",
-        ),
-        Shell(("-o", "--output"), "PICTURE"),
+        PictureName, Shell(help="draw the ways of the robot across the first map, and the area that it can reach")
     ] = None
     heading: Annotated[
         float | None,
@@ -54,13 +51,6 @@ class _Drawing:
         Shell(metavar="DEG"),
     ] = None
     force: Force = False
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Robot:
-    """The robot that the shell can name."""
-
-    robot: Annotated[str | None, _KINDS, Shell(metavar="KIND|FILE")] = None
 
 
 def add(commands: Subparsers) -> None:
@@ -74,35 +64,31 @@ def add(commands: Subparsers) -> None:
     command = add_command(commands, "metrics", text=text, epilog=f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
     group = command.add_argument_group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
-    add_flags(group, _Robot)
+    add_flags(group, _Options, only=["robot"])
     group = command.add_argument_group("limits of steps", "in place of a robot: paths from cell to cell")
     add_flags(group, StepLimits)
     output = command.add_argument_group("output")
     output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
-    add_flags(output, _Drawing)
+    add_flags(output, _Options, without=["robot"])
     add_target_recipe_flags(command)
 
 
 def run(arguments: argparse.Namespace) -> Report:
     """Measure and draw."""
-    from rsegen.exporters.pictures.preview import image_format
-    from rsegen.run.store import write_file
-
     if arguments.json and arguments.csv:
         raise ParameterError("--csv", "--json and --csv exclude each other")
     robot = _crosser(arguments)
-    path = picture_path(arguments.output, force=arguments.force)
-    if path and robot is None:
+    picture = picture_of(arguments.output, force=arguments.force)
+    if picture and robot is None:
         raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
-    heading = given(_Drawing, arguments).get("heading")
-    if heading is not None and path is None:
+    heading = given(_Options, arguments).get("heading")
+    if heading is not None and picture is None:
         raise ParameterError("--heading", "is for a picture; give -o too")
     scenes = scenes_of(arguments, "measure")
     first = next(scenes)
     measured = _measured(first, robot)
-    if path and robot:
-        picture = _picture(first, robot, measured, heading, image_format(path))
-        write_file([picture], path, force=arguments.force)
+    if picture and robot:
+        picture.write(partial(_picture, first, robot, measured, heading))
     rows: Iterable[Measured] = chain([(first, measured)], ((scene, _measured(scene, robot)) for scene in scenes))
     if arguments.json:
         rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too

@@ -6,9 +6,9 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.flags import add_input, add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, call
-from rsegen.cli.targets import add_target, target_of, which_map
+from rsegen.cli.targets import target_of, which_map
 from rsegen.commands.open import open as open_world
 from rsegen.errors import printable
 from rsegen.params.command import add_flags, flags_in_errors
@@ -25,7 +25,7 @@ def add(commands: Subparsers) -> None:
     epilog = "rsegen sim lists the installed simulators. Error lines of the simulator go to stderr."
     command = add_command(commands, "open", open_world, epilog=epilog)
     where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
-    add_target(command, "WORLD-or-DIR-or-RECIPE", where)
+    add_input(command, where, name="target", metavar="WORLD-or-DIR-or-RECIPE")
     group = command.add_argument_group("open")
     add_flags(group, open_world)
     group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
@@ -51,11 +51,10 @@ def run(arguments: argparse.Namespace) -> Report:
             lines = [f"{world.simulator}: {world.file}" + (f", at {address}" if address else "")]
             print(*lines, *which_map(arguments.target, arguments.map), sep="\n", flush=True)
 
-    result = call(open_world, arguments, target, on_start=started, on_error=_print_error)
+    def failed(line: str) -> None:
+        print(printable(line), file=sys.stderr, flush=True)
+
+    result = call(open_world, arguments, target, on_start=started, on_error=failed)
     opened = {"simulator": result.world.simulator, "world": str(result.world.file)}
     ended = {"address": dict(result.world.address), "exit_code": result.exit_code, "errors": list(result.errors)}
     return Report(lines=[], content=opened | ended)
-
-
-def _print_error(line: str) -> None:
-    print(printable(line), file=sys.stderr, flush=True)

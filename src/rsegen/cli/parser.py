@@ -11,19 +11,13 @@ import re
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import takewhile
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NoReturn
 
 from rsegen.errors import UnknownName, line_of, nearest, shown
 
 FLAG = "--plugin"
 VARIABLE = "RSEGEN_PLUGINS"
 """Of the environment: the same for every command, separated like PATH."""
-
-
-def add_plugin_flag(command: argparse.ArgumentParser) -> None:
-    """The flag, for --help; `load_plugins` has read it before."""
-    text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
-    command.add_argument(FLAG, metavar="MODULE", help=text)
 
 
 def load_plugins(arguments: Sequence[str]) -> list[str]:
@@ -54,23 +48,17 @@ def _parted(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return rest, named
 
 
-class HelpRow(NamedTuple):
-    """A name with its explanation, in a group of the help that is there to be read only."""
-
-    name: str
-    help: str
-
-
 class Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
-        self._rows: list[tuple[str, Callable[[], Iterable[HelpRow]]]] = []
-        add_plugin_flag(self)
+        self._rows: list[tuple[str, Callable[[], Iterable[tuple[str, str]]]]] = []
+        text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
+        self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
 
-    def add_rows(self, title: str, rows: Callable[[], Iterable[HelpRow]]) -> None:
-        """Add a group of names to the help; `rows` is called when the help is shown."""
+    def add_rows(self, title: str, rows: Callable[[], Iterable[tuple[str, str]]]) -> None:
+        """Add a group of names, each with its explanation, to the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))
 
     def format_help(self) -> str:
@@ -80,7 +68,7 @@ class Parser(argparse.ArgumentParser):
         formatter.add_text(self.description)
         positionals, options, *groups = self._action_groups
         flags = [(group.title, group.description, group._group_actions) for group in (positionals, *groups)]
-        names = [(title, None, list(map(_action, rows()))) for title, rows in self._rows]
+        names = [(title, None, [_action(*row) for row in rows()]) for title, rows in self._rows]
         for title, text, actions in [*flags, *names, (options.title, None, options._group_actions)]:
             formatter.start_section(title)
             formatter.add_text(text)
@@ -137,9 +125,9 @@ def _is_pair(word: str) -> bool:
     return bool(re.match("[a-z_]+=", word)) and not os.path.lexists(word)
 
 
-def _action(row: HelpRow) -> argparse.Action:
+def _action(name: str, text: str) -> argparse.Action:
     """Return a row of the help as argparse lays it out, though it is no argument."""
-    return argparse.Action([], row.name, metavar=row.name, help=row.help.replace("%", "%%"))
+    return argparse.Action([], name, metavar=name, help=text.replace("%", "%%"))
 
 
 class _Help(argparse.HelpFormatter):

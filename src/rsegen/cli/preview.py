@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass
+from functools import partial
 from math import radians
-from pathlib import Path
 from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import add_target_flags, picture_path, scene_of, which_map
+from rsegen.cli.report import Report, Subparsers, add_command, checked_flags
+from rsegen.cli.targets import add_target_flags, picture_of, scene_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
-from rsegen.params.command import Shell, add_flags, flags_in_errors, given
-from rsegen.params.sorts import FilePath, Flag, Float, ListOf, Reference, validate
+from rsegen.params.command import Shell, add_flags
+from rsegen.params.sorts import FilePath, Flag, Float, ListOf, Reference
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,26 +59,22 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> Report:
     """Draw, and write the picture."""
-    from rsegen.exporters.pictures.preview import image_format, preview
+    from rsegen.exporters.pictures.preview import preview
     from rsegen.robots import robot_of
-    from rsegen.run.store import write_file
 
-    path = picture_path(arguments.output, force=arguments.force) or Path()
-    with flags_in_errors(_Drawing):
-        drawing = _Drawing(**given(_Drawing, arguments))
-        validate(drawing)
-        if drawing.at and not drawing.robot:
-            raise ParameterError("at", "is the place of a robot; give --robot too")
+    picture = picture_of(arguments.output, force=arguments.force)
+    assert picture  # noqa: S101  # -o is required
+    drawing = _Drawing(**checked_flags(_Drawing, arguments))
+    if drawing.at and not drawing.robot:
+        raise ParameterError("--at", "is the place of a robot; give --robot too")
     robot = robot_of(drawing.robot, "--robot").body if drawing.robot else None
     x, y, heading = drawing.at or (0.0, 0.0, 0.0)
     scene = scene_of(arguments)
     try:
         at = x, y, radians(heading)
-        form, outlines, paper = image_format(path), drawing.outlines, drawing.paper
-        picture = preview(scene, form, outlines=outlines, robot=robot, at=at, paper=paper)
+        picture.write(partial(preview, scene, outlines=drawing.outlines, robot=robot, at=at, paper=drawing.paper))
     except ParameterError as error:  # of x or y
         raise ParameterError("--at" if error.where in ("x", "y") else f"--{error.where}", error.problem) from None
-    write_file([picture], path, force=drawing.force)
-    content = {"file": str(path), "map": scene.name, "seed": scene.recipe.seed}
-    lines = [f"{path}: {scene.name}, seed {scene.recipe.seed}"]
+    content = {"file": str(picture.path), "map": scene.name, "seed": scene.recipe.seed}
+    lines = [f"{picture.path}: {scene.name}, seed {scene.recipe.seed}"]
     return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))

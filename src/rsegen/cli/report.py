@@ -14,12 +14,12 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 from rsegen.cli.parser import Parser
-from rsegen.params.command import add_flags, flags_in_errors, given
+from rsegen.params.command import add_flags, declared, flags_in_errors, given
 from rsegen.params.registry import offered_names
-from rsegen.params.sorts import Choice, Flag, plain, validate
+from rsegen.params.sorts import Choice, Flag, plain
 from rsegen.params.watch import watched
 
 if TYPE_CHECKING:
@@ -66,21 +66,12 @@ def _print(line: str, arguments: argparse.Namespace, file: Any = None) -> None:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Shown:
-    """The options of all commands that say what they show while they work."""
+class _Shared:
+    """The option of all commands that says what they show while they work, and that of those that write files."""
 
     progress: Annotated[
         str, Choice(("bar", "json", "none"), help="show progress as a bar on a terminal, or as lines of JSON on stderr")
     ] = "bar"
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Writing:
-    """The option of all commands that write files."""
-
     dry_run: Annotated[
         bool, Flag(help="print which files would be written, replaced, removed or kept, and change nothing")
     ] = False
@@ -89,7 +80,7 @@ class Writing:
 def add_dry_run(parser: Parser) -> None:
     """Add --dry-run to the parser of a command that writes files: it has --force."""
     if "--force" in parser._option_string_actions:
-        add_flags(parser, Writing)
+        add_flags(parser, _Shared, only=["dry_run"])
 
 
 def planned(arguments: argparse.Namespace) -> Report | None:
@@ -109,7 +100,7 @@ def add_command(
     parser = commands.add_parser(name, description=description.replace("%", "%%"), epilog=epilog)
     parser.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
     parser.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
-    add_flags(parser, Shown)
+    add_flags(parser, _Shared, only=["progress"])
     return parser
 
 
@@ -124,15 +115,21 @@ def call(function: Callable[..., R], arguments: argparse.Namespace, *positional:
         return function(*positional, **{**given(function, arguments), **named})
 
 
+def checked_flags(owner: Callable[..., Any], arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return what the flags of a command, or of a dataclass of options, say; errors name the flags."""
+    with flags_in_errors(owner):
+        known, said = declared(owner), given(owner, arguments)
+        return {name: known[name].sort.check(name, value) for name, value in said.items()}
+
+
 _PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")
 
 
 @contextmanager
 def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
     """Show progress inside as the flags of a command ask for; a ParameterError if they say what is not known."""
-    with flags_in_errors(Shown):
-        shown = Shown(**given(Shown, arguments)).progress
-    token = _PROGRESS.set("none" if arguments.quiet else shown)
+    shown = _Shared(**checked_flags(_Shared, arguments))
+    token = _PROGRESS.set("none" if arguments.quiet else shown.progress)
     try:
         with _long_work():
             yield
@@ -163,16 +160,15 @@ def _long_work() -> Iterator[None]:
             yield
 
 
-class _Bar(Protocol):
-    """The part of tqdm's interface that is used here."""
+class _Silent:
+    """Progress that is not shown, with the part of tqdm's interface that is used here."""
 
-    n: float
-    initial: float
+    n = initial = 0.0
 
-    def update(self, steps: float = 1) -> object:
+    def update(self, steps: float = 1) -> None:
         """Go on by some steps."""
 
-    def set_description(self, step: str) -> object:
+    def set_description(self, step: str) -> None:
         """Say what is done now."""
 
 
@@ -180,11 +176,10 @@ _LINES_APART = 0.05
 """Seconds between two lines of progress: of a thousand maps in a second nobody reads each."""
 
 
-class _JsonLines:
+class _JsonLines(_Silent):
     """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`."""
 
     def __init__(self, total: float, unit: str, step: str) -> None:
-        self.n = self.initial = 0.0
         self._total, self._unit, self._step, self._said = total, unit, step, float("-inf")
         self._say()
 
@@ -206,8 +201,8 @@ class _JsonLines:
 
 
 @contextmanager
-def _watched(total: float, unit: str, **style: Any) -> Iterator[_Bar | None]:
-    """Yield what shows the progress: a bar, with a style of tqdm's, or lines of JSON; None if nothing does."""
+def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
+    """Yield what shows the progress: a bar, with a style of tqdm's, lines of JSON, or nothing."""
     how = _PROGRESS.get()
     if how == "json" and sys.stderr:
         yield _JsonLines(total, unit, style.get("desc", ""))
@@ -221,30 +216,20 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[_Bar | None]:
         with tqdm(total=total, unit=unit, **style) as bar:
             yield bar
     else:
-        yield None
+        yield _Silent()
 
 
 @contextmanager
-def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None] | None]:
-    """Yield a function to call with each thing that is done; None if nobody watches, or there is a single one."""
+def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None]]:
+    """Yield a function to call with each thing that is done; a single one has no bar."""
     with _watched(count, unit, miniters=1, disable=count == 1) as bar:
-        if bar is None:
-            yield None
-            return
-
-        def done(*_: object) -> None:
-            bar.update()
-
-        yield done
+        yield lambda *_: bar.update()
 
 
 @contextmanager
-def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
+def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None]]:
     """Yield a function to call with each map of a recipe; maps that exist already count as done."""
     with _watched(recipe.maps, "map", miniters=1, disable=recipe.maps == 1) as bar:
-        if bar is None:
-            yield None
-            return
 
         def done(generated: GeneratedMap) -> None:
             place = generated.index - recipe.first_map + 1
@@ -257,12 +242,9 @@ def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None] | None]:
 
 
 @contextmanager
-def shards_bar(maps: int) -> Iterator[Progress | None]:
+def shards_bar(maps: int) -> Iterator[Progress]:
     """Yield a function for maps in shards; those that exist already are of no weight in the time that is left."""
     with _watched(maps, "map", unit_scale=True) as bar:
-        if bar is None:
-            yield None
-            return
 
         def done(maps: int, *, already: bool) -> None:
             bar.initial += maps * already
@@ -276,12 +258,7 @@ def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
     """Yield a function for the simulation time."""
     style = "{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}<{remaining}, {rate_fmt}]"
     with _watched(seconds, "s", bar_format=style) as bar:
-
-        def progress(done: float) -> None:
-            if bar is not None:
-                bar.update(done - bar.n)
-
-        yield progress
+        yield lambda done: bar.update(done - bar.n)
 
 
 @contextmanager
@@ -289,12 +266,7 @@ def share_bar(what: str) -> Iterator[Callable[[float], None]]:
     """Yield a function for the share of some work that is done, 0..1."""
     shape = "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]"
     with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5, miniters=0) as bar:
-
-        def progress(share: float) -> None:
-            if bar is not None:
-                bar.update(100 * share - bar.n)
-
-        yield progress
+        yield lambda share: bar.update(100 * share - bar.n)
 
 
 @contextmanager
@@ -302,16 +274,10 @@ def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
     """Yield a function for the trials of an experiment; without a terminal each is a line, unless nothing is wanted."""
     trials = len(plan.cells) * plan.repeats
     with _watched(trials, "trial") as bar:
-        if bar is None:
-
-            def line(done: int, cell: Cell) -> None:
-                if _PROGRESS.get() != "none":
-                    print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
-
-            yield line
-            return
 
         def progress(done: int, cell: Cell) -> None:
+            if type(bar) is _Silent and _PROGRESS.get() != "none":
+                print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
             bar.update(done - bar.n)
             bar.set_description(cell.name)
 

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from rsegen.cli.report import Report, Subparsers, add_command, call
 from rsegen.commands.spawn import respawn
 from rsegen.params.command import add_flags
-
-if TYPE_CHECKING:
-    from rsegen.simulation.spawning.spawn import RespawnResult
 
 
 def add(commands: Subparsers) -> None:
@@ -27,13 +23,10 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> Report:
     """Replace it, and give the names of both maps."""
-    result = call(respawn, arguments, arguments.target)
-    return Report(lines=[_line(result)], content=asdict(result))
-
-
-def _line(result: RespawnResult) -> str:
     from rsegen.exporters.gazebo.sdf import numbers
 
+    result = call(respawn, arguments, arguments.target)
     on_top = f"; put on top of it: {', '.join(result.put_on_top)}" if result.put_on_top else ""
     at = numbers([result.at.x, result.at.y, result.at.z])
-    return f"{result.name} replaces {result.instead_of}, at {at}{on_top}"
+    line = f"{result.name} replaces {result.instead_of}, at {at}{on_top}"
+    return Report(lines=[line], content=asdict(result))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from rsegen.cli.flags import add_recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.report import Report, Subparsers, add_command
-from rsegen.cli.targets import picture_path
+from rsegen.cli.targets import picture_of
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.io.scan_options import CLOUDS, ScanOptions
 from rsegen.params.command import Shell, add_flags, given
@@ -55,12 +55,10 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> Report:
     """Find the field, write the picture of the fit and the world, and say what was found."""
-    from rsegen.exporters.pictures.preview import image_format
     from rsegen.io.scans import scan
-    from rsegen.run.store import write_file
 
     options = ScanOptions(**given(ScanOptions, arguments, arguments.units))
-    fit = picture_path(arguments.fit, force=bool(arguments.force))
+    fit = picture_of(arguments.fit, force=arguments.force)
     scanned = scan(arguments.clouds, options)
     recipe = with_flags(scanned.recipe, arguments)
     scanned = replace(scanned, recipe=recipe)  # its picture has the units of the flags
@@ -69,8 +67,9 @@ def run(arguments: argparse.Namespace) -> Report:
     arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS
     report = produce(recipe, arguments, {} if fit else {name: scanned.picture})
     if fit:
-        write_file([scanned.picture(image_format(fit))], fit, force=bool(arguments.force))
-    lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {fit or f'{arguments.folder}/{name}'}"]
+        fit.write(scanned.picture)
+    where = fit.path if fit else f"{arguments.folder}/{name}"
+    lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {where}"]
     if not arguments.sheet:
         lines.append(f"no build sheet: it would have a page for each of {pallets} chunks; --sheet writes it")
     return replace(report, notes=lines)

@@ -8,18 +8,9 @@ import json
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.errors import UnknownName
 
-FUNCTIONS = {
-    "generate": "generate",
-    "series": "series",
-    "dataset": "make_dataset",
-    "export": "export_maps",
-    "drive": "drive",
-    "spots": "spots",
-    "experiment": "experiment",
-    "open": "open",
-    "spawn": "spawn",
-    "respawn": "respawn",
-    "remove": "remove",
+_ALIKE = ("drive", "spots", "experiment", "open", "spawn", "respawn", "remove")
+FUNCTIONS = {"generate": "generate", "series": "series", "dataset": "make_dataset", "export": "export_maps"} | {
+    name: name for name in _ALIKE
 }
 """The function of `rsegen` that each command is."""
 

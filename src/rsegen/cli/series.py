@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from rsegen.cli.flags import add_format_rows, add_recipe_argument, add_recipe_flags, recipe_from
+from rsegen.cli.flags import add_format_rows, add_input, add_recipe_flags, recipe_from
 from rsegen.cli.generate import going_on, run_options
 from rsegen.cli.report import Report, Subparsers, add_command, call, counting
 from rsegen.commands.generate import generate
@@ -26,7 +26,7 @@ def add(commands: Subparsers) -> None:
     """Add the parser of this command."""
     epilog = "docs/difficulty.md defines difficulty, and shows how near the maps come to it."
     command = add_command(commands, "series", series, epilog=epilog)
-    add_recipe_argument(command)
+    add_input(command.add_argument_group("input"))
     add_flags(command.add_argument_group("output"), series, only=declared(generate))
     add_format_rows(command)
     add_flags(command.add_argument_group("difficulty"), series, without=declared(generate))

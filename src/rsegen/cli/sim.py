@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.report import Report, Subparsers, add_command
 from rsegen.errors import RsegenError, line_of
@@ -24,51 +23,37 @@ def add(commands: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Look for them."""
     found = found_simulators()
-    content = [{**each.summary, "how_to_get": list(each.simulator.how_to_install)} for each in found]
-    return Report(lines=_report(found), content=content)
+    return Report(lines=_report(found), content=found)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FoundSimulator:
-    """A simulator, its installation if there is one, and what went wrong when it was asked for its version."""
-
-    simulator: Simulator
-    here: Installation | None
-    problem: str = ""
-
-    @property
-    def summary(self) -> dict[str, object]:
-        """Return the figures of a simulation, for JSON."""
-        return {
-            "name": self.simulator.name,
-            "title": self.simulator.title,
-            "version": self.here.version if self.here else None,
-            "commands": {name: str(path) for name, path in self.here.commands.items()} if self.here else {},
-            "problem": self.problem,
-        }
-
-
-def found_simulators() -> list[FoundSimulator]:
-    """Ask every simulator at the same time whether it is installed."""
+def found_simulators() -> list[dict[str, Any]]:
+    """Ask every simulator at the same time whether it is installed; return what is known of each, for JSON."""
     from rsegen.simulation.simulators import SIMULATORS
 
     with ThreadPoolExecutor() as pool:
         return list(pool.map(_found, SIMULATORS.values()))
 
 
-def _found(simulator: Simulator) -> FoundSimulator:
+def _found(simulator: Simulator) -> dict[str, Any]:
     """A plug-in's simulator may raise anything, and one that is installed may not answer."""
+    here: Installation | None = None
+    problem = ""
     try:
-        return FoundSimulator(simulator=simulator, here=simulator.installation())
+        here = simulator.installation()
     except Exception as error:  # a report about a machine in disorder is wanted most
-        why = str(error) if isinstance(error, RsegenError) else f"{type(error).__name__}: {error}"
-        return FoundSimulator(simulator=simulator, here=None, problem=line_of(why))
+        problem = line_of(str(error) if isinstance(error, RsegenError) else f"{type(error).__name__}: {error}")
+    return {
+        "name": simulator.name,
+        "title": simulator.title,
+        "version": here.version if here else None,
+        "commands": {name: str(path) for name, path in here.commands.items()} if here else {},
+        "problem": problem,
+        "how_to_get": list(simulator.how_to_install),
+    }
 
 
-def _report(found: Iterable[FoundSimulator]) -> Iterator[str]:
+def _report(found: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     for each in found:
-        here, problem = each.here, each.problem
-        what = here.version if here else problem or "is not installed"
-        yield f"{each.simulator.name:<9}{each.simulator.title} {what}"
-        rows = [f"{name}: {path}" for name, path in here.commands.items()] if here else each.simulator.how_to_install
-        yield from (f"{'':<9}  {row}" for row in rows if not problem)
+        yield f"{each['name']:<9}{each['title']} {each['version'] or each['problem'] or 'is not installed'}"
+        rows = [f"{name}: {path}" for name, path in each["commands"].items()] or each["how_to_get"]
+        yield from (f"{'':<9}  {row}" for row in rows if not each["problem"])

@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from math import degrees
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
-from rsegen.cli.targets import add_target_flags, picture_path, target_of, which_map
+from rsegen.cli.targets import PictureName, add_target_flags, picture_of, target_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.commands.spots import spots
 from rsegen.params.command import Shell, add_flags, default, flags_in_errors, given
-from rsegen.params.sorts import FilePath
 
 if TYPE_CHECKING:
     from rsegen.standing.spots import Spot
@@ -25,11 +25,7 @@ class _Drawing:
     """The picture that the shell can ask for."""
 
     output: Annotated[
-        str | None,
-        FilePath(
-            "a picture", help="draw the outlines of the robot on the plan: png, svg, pdf, jpg or webp, by its ending"
-        ),
-        Shell(("-o", "--output"), "PICTURE"),
+        PictureName, Shell(help="draw the outlines of the robot on the plan: png, svg, pdf, jpg or webp, by its ending")
     ] = None
     force: Force = False
 
@@ -46,24 +42,22 @@ def add(commands: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> Report:
     """Find and draw them."""
-    from rsegen.exporters.pictures.preview import image_format
     from rsegen.exporters.pictures.robot_plots import spots_plot
     from rsegen.params.streams import fresh_seed
     from rsegen.robots import robot_of
-    from rsegen.run.store import write_file
     from rsegen.simulation.worlds import world_of
     from rsegen.standing.spots import Outline, body_of_size
 
-    path = picture_path(arguments.output, force=arguments.force)
+    picture = picture_of(arguments.output, force=arguments.force)
     with flags_in_errors(spots):
         said = {"seed": fresh_seed()} | given(spots, arguments)
         target = target_of(arguments, () if arguments.target is None else ("seed",))
         scene = world_of(target, arguments.map).scene()
         places = spots(scene, **{name: value for name, value in said.items() if name != "map"})
-        if path:
+        if picture:
             size, robot = said.get("size"), said.get("robot", default(spots, "robot"))
             outline = Outline.of(body_of_size(*size) if size else robot_of(robot).body_or_box)
-            write_file([spots_plot(scene, outline, places, image_format(path))], path, force=arguments.force)
+            picture.write(partial(spots_plot, scene, outline, places))
     content = {"map": scene.name, "seed": said["seed"], "spots": [asdict(place) for place in places]}
     lines = [f"{scene.name}, seed {said['seed']}:", *_rows(places)]
     return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-from rsegen.cli.flags import complete_examples, has_recipe_flags, with_flags
+from rsegen.cli.flags import add_input, has_recipe_flags, with_flags
 from rsegen.cli.parser import Parser
 from rsegen.errors import ParameterError
+from rsegen.params.command import Shell
+from rsegen.params.sorts import FilePath
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -20,16 +22,10 @@ if TYPE_CHECKING:
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
 
 
-def add_target(command: Parser, metavar: str, text: str) -> None:
-    """Add what a command looks at; a command that makes a map of flags alone can do without."""
-    complete_examples(command.add_argument("target", nargs="?", metavar=metavar, help=text))
-
-
 def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.add_argument_group("input")
-    where = f"{_WHERE}; or none, but --obstacle"
-    complete_examples(group.add_argument("target", nargs="?", metavar="RECIPE-or-DIR", help=where))
+    add_input(group, f"{_WHERE}; or none, but --obstacle", name="target", metavar="RECIPE-or-DIR")
     group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
 
 
@@ -77,25 +73,23 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
     return recipe.alone(index)
 
 
-def scene_of(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of that map."""
+def scene_of(arguments: argparse.Namespace, step: Step = "build") -> Scene:
+    """Return the scene of that map; `step` is the one that needs the most memory."""
     from rsegen.exporters.scene import compose
     from rsegen.io.resources import refuse_too_large
 
     _, recipe, index = map_of_flags(arguments)
-    refuse_too_large(recipe)
+    refuse_too_large(recipe, step)
     return compose(recipe, index)
 
 
-def scenes_of(arguments: argparse.Namespace, step: Step = "build") -> Iterator[Scene]:
-    """Yield the scenes of all of them, or of the one that --map names; `step` is the one that needs the most memory."""
+def scenes_of(arguments: argparse.Namespace, step: Step) -> Iterator[Scene]:
+    """Yield the scenes of all of them, or of the one that --map names."""
     from rsegen.exporters.scene import compose
     from rsegen.io.resources import refuse_too_large
 
     if arguments.map is not None:
-        _, recipe, index = map_of_flags(arguments)
-        refuse_too_large(recipe, step)
-        yield compose(recipe, index)
+        yield scene_of(arguments, step)
         return
     for _, recipe in recipes_of(arguments):
         refuse_too_large(recipe, step)
@@ -111,14 +105,32 @@ def which_map(target: str | None, which: str | None) -> Iterator[str]:
         yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map takes another"
 
 
-def picture_path(name: str | None, *, force: bool) -> Path | None:
-    """Return the path of a picture if one is wanted; a UserError if it is no picture or may not be replaced."""
+PictureName = Annotated[str | None, FilePath("a picture"), Shell(("-o", "--output"), "PICTURE")]
+"""The flag for a picture that a command draws besides its report; each says of what."""
+
+
+class Picture(NamedTuple):
+    """A picture that a command is asked for; `picture_of` has found that its name is one, and may be written."""
+
+    path: Path
+    force: bool
+
+    def write(self, draw: Callable[[str], bytes]) -> None:
+        """Write what `draw` makes for the image format of the name."""
+        from rsegen.exporters.pictures.preview import image_format
+        from rsegen.run.store import write_file
+
+        write_file([draw(image_format(self.path))], self.path, force=self.force)
+
+
+def picture_of(name: str | None, *, force: bool | None) -> Picture | None:
+    """Return the picture of a name if one is wanted; a UserError if it is no picture or may not be replaced."""
     from rsegen.exporters.pictures.preview import image_format
     from rsegen.run.store import refuse_taken_file
 
     if name is None:
         return None
-    path = Path(name)
-    image_format(path)
-    refuse_taken_file(path, force=force)
-    return path
+    picture = Picture(Path(name), bool(force))
+    image_format(picture.path)
+    refuse_taken_file(picture.path, force=picture.force)
+    return picture

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import add_recipe_argument
+from rsegen.cli.flags import add_input
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.cli.report import Report, Subparsers, add_command, counting
+from rsegen.cli.report import Report, Subparsers, add_command, checked_flags, counting
 from rsegen.commands.parameters import By, ByRobot
 from rsegen.field.limits import SIDE
-from rsegen.params.command import Shell, add_flags, declared, flags_in_errors, given
+from rsegen.params.command import Shell, add_flags
 from rsegen.params.sorts import Integer, ListOf
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.terrain_design import TerrainDesign
@@ -42,7 +42,7 @@ def add(commands: Subparsers) -> None:
         commands, "terrain", _Tiles, epilog=f"{epilog}docs/learning.md shows how to use it for training."
     )
     text = "YAML or JSON file, or the name of an example; each recipe has the same number of columns"
-    add_recipe_argument(command, text=text, name="recipes", nargs="+")
+    add_input(command.add_argument_group("input"), text, name="recipes", nargs="+")
     group = command.add_argument_group("terrain")
     add_flags(group, TerrainDesign)
     add_flags(group, _Tiles)
@@ -54,10 +54,7 @@ def run(arguments: argparse.Namespace) -> Report:
     from rsegen.recipe.terrain import Terrain
     from rsegen.run.single_files import tiles_json
 
-    with flags_in_errors(TerrainDesign, _Tiles):
-        said = {**given(TerrainDesign, arguments), **given(_Tiles, arguments)}
-        known = {**declared(TerrainDesign), **declared(_Tiles)}
-        values = {name: known[name].sort.check(name, value) for name, value in said.items()}
+    values = checked_flags(TerrainDesign, arguments) | checked_flags(_Tiles, arguments)
     seed, size = values.pop("seed", None), values.pop("spots", None)
     terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values)
     path = Path(arguments.folder) / f"{terrain.name}_0000.json"

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.params.command import Shell
-from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Reference, Text
+from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Reference, Text, key_values, parameters
 from rsegen.params.streams import SEEDS
 
 if TYPE_CHECKING:
@@ -73,11 +74,7 @@ SimulatorName = Annotated[
     Shell(metavar="NAME", default="the newest that is installed"),
 ]
 
-RunningSimulator = Annotated[
-    str | None,
-    Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)"),
-    Shell(metavar="NAME", default="whichever runs"),
-]
+RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]
 
 Timeout = Annotated[
     float,
@@ -134,9 +131,11 @@ class FormatList:
 
     def parse(self, texts: Any) -> tuple[Format, ...]:
         """Return the formats of each text of a command line; a ParameterError says what is wrong with one."""
-        from rsegen.exporters.formats.options import formats_in
+        from rsegen.exporters.formats import FORMATS
 
-        return tuple(each for text in texts for each in formats_in(self.flag, text))
+        parts = [part or [""] for text in texts for part in _parts(self.flag, text)]
+        named = [(FORMATS.named(name, self.flag), words) for name, *words in parts]
+        return tuple(_with_options(self.flag, cls, words) for cls, words in named)
 
     def format(self, value: Any) -> str:
         """Return their names, separated by commas."""
@@ -149,6 +148,35 @@ class FormatList:
     def describe(self) -> str:
         """Return how they are written."""
         return "separated by commas, with options as in stl,'mjcf shape=hfield'"
+
+
+def _parts(where: str, text: str) -> list[list[str]]:
+    """Return the words between commas of a text such as `stl,mjcf shape=hfield`; one without = begins a part, too."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=",")
+    lexer.whitespace_split, lexer.commenters = True, ""
+    parts: list[list[str]] = [[]]
+    try:
+        for word in lexer:
+            if word.strip(",") == "":
+                parts += [[] for _ in word]
+            elif parts[-1] and "=" not in word:
+                parts.append([word])
+            else:
+                parts[-1].append(word)
+    except ValueError:
+        raise ParameterError(f"{where} {shown(text)}", "a quotation mark is not closed") from None
+    return parts
+
+
+def _with_options(where: str, cls: type[Format], words: Sequence[str]) -> Format:
+    """Return a format with the options that are given after its name."""
+    known = parameters(cls)
+    try:
+        own = key_values(words, known)
+        refuse_unknown(f"option of {cls.name}", own, known)
+        return cls(**own)
+    except ParameterError as error:
+        raise error.of(f"{where} {shown(' '.join([cls.name, *words]))}") from None
 
 
 Formats = Annotated[

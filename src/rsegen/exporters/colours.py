@@ -12,8 +12,8 @@ hundredth: steps of 1 cm would look alike.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from itertools import pairwise
 from math import inf
 
 Colour = tuple[float, float, float]
@@ -40,16 +40,32 @@ _Lab = tuple[float, float, float]
 def height_colour(height: float, highest: float = inf) -> Colour:
     """Return the colour of blocks of a height on a map whose highest blocks may have another [m], in sRGB."""
     middle = _MIDDLE / (1 if highest >= _LOW - 1e-9 else 10 if highest >= _LOW / 10 - 1e-9 else 100)
-    at = max(height, 0.0) / (max(height, 0.0) + middle) * (len(_RAMP) - 1)
-    low, high = list(pairwise(_RAMP))[int(at)]
-    share = at - int(at)
-    lightness, green_red, blue_yellow = (a + share * (b - a) for a, b in zip(oklab(low), oklab(high), strict=True))
-    return _srgb((lightness, green_red, blue_yellow))
+    return _srgb(along([oklab(colour) for colour in _RAMP], max(height, 0.0) / (max(height, 0.0) + middle)))
+
+
+def along(ramp: Sequence[Colour], place: float) -> Colour:
+    """Return the colour at a place, 0..1, on a ramp of colours, straight between two of them."""
+    at = place * (len(ramp) - 1)
+    low = min(int(at), len(ramp) - 2)
+    x, y, z = (a + (at - low) * (b - a) for a, b in zip(ramp[low], ramp[low + 1], strict=True))
+    return x, y, z
+
+
+def rounded(colour: Iterable[float], digits: int = 3) -> Colour:
+    """Return a colour as files have it."""
+    x, y, z = (round(part, digits) for part in colour)
+    return x, y, z
+
+
+def linear(colour: Colour) -> Colour:
+    """Return the linear colour of an sRGB colour (IEC 61966-2-1)."""
+    r, g, b = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in colour)
+    return r, g, b
 
 
 def oklab(colour: Colour) -> _Lab:
     """Return lightness 0..1 and the two opponent colours of a colour in sRGB."""
-    r, g, b = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in colour)
+    r, g, b = linear(colour)
     long, middle, short = (
         (x * r + y * g + z * b) ** (1 / 3)
         for x, y, z in (

@@ -14,7 +14,6 @@ from rsegen.exporters.scene import Scene
 from rsegen.recipe.building import build
 
 if TYPE_CHECKING:
-    from rsegen.field.stepfield import StepField
     from rsegen.recipe.recipe import Recipe
 
 
@@ -159,10 +158,8 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     return report | ({"left": left} if left and sum(used.values()) < sum(design.values()) else {})
 
 
-@lru_cache(maxsize=1)
-def _built(recipe: Recipe, index: int) -> StepField:
-    """Return a map without one of its constraints; the report, lines and warnings of one map ask for it in turn."""
-    return build(recipe, index)
+_built = lru_cache(maxsize=1)(build)
+"""Builds a map without one of its constraints; the report, lines and warnings of one map ask for it in turn."""
 
 
 def _above_0(counts: dict[int, int]) -> dict[int, int]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from rsegen.exporters.constraint_report import block_warnings
 from rsegen.exporters.gazebo import MESH_TYPES, export
 from rsegen.exporters.gazebo.obj import face_count
-from rsegen.exporters.scene import Scene, fingerprint
-from rsegen.recipe.codec import needed_plugins
+from rsegen.exporters.scene import Scene
 from rsegen.recipe.recipe import Recipe
 
 MANY = 1000
@@ -16,35 +15,17 @@ MANY = 1000
 and ten seconds, or 0.25 GB, which a small laptop feels."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class MapSummary:
-    """The size of a map and what it costs: extent in metres, models, visual faces, bytes.
+class Costs(NamedTuple):
+    """The cost of a map: models and collision shapes in the simulator, visual faces, and bytes of its files."""
 
-    grid: blocks along x and y   cells: the same with frames
-    switched_off: the obstacles of its recipe that are not in it
-    """
-
-    name: str
-    seed: int
-    grid: tuple[int, int]
-    cells: tuple[int, int]
-    extent: tuple[float, float]
-    unit_cm: float
-    units: str
-    fingerprint: str
-    level_counts: dict[int, int]
-    mesh_type: str
     models: int
     collisions: int
     faces: int
     bytes: int
-    plugins: dict[str, str]
-    switched_off: tuple[str, ...]
-    warnings: tuple[str, ...]
 
 
-def map_summary(scene: Scene) -> MapSummary:
-    """Return the summary of a map; makes its files in memory and does not write them."""
+def costs(scene: Scene) -> Costs:
+    """Return the cost of a map; makes its files in memory and does not write them."""
     # Sizes and faces are counted in the files themselves, piece by piece, so that they are those that are written.
     size = faces = 0
     for path, content in export(scene).items():
@@ -52,29 +33,13 @@ def map_summary(scene: Scene) -> MapSummary:
             size += len(piece)
             faces += face_count(piece) if path.match("meshes/*.obj") else 0
     mesh_type = MESH_TYPES[scene.recipe.mesh_type]
-    return MapSummary(
-        name=scene.name,
-        seed=scene.recipe.seed,
-        grid=scene.recipe.grid.shape,
-        cells=scene.field.shape,
-        extent=scene.field.extent,
-        unit_cm=scene.recipe.unit_cm,
-        units=scene.recipe.units,
-        fingerprint=fingerprint(scene.field.blocks),
-        level_counts=scene.field.level_counts(),
-        mesh_type=scene.recipe.mesh_type,
-        models=mesh_type.model_count(scene),
-        collisions=mesh_type.collision_count(scene),
-        faces=faces or 6 * mesh_type.model_count(scene),
-        bytes=size,
-        plugins=needed_plugins(scene.recipe),
-        switched_off=tuple(
-            f"obstacles[{row}]: {obstacle.kind}"
-            for row, obstacle in enumerate(scene.recipe.obstacles)
-            if not obstacle.enabled
-        ),
-        warnings=warnings(scene),
-    )
+    models = mesh_type.model_count(scene)
+    return Costs(models, mesh_type.collision_count(scene), faces or 6 * models, size)
+
+
+def switched_off(recipe: Recipe) -> list[str]:
+    """Return the obstacles of a recipe that are not in its maps, as in messages."""
+    return [f"obstacles[{row}]: {each.kind}" for row, each in enumerate(recipe.obstacles) if not each.enabled]
 
 
 def size_in_words(grid: tuple[int, int], cells: tuple[int, int]) -> str:
@@ -89,12 +54,14 @@ def warnings(scene: Scene) -> tuple[str, ...]:
     if not scene.field.levels.any():
         lines.append("every block is at level 0: there is nothing to see except frames and ground")
     lines += block_warnings(scene)
-    if _loses_friction(scene.recipe):
+    recipe = scene.recipe
+    is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"
+    if recipe.simulator == "both" and is_mesh and not (recipe.friction == 1 and recipe.is_of_one_friction):
         lines.append(
             "Gazebo Sim ignores the friction of mesh collisions (it uses 1); "
             "set collision: boxes to keep it, which costs CPU time"
         )
-    mesh_type = MESH_TYPES[scene.recipe.mesh_type]
+    mesh_type = MESH_TYPES[recipe.mesh_type]
     models = mesh_type.model_count(scene)
     # The figures are those of MANY; collisions matter only if the models do not already.
     if models > MANY:
@@ -108,9 +75,3 @@ def warnings(scene: Scene) -> tuple[str, ...]:
             "load and to step, Gazebo Sim several times the CPU time; collision: mesh costs almost nothing"
         )
     return tuple(lines)
-
-
-def _loses_friction(recipe: Recipe) -> bool:
-    """Return whether a target simulator ignores the friction of the map."""
-    is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"
-    return recipe.simulator == "both" and is_mesh and not (recipe.friction == 1 and recipe.is_of_one_friction)

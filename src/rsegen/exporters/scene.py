@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from typing import TypeVar
 
-from rsegen.exporters.colours import Colour, height_colour
+from rsegen.exporters.colours import Colour, along, height_colour, rounded
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.textures.looks import mean_colour
 from rsegen.field.stepfield import CellWindow, Levels, StepField
@@ -39,8 +39,7 @@ _TIMBER: tuple[Colour, ...] = ((1.0, 1.0, 1.0), (0.93, 0.92, 0.9), (0.97, 0.95, 
 _BOARDS: Colour = (0.66, 0.5, 0.4)
 """Tints of wood: the blocks of every fourth level were sawn from one beam, and frames are darker."""
 
-_SLIPPERY: Colour = (0.62, 0.82, 0.95)
-_ROUGH: Colour = (0.36, 0.3, 0.26)
+_SLIPPERY_TO_ROUGH: tuple[Colour, ...] = ((0.62, 0.82, 0.95), (0.36, 0.3, 0.26))
 _ROUGHEST = 1.2
 """Friction coefficient from which the look `friction` has its darkest colour: rubber on dry concrete has about 1."""
 
@@ -75,40 +74,37 @@ class Scene:
 
     def colour(self, material: int) -> Colour:
         """Return the colour of a material in worlds: 0 is the frame, any other number a level."""
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if given is not None:
-            return _colour(given)
-        return level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
+        default = level_colour(material, self.recipe.top_level) if material else FRAME_COLOUR
+        return self._given_colour(material) or default
 
     def plan_colour(self, material: int) -> Colour:
         """Return the colour of a material in plans: a level has that of its height, unless the recipe gives one."""
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if not material or given is not None:
+        if not material or self._given_colour(material):
             return self.colour(material)
         return height_colour(material * self.field.unit, self.recipe.highest_level * self.field.unit)
 
     def tint(self, material: int) -> Colour:
         """The colour that the textures of a material are multiplied by, if the recipe's look has textures."""
         if self.recipe.look == "friction":
-            return _friction_colour(self.friction_of(material))
+            return rounded(along(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
         if self.recipe.look != "wood":
             return self.colour(material)
-        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        if given is not None:
-            return _colour(given)
-        return _TIMBER[material % len(_TIMBER)] if material else _BOARDS
+        return self._given_colour(material) or (_TIMBER[material % len(_TIMBER)] if material else _BOARDS)
 
     def surface_colour(self, material: int) -> Colour:
         """Return the colour of a material from afar, for programs and pictures without textures."""
         if not self.recipe.is_textured:
             return self.colour(material)
         tint, mean = self.tint(material), mean_colour(self.recipe.look)
-        red, green, blue = (round(own * texture, 3) for own, texture in zip(tint, mean, strict=True))
-        return red, green, blue
+        return rounded(own * texture for own, texture in zip(tint, mean, strict=True))
 
     def view_colour(self, material: int) -> Colour:
         """Return the colour of a material in views: of its texture if the look has one, else as in plans."""
         return self.surface_colour(material) if self.recipe.is_textured else self.plan_colour(material)
+
+    def _given_colour(self, material: int) -> Colour | None:
+        given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
+        return rounded(part / 255 for part in bytes.fromhex(given[1:])) if given else None
 
     def friction_of(self, material: int) -> float:
         """Return the friction coefficient of a material: 0 is the frame, any other number a level."""
@@ -138,19 +134,7 @@ def compose(recipe: Recipe, index: int = 0) -> Scene:
 
 def level_colour(level: int, top_level: int) -> Colour:
     """Return the default colour of a level between 1 and `top_level`; higher levels have the colour of `top_level`."""
-    at = min(level / max(top_level, 1), 1) * (len(_LOW_TO_HIGH) - 1)
-    low = min(int(at), len(_LOW_TO_HIGH) - 2)
-    share = at - low
-    red, green, blue = (
-        round(a + share * (b - a), 3) for a, b in zip(_LOW_TO_HIGH[low], _LOW_TO_HIGH[low + 1], strict=True)
-    )
-    return red, green, blue
-
-
-def _friction_colour(friction: float) -> Colour:
-    share = min(friction / _ROUGHEST, 1)
-    red, green, blue = (round(a + share * (b - a), 3) for a, b in zip(_SLIPPERY, _ROUGH, strict=True))
-    return red, green, blue
+    return rounded(along(_LOW_TO_HIGH, min(level / max(top_level, 1), 1)))
 
 
 def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:
@@ -158,12 +142,6 @@ def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None)
     if not material:
         return frame
     return levels[material - 1] if levels and material <= len(levels) else None
-
-
-def _colour(given: str) -> Colour:
-    """Return the colour of a text `#rrggbb`."""
-    red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(given[1:]))
-    return red, green, blue
 
 
 def csv(field: StepField) -> Iterator[bytes]:

@@ -6,7 +6,6 @@ import os
 import re
 import shlex
 import time
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -40,12 +39,14 @@ def run(
     flags += [f"--output={place}"] if place else []
     flags += ["--force"] if replace and form.can_replace else []
     recipe = document.session.recipe if form.takes_recipe else None
-    named = [_file_of(document, host.places)] if recipe else []
+    words = [*others, *([_file_of(document, host.places)] if recipe else [])]
+    # None of the words is taken for another flag.
+    after = ["--"] if any(word.startswith("-") for word in words) else []
     job = Job(
         id=host.jobs.new_id(),
         doc=doc,
         command=command,
-        line=shlex.join(["rsegen", command, *flags, *_after_flags([*others, *named])]),
+        line=shlex.join(["rsegen", command, *flags, *after, *words]),
     )
     # A command without arguments takes no -- before them either.
     arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
@@ -63,11 +64,6 @@ def _file_of(document: Document, places: Places) -> str:
     if document.path is None or document.session.unsaved:
         return f"{document.session.recipe.name}.yaml"
     return str(places.seen(document.path))
-
-
-def _after_flags(words: Sequence[str]) -> list[str]:
-    """Return arguments as they stand after flags: none of them is taken for another flag."""
-    return ["--", *words] if any(word.startswith("-") for word in words) else list(words)
 
 
 def _output(form: CommandForm, output: str, folder: Path) -> Path | None:

@@ -10,7 +10,7 @@ one and starts the page, so it is found by its name, as the processes are that r
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -38,14 +38,8 @@ from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import PLANS
 from rsegen.simulation.simulators import SIMULATORS
 
-COMMANDS = (
-    *("generate", "series", "terrain", "import", "scan"),
-    *("metrics", "compare", "spots", "preview", "view"),
-    *("export", "sheet", "dataset"),
-    *("open", "drive", "spawn", "respawn", "remove", "experiment"),
-    *("sim", "doctor"),
-)
-"""The commands that a page may run."""
+_OF_A_SHELL = ("gui", "info", "examples", "obstacles", "schema", "completion", "man")
+"""The commands that a page does not run: it is one of them, and shows what others print."""
 
 _RARE = frozenset({"workers", "scheduler", "sync", "resume", "timeout", "wheels", "tracks", "size", "speed", "turn"})
 """Fields of commands that a form shows only when it is asked for more."""
@@ -65,23 +59,16 @@ _INPUTS = ("file", "clouds", "paths")
 _WORDS_OR_FILES = ("robot", "plan", "inventory", "crossable_by")
 """Names of the parameters that are a word or a file."""
 
-_WORDS: Mapping[str, Callable[[], Collection[str]]] = {
-    "robot": lambda: ROBOTS,
-    "simulator": lambda: SIMULATORS,
-    "plan": lambda: PLANS,
-    "formats": lambda: FORMATS,
-}
+_WORDS: Mapping[str, Iterable[str]] = {"robot": ROBOTS, "simulator": SIMULATORS, "plan": PLANS, "formats": FORMATS}
 """The known words of parameters that take these or something else, such as a file, by their names."""
 
 TITLES = {
     "maps": "Number of maps",
-    "chunk_size": "Chunk size",
     "chunks": "Map size in chunks",
     "unit_cm": "Height step (unit)",
     "boundary": "Chunk boundary",
     "mesh_type": "Model mesh type",
     "by": "Metric",
-    "plan": "Plan",
     "names": "Models",
     "paths": "Scans, or a map",
     "csv": "CSV file",
@@ -152,7 +139,7 @@ def _with_words(name: str, schema: dict[str, Json]) -> dict[str, Json]:
     if name not in _WORDS:
         return schema
     if schema.get("type") == "string":
-        return {"anyOf": [{"enum": sorted(_WORDS[name]())}, schema]}
+        return {"anyOf": [{"enum": sorted(_WORDS[name])}, schema]}
     if schema.get("type") == "array":
         return schema | {"items": _with_words(name, schema["items"])}
     return schema
@@ -178,15 +165,14 @@ def kinds() -> list[dict[str, Json]]:
             "title": title_of(name),
             "help": summary(cls),
             "default_place": cls.default_place,
-            "fields": [field(declared(cls)[each]) for each in sorted(own_parameters(cls), key=_levels_first)],
+            "fields": [
+                field(declared(cls)[each])
+                for each in sorted(own_parameters(cls), key=lambda each: {"levels": 0, "softness": 1}.get(each, 2))
+            ],
             "place": [field(declared(cls)[each], basic=each != "key") for each in PLACING],
         }
         for name, cls in KINDS.items()
     ]
-
-
-def _levels_first(name: str) -> int:
-    return ("levels", "softness").index(name) if name in ("levels", "softness") else 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,7 +195,8 @@ class CommandForm:
     def of(cls, name: str, text: str, group: str, parser: argparse.ArgumentParser) -> CommandForm:
         """Return the form of a command from its parser."""
         actions = {action.dest: action for action in parser._actions}
-        takes_recipe = name == "compare" or any(_is_argument(actions.get(each)) for each in _RECIPES)
+        arguments = {action.dest for action in parser._actions if not action.option_strings}
+        takes_recipe = name == "compare" or not arguments.isdisjoint(_RECIPES)
         of_recipe = {
             action
             for part in parser._action_groups
@@ -226,7 +213,6 @@ class CommandForm:
             # A document has its own parameters; what makes a new recipe may be given some, but no obstacles as texts.
             and not (action in of_recipe and (takes_recipe or not hasattr(action, "declared")))
         }
-        can_replace = "force" in actions
         return cls(
             name=name,
             help=text,
@@ -234,7 +220,7 @@ class CommandForm:
             fields=known,
             output=output,
             takes_recipe=takes_recipe,
-            can_replace=can_replace,
+            can_replace="force" in actions,
         )
 
     @property
@@ -291,7 +277,8 @@ class CommandForm:
                 if action.required:
                     raise ParameterError(name, "is missing")
             elif action.nargs == 0:
-                flags += [action.option_strings[-1]] if _switched(name, value) != _is_on(action) else []
+                is_on = getattr(action, "declared", _undeclared(action)).default is True
+                flags += [action.option_strings[-1]] if _switched(name, value) != is_on else []
             elif action.option_strings:
                 flags += [f"{action.option_strings[-1]}={text}" for text in _texts(action, value, places)]
             else:
@@ -299,20 +286,10 @@ class CommandForm:
         return flags, others
 
 
-def _is_on(action: argparse.Action) -> bool:
-    """Return whether a switch is on without its flag."""
-    parameter: Declared | None = getattr(action, "declared", None)
-    return parameter is not None and parameter.default is True
-
-
 def _undeclared(action: argparse.Action) -> Declared:
     """Return a declaration for an action that has none: any text."""
     text = (action.help or "").replace("%%", "%")
     return Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
-
-
-def _is_argument(action: argparse.Action | None) -> bool:
-    return action is not None and not action.option_strings
 
 
 def _switched(name: str, value: Json) -> bool:
@@ -337,14 +314,10 @@ def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str
         value = _placed(name, value, places)  # before it is checked, which may read it
     checked = parameter.sort.check(name, value)
     listed = value if isinstance(value, list) or not isinstance(checked, tuple) else [value]
-    text = parameter.sort.format(_as_file(listed))
+    # Without the endings of whole numbers that are floats in JSON.
+    text = parameter.sort.format([plain(each) for each in listed] if isinstance(listed, list) else plain(listed))
     _refuse_unusable(name, text)
     yield _inside(name, text, places) if isinstance(parameter.sort, FilePath) else text
-
-
-def _as_file(value: Json) -> Json:
-    """Return a value without the endings of whole numbers that are floats in JSON."""
-    return [plain(each) for each in value] if isinstance(value, list) else plain(value)
 
 
 def _refuse_unusable(name: str, text: str) -> None:
@@ -371,7 +344,11 @@ def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
     line = import_module("rsegen.cli.commands")
     groups = {name: title for title, names in line.GROUPS.items() for name in names}
-    return {name: CommandForm.of(name, line.COMMANDS[name], groups[name], line.parser_of(name)) for name in COMMANDS}
+    return {
+        name: CommandForm.of(name, text, groups[name], line.parser_of(name))
+        for name, text in line.COMMANDS.items()
+        if name not in _OF_A_SHELL
+    }
 
 
 def command_form(name: str) -> CommandForm:

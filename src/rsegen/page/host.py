@@ -269,7 +269,7 @@ def close(host: Host, *, doc: str) -> dict[str, Any]:
     """Close a document, and discard what is not saved; one that another page has open stays."""
     opened = host.opened(doc)
     if opened.pages <= 1:
-        opened.document.close()
+        opened.document.journal.remove()
         del host.documents[doc]
     return {}
 
@@ -301,9 +301,8 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
 
 def _row(entry: Mapping[str, Any], recipe: Recipe, index: int) -> dict[str, Any]:
     """Return a row of the list; whether it is switched on stands beside its entry."""
-    ends = ends_of(entry, recipe, index)
     return {
         "entry": {name: value for name, value in entry.items() if name != "enabled"},
         "enabled": is_enabled(entry),
-        "ends": {"first": list(ends.first), "last": list(ends.last)} if ends else None,
+        "ends": ends_of(entry, recipe, index),
     }

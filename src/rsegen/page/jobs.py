@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
@@ -209,7 +209,9 @@ class Jobs:
     def _listen(self, run: Run, said: Any) -> None:
         """Take what a command says on stderr: progress, its report, or words."""
         for line in said:
-            heard = _json_of(line)
+            heard: Any = {}
+            with suppress(ValueError):
+                heard = json.loads(line) if line.startswith("{") else {}
             if "done" in heard:
                 run.job.done, run.job.total = heard["done"], heard.get("total")
                 run.job.step = str(heard.get("step", ""))
@@ -251,17 +253,6 @@ def _exit_code(run: Run, program: RunningProgram) -> int:
                 program.process.send_signal(signal.SIGTERM)  # also if it was cancelled before it ran
         if until is not None and time.monotonic() > until:
             program.end()
-
-
-def _json_of(line: str) -> Mapping[str, Any]:
-    """Return a line of stderr that is a JSON object; an empty one for any other line."""
-    if not line.startswith("{"):
-        return {}
-    try:
-        value = json.loads(line)
-    except ValueError:
-        return {}
-    return value if isinstance(value, dict) else {}
 
 
 def _loaded() -> str:

@@ -85,9 +85,10 @@ def _robot(folder: Path, robot: Mapping[str, Any]) -> dict[str, Any]:
     name = robot["name"]
     trajectory = _trajectory(Places(folder).inside(f"{name}.csv"))
     touches = list(_touches(folder, robot))
-    outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *_tips(trajectory)]
+    tips = ((float(trajectory.rows[at, 0]), "tips over") for at in _begins(trajectory.tilt > TIPPED))
+    outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *tips]
     events = [
-        *((second, text, "success") for second, text in _crossing(robot)),
+        *((second, "has crossed the map", "success") for second in [_crossed(robot)] if second < inf),
         *((second, text, "trouble") for second, text in outcome),
         *((second, text, "contact") for second, text in _contacts(touches)),
     ]
@@ -185,14 +186,3 @@ def _crossed(robot: Mapping[str, Any]) -> float:
     """Return when a robot has crossed the map, infinity if it never has."""
     crossed = robot.get("crossed")
     return float(crossed) if isinstance(crossed, int | float) and not isinstance(crossed, bool) else inf
-
-
-def _tips(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
-    """Yield when a robot tips over."""
-    yield from ((float(trajectory.rows[at, 0]), "tips over") for at in _begins(trajectory.tilt > TIPPED))
-
-
-def _crossing(robot: Mapping[str, Any]) -> Iterator[tuple[float, str]]:
-    """Yield when a robot has crossed the map."""
-    if (crossed := _crossed(robot)) < inf:
-        yield crossed, "has crossed the map"

@@ -106,14 +106,14 @@ def robot(host: Host, *, robot: str) -> dict[str, Any]:
 def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
     for link in robot.links:
         for part in link.parts:
-            shape, size = _shape(part.solid)
-            yield {
-                "shape": shape,
-                "size": size,
-                "pose": (_transform(link.pose) @ _transform(part.pose)).ravel().tolist(),
-                "colour": hex_colour(part.colour),
-                "wheel": link.name in driven,
-            }
+            pose = _transform(link.pose) @ _transform(part.pose)
+            yield _part(*_shape(part.solid), pose, hex_colour(part.colour), wheel=link.name in driven)
+
+
+def _part(shape: str, size: list[float], pose: Array, colour: str, *, wheel: bool) -> dict[str, Any]:
+    """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
+    colour = colour or (_DRIVEN if wheel else _BODY)
+    return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
 
 
 def _shape(solid: Solid) -> tuple[str, list[float]]:
@@ -149,8 +149,7 @@ def _parts_of_file(robot: SdfRobot) -> list[dict[str, Any]]:
             visuals = []
         for shape, size, pose, colour in visuals:
             pose[2, 3] += robot.lift
-            drawn = {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "wheel": link in driven}
-            parts.append(drawn | {"colour": colour or (_DRIVEN if link in driven else _BODY)})
+            parts.append(_part(shape, size, pose, colour, wheel=link in driven))
         parts += () if visuals else _boxes(body, link)
     return parts or list(_boxes(body))
 
@@ -183,13 +182,7 @@ def _boxes(body: Body, link: str | None = None) -> Iterator[dict[str, Any]]:
             continue
         pose = np.eye(4)
         pose[:3, 3] = (surface.min(axis=0) + surface.max(axis=0)) / 2
-        yield {
-            "shape": "box",
-            "size": np.ptp(surface, axis=0).tolist(),
-            "pose": pose.ravel().tolist(),
-            "colour": _DRIVEN if part.drives else _BODY,
-            "wheel": part.drives,
-        }
+        yield _part("box", np.ptp(surface, axis=0).tolist(), pose, "", wheel=part.drives)
 
 
 def _settled(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> Poses:
@@ -199,7 +192,7 @@ def _settled(field: StepField, body: Body, x: Array, y: Array, heading: Array) -
 
 def _refuse_unplaced(**numbers: float) -> None:
     for name, number in numbers.items():
-        if not isfinite(number) or abs(number) > _FAR:
+        if not abs(number) <= _FAR:  # nor if it is not a number
             raise ParameterError(name, f"{number} is no place near the map")
 
 

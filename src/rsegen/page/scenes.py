@@ -13,7 +13,7 @@ import numpy as np
 from rsegen.errors import TooLarge
 from rsegen.exporters.browser.page import ShownMap, base64_of, content
 from rsegen.exporters.constraint_report import describe_constraints
-from rsegen.exporters.map_summary import map_summary, warnings
+from rsegen.exporters.map_summary import costs, warnings
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import Ints, coarse_indices, coarseness
 from rsegen.io.resources import format_bytes, refuse_too_large
@@ -64,7 +64,7 @@ def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int,
         "revision": revision,
         "index": index,
         "owners": _owners(drawn["owners"], recipe, rows),
-        "handles": [{"row": row, "first": list(at.first), "last": list(at.last)} for row, at in ends if at],
+        "handles": [{"row": row, **at} for row, at in ends if at],
     }
 
 
@@ -112,9 +112,8 @@ def _drawn(made: Scene) -> Mapping[str, Any]:
 
 
 def _cost(made: Scene) -> str:
-    summary = map_summary(made)
-    models = f"{summary.models:,} model{'s'[: summary.models != 1]}"
-    return f"{models}, {summary.faces:,} faces, {format_bytes(summary.bytes)}"
+    models, _, faces, size = costs(made)
+    return f"{models:,} model{'s'[: models != 1]}, {faces:,} faces, {format_bytes(size)}"
 
 
 def _owners(cells: Ints, recipe: Recipe, rows: Sequence[Entry]) -> str:

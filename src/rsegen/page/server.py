@@ -13,7 +13,7 @@ import json
 import logging
 import mimetypes
 import secrets
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,11 +25,10 @@ from starlette.responses import FileResponse, HTMLResponse, Response, StreamingR
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from rsegen.errors import FileError, ParameterError, RsegenError, UserError, said_by, shown
+from rsegen.errors import FileError, ParameterError, RsegenError, said_by, shown
 from rsegen.exporters.browser.page import editor_page
 from rsegen.page import calls
-from rsegen.page.bodies import Refused, body_of, file_name, parsed
-from rsegen.page.guard import Answer, Guard
+from rsegen.page.guard import Answer, Guard, Refused, body_of, file_name, parsed
 from rsegen.page.host import Event, Host, Listener, Opened
 
 MOST_CALL, MOST_UPLOAD, MOST_UPLOADED = 4 * 2**20, 64 * 2**20, 2**30
@@ -45,9 +44,19 @@ _LOG = logging.getLogger("rsegen.page")
 
 
 async def _refusal(_: Request, error: Exception) -> Response:
-    assert isinstance(error, Refused)  # noqa: S101  # it is registered for these
+    """Return why a request is not answered, as an error of the user's or of the page's."""
+    status, failure = 400, {"where": "", "text": str(error)}
+    match error:
+        case Refused():
+            status = error.status
+        case RecursionError():
+            failure["text"] = "the arguments are nested too deeply"
+        case ParameterError():
+            failure = {"where": error.where, "text": error.problem}
+        case calls.Question():
+            status, failure["kind"] = 409, error.kind
     # The rest of the body, if there is one, is not read, so nothing else can come on this connection.
-    return Answer({"error": error.failure}, error.status, {"Connection": "close"})
+    return Answer({"error": failure}, status, {"Connection": "close"})
 
 
 async def _internal(request: Request, error: Exception) -> Response:
@@ -80,7 +89,8 @@ class Desk:
             Route("/api/file", self.file, methods=["POST"]),
             Route("/api/{name}", self.call, methods=["POST"]),
         ]
-        handlers = {Refused: _refusal, 500: _internal}
+        refused = dict.fromkeys((Refused, RsegenError, RecursionError), _refusal)
+        handlers: dict[Any, Any] = {**refused, 500: _internal}
         app = Starlette(routes=routes, lifespan=self.lifespan, exception_handlers=handlers)
         return Guard(app, names, any_address=any_address)
 
@@ -104,40 +114,25 @@ class Desk:
     async def call(self, request: Request) -> Response:
         """Answer a call, in a thread."""
         arguments = await self._arguments(request)
-        name = request.path_params["name"]
-        try:
-            return Answer(await run_in_threadpool(answer, self.host, name, arguments))
-        except (RsegenError, RecursionError) as error:
-            raise _refused(error) from None
+        return Answer(await run_in_threadpool(answer, self.host, request.path_params["name"], arguments))
 
     async def events(self, request: Request) -> Response:
         """Stream the events of a document, a line each, as long as the page is open."""
-        arguments = await self._arguments(request)
-        try:
-            known = calls.checked(_heard, arguments)
-            opened = self.host.opened(known["doc"])
-        except UserError as error:
-            raise _refused(error) from None
-        page = known.get("page") or secrets.token_hex(8)
-        return StreamingResponse(self._lines(opened, page), media_type="application/x-ndjson")
+        known = calls.checked(_heard, await self._arguments(request))
+        lines = self._lines(self.host.opened(known["doc"]), known.get("page") or secrets.token_hex(8))
+        return StreamingResponse(lines, media_type="application/x-ndjson")
 
     async def upload(self, request: Request) -> Response:
         """Keep the bytes of a file that a page sends, until the server ends; gives its path."""
         self._check_token(request)
         name = file_name(request.query_params.get("name", ""))
         content = await body_of(request, MOST_UPLOAD)
-        try:
-            return Answer({"path": str(await run_in_threadpool(_keep, self.host.uploads, name, content))})
-        except UserError as error:
-            raise _refused(error) from None
+        return Answer({"path": str(await run_in_threadpool(_keep, self.host.uploads, name, content))})
 
     async def file(self, request: Request) -> Response:
         """Return the bytes of a file in the server's folder, or of one that a page sent."""
-        try:
-            known = calls.checked(_named, await self._arguments(request))
-            path = self.host.places.inside(known["path"])
-        except UserError as error:
-            raise _refused(error) from None
+        known = calls.checked(_named, await self._arguments(request))
+        path = self.host.places.inside(known["path"])
         if not path.is_file():
             raise Refused(404, f"{known['path']}: there is no such file")
         kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
@@ -214,27 +209,21 @@ def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:
 
 
 def _called(host: Host, name: str, arguments: dict[str, Any]) -> Any:
-    if name in calls.OF_HOST:
-        function = calls.OF_HOST[name]
-        return function(host, **calls.checked(function, _without_page(function, arguments)))
-    if name not in calls.OF_DOCUMENT:
+    function = calls.OF_HOST.get(name) or calls.OF_DOCUMENT.get(name)
+    if function is None:
         raise ParameterError("", f"unknown call {shown(name)}")
-    function = calls.OF_DOCUMENT[name]
-    own = {key: value for key, value in arguments.items() if key != "doc"}
-    known = calls.checked(function, _without_page(function, own))
+    # A page names itself, and its document, in every call, also to functions to which it is all the same.
+    named = {"page"} if name in calls.OF_HOST else {"page", "doc"}
+    own = {key: value for key, value in arguments.items() if key not in named - {*calls.keywords(function)[0]}}
+    known = calls.checked(function, own)
+    if name in calls.OF_HOST:
+        return function(host, **known)
     doc = arguments.get("doc", "")
     if not isinstance(doc, str):
         raise ParameterError("doc", f"{shown(doc)} is not a text")
     opened = host.opened(doc)
     with contextlib.nullcontext() if name in calls.AT_ONCE else opened.lock:
         return function(opened, **known)
-
-
-def _without_page(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the arguments without the page that asks, for a function to which it is all the same."""
-    if "page" in calls.keywords(function)[0]:
-        return arguments
-    return {key: value for key, value in arguments.items() if key != "page"}
 
 
 def _heard(*, doc: str, page: str = "") -> None:
@@ -254,15 +243,6 @@ def _look(opened: Opened) -> None:
             opened.lock.release()
         opened.tell({"event": "file", "changed_on_disk": opened.document.changed_on_disk})
         opened.tell_state("")
-
-
-def _refused(error: Exception) -> Refused:
-    if isinstance(error, RecursionError):
-        return Refused(400, "the arguments are nested too deeply")
-    where = error.where if isinstance(error, ParameterError) else ""
-    text = error.problem if isinstance(error, ParameterError) else str(error)
-    kind = error.kind if isinstance(error, calls.Question) else ""
-    return Refused(409 if kind else 400, text, where, kind)
 
 
 def _keep(folder: Path, name: str, content: bytes) -> Path:

@@ -150,18 +150,18 @@ def add_flags(
     for parameter in declared(owner).values():
         if parameter.name in without or (only and parameter.name not in only):
             continue
-        text = parameter.help.replace("%", "%%")
-        options: dict[str, Any] = {"dest": parameter.name, "help": text, "required": parameter.shell.required}
+        options: dict[str, Any] = {"metavar": parameter.metavar}
+        options |= {"action": "append"} if hasattr(parameter.sort, "repeats") else {}
         if parameter.is_switch:
-            options |= {"action": "store_const", "const": not parameter.default}
-        else:
-            options |= {"metavar": parameter.metavar}
-            options |= {"action": "append" if hasattr(parameter.sort, "repeats") else "store"}
-        action = group.add_argument(*parameter.flags, **options)
-        action.completer, action.declared = (
-            completer(parameter.sort),
-            parameter,
-        )  # argcomplete's word, and that of forms
+            options = {"action": "store_const", "const": not parameter.default}
+        add_flag(group, parameter, parameter.help, required=parameter.shell.required, **options)
+
+
+def add_flag(group: Any, parameter: Declared, text: str, **options: Any) -> Any:
+    """Add a flag for a declared parameter, with a help and options of argparse; return its action."""
+    action = group.add_argument(*parameter.flags, dest=parameter.name, help=text.replace("%", "%%"), **options)
+    action.completer, action.declared = completer(parameter.sort), parameter  # argcomplete's word, and that of forms
+    return action
 
 
 def completer(sort: Parameter) -> Callable[..., Collection[str]] | None:

@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.errors import OutputError, ParameterError, UnknownName, UserError
-from rsegen.exporters.formats import FORMATS, Format, exported, format_named, recorded_options, refuse_unready
+from rsegen.exporters.formats import FORMATS, Format, exported, recorded_options, refuse_unready
 from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene, compose
@@ -89,7 +89,7 @@ def _format(path: Path, name: str | None, options: Mapping[str, Any]) -> Format:
     """Return the format of a name, or of the suffix of a path, with its options."""
     if name is None and not path.suffix:
         raise ParameterError("format", f"{path} has no suffix; give a format (known: {', '.join(FORMATS)})")
-    cls = format_named(path.suffix.lower().removeprefix(".") if name is None else name, "format")
+    cls = FORMATS.named(path.suffix.lower().removeprefix(".") if name is None else name, "format")
     for option in options:
         if option not in parameters(cls):
             raise UnknownName.among("format", f"option of {cls.name}", option, parameters(cls))

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from rsegen import Scene, compose
 from rsegen.cli import main
 from rsegen.exporters.gazebo import MESH_TYPES, export
-from rsegen.exporters.map_summary import map_summary, warnings
+from rsegen.exporters.map_summary import costs, warnings
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.codec import decode
 from tests.simulation.real.maps import Shape
@@ -125,7 +125,7 @@ def test_only_frictions_and_collisions_differ_from_a_map_of_one_friction(scene: 
     own, other = files_of(scene), files_of(plain)
     assert {path for path in own if "/touched/" not in path} == set(other)
     assert all(own[path] == other[path] for path in other if path.startswith("meshes/"))
-    told, usual = map_summary(scene), map_summary(plain)
+    told, usual = costs(scene), costs(plain)
     assert (told.faces, told.models) == (usual.faces, usual.models)
     shapes = [len(model.findall("link/collision")) for model in models(own, scene)]
     assert sum(shapes) == told.collisions == MESH_TYPES[scene.recipe.mesh_type].collision_count(scene)

@@ -67,7 +67,7 @@ def test_the_other_end_of_a_random_obstacle_stays_where_it_was_drawn(kind: str, 
     assert after is not None
     assert moved[end] == [4, 4]
     if kind != "horizontal_barrier":
-        assert after._replace(**{end: getattr(before, end)}) == before
+        assert {**after, end: before[end]} == before
 
 
 def test_an_obstacle_outside_the_map_has_no_ends_there() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Recipe, build
-from rsegen.page.model.painting import UNPAINTED, can_paint, painted
+from rsegen.page.model.actions import UNPAINTED, can_paint, painted
 from rsegen.recipe.codec import decode
 
 CELLS = st.tuples(st.integers(0, 9), st.integers(0, 9))

@@ -25,8 +25,7 @@ import numpy as np
 from rsegen import __version__
 from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
-from rsegen.exporters.pictures.plan import GROUND_GREY, Drawable
-from rsegen.exporters.pictures.preview import ColouredField
+from rsegen.exporters.pictures.plan import GROUND_GREY, ColouredField, Drawable
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.field.metrics import metrics
 from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse
@@ -114,7 +113,8 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
     field, written = shown.drawn.field, lengths_in(shown.units)
     materials, counts = np.unique(_materials(field), return_counts=True)
     columns = coarse(field, factor)
-    cells = np.searchsorted(materials, _materials(columns))
+    # The index of each cell's entry in the palette, in as few bytes as it needs.
+    cells, size = np.searchsorted(materials, _materials(columns)), 1 if len(materials) <= 256 else 2
     return {
         "name": shown.name,
         "description": shown.description,
@@ -123,7 +123,8 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
         "block": f"{written.short(_nanometres(field.block_width))} {written.unit}",
         "unit": written.unit,
         "palette": list(_palette(shown, materials, counts)),
-        **_encoded(cells, len(materials)),
+        "bytes": size,
+        "content": base64_of(cells, f"<u{size}"),
         "facts": list(_facts(shown)),
         "recipe": shown.recipe,
         "file": shown.file,
@@ -165,12 +166,6 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
 def hex_colour(colour: Colour) -> str:
     """Return a colour as `#rrggbb`; parts beyond 0..1 are clipped."""
     return "#" + "".join(f"{round(255 * min(max(part, 0.0), 1.0)):02x}" for part in colour)
-
-
-def _encoded(cells: Ints | Array, entries: int) -> dict[str, Any]:
-    """Return the index of each cell's entry in the palette, all of the first i first, in base64."""
-    size = 1 if entries <= 256 else 2
-    return {"bytes": size, "content": base64_of(cells, f"<u{size}")}
 
 
 def base64_of(values: Ints | Array | Mask, kind: str) -> str:

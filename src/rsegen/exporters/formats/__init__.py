@@ -6,7 +6,6 @@ from rsegen.exporters.formats.base import (
     Step,
     added,
     exported,
-    format_named,
     recorded_options,
     refuse_unready,
 )
@@ -17,7 +16,6 @@ __all__ = [
     "Step",
     "added",
     "exported",
-    "format_named",
     "recorded_options",
     "refuse_unready",
 ]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import ClassVar, Literal
@@ -73,22 +73,6 @@ class Format(ABC):
             return ""
         return f"{self.name}: {self.mat_file} is left out, as scipy is not installed; {pip_install([MAT.name])}"
 
-    def refuse_missing(self) -> None:
-        """Raise a UserError if what it needs is not installed."""
-        refuse_missing([self])
-
-
-def refuse_missing(formats: Iterable[Format]) -> None:
-    """Raise a UserError that names everything that is not installed and the formats need, with the one remedy."""
-    lacking = {format_.name: format_.extra for format_ in formats if format_.extra and format_.extra.is_missing}
-    if not lacking:
-        return
-    modules, extras = (dict.fromkeys(getattr(extra, key) for extra in lacking.values()) for key in ("module", "name"))
-    need, are = ("needs", "is") if len(lacking) == 1 else ("need", "are" if len(modules) > 1 else "is")
-    raise UserError(
-        f"{', '.join(lacking)} {need} {', '.join(modules)}, which {are} not installed; {pip_install(extras)}"
-    )
-
 
 RESERVED = frozenset(
     {"recipe", "target", "file", "map", "to", "output", "force", "resume", "preview", "sheet", "formats", "json"}
@@ -122,19 +106,21 @@ register = FORMATS.register
 """Decorator of a format, which is known by its name then."""
 
 
-def format_named(name: str, where: str = "formats") -> type[Format]:
-    """Return the format of a name, or raise an UnknownName that lists the known ones."""
-    return FORMATS.named(name, where)
-
-
 def refuse_unready(formats: Iterable[Format]) -> None:
-    """Raise a UserError if one of the formats is given twice, or some need what is not installed."""
+    """Raise a UserError if a format is given twice, or one that names all that is not installed and formats need."""
     formats, seen = tuple(formats), set()
     for format_ in formats:
         if format_.name in seen:
             raise ParameterError("formats", f"{format_.name} is given twice")
         seen.add(format_.name)
-    refuse_missing(formats)
+    lacking = {format_.name: format_.extra for format_ in formats if format_.extra and format_.extra.is_missing}
+    if not lacking:
+        return
+    modules, extras = (dict.fromkeys(getattr(extra, key) for extra in lacking.values()) for key in ("module", "name"))
+    need, are = ("needs", "is") if len(lacking) == 1 else ("need", "are" if len(modules) > 1 else "is")
+    raise UserError(
+        f"{', '.join(lacking)} {need} {', '.join(modules)}, which {are} not installed; {pip_install(extras)}"
+    )
 
 
 def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
@@ -144,7 +130,13 @@ def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """Return the files that formats add to those of a map; none without formats."""
-    return dict(_added(scene, formats))
+    files = {
+        PurePosixPath(format_.name) / path: content
+        for format_ in formats
+        for path, content in format_.files(scene).items()
+    }
+    listed = (json.dumps(recorded_options(formats), indent=2) + "\n").encode()
+    return {**files, **({PurePosixPath("formats.json"): [listed]} if formats else {})}
 
 
 def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
@@ -155,11 +147,3 @@ def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
 def _origin(name: str) -> dict[str, Json]:
     source = FORMATS.source(name)
     return {"plugin": str(source)} if source else {}
-
-
-def _added(scene: Scene, formats: Sequence[Format]) -> Iterator[tuple[PurePosixPath, Iterable[bytes]]]:
-    for format_ in formats:
-        for path, content in format_.files(scene).items():
-            yield PurePosixPath(format_.name) / path, content
-    if formats:
-        yield PurePosixPath("formats.json"), [(json.dumps(recorded_options(formats), indent=2) + "\n").encode()]

@@ -15,7 +15,7 @@ import numpy as np
 
 from rsegen.exporters.colours import Colour
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.parts import srgb_to_linear, textured_parts
+from rsegen.exporters.formats.parts import srgb_to_linear, textured_groups
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
 from rsegen.exporters.scene import Scene
@@ -63,12 +63,15 @@ def _textured(scene: Scene) -> Iterator[tuple[str, Any]]:
     from trimesh.visual import TextureVisuals
 
     images = {name: Image.open(BytesIO(b"".join(content))) for name, content in texture_files(scene).items()}
-    for part in textured_parts(solid(scene.field, textured=True)):
-        name = textured_name(part.material, part.part)
-        image = images[texture_name(scene, part.part)].convert("RGB")
-        mesh = Solid(_y_up(part.vertices), part.triangles, np.full(len(part.triangles), part.material)).mesh
-        matte = _matte(name, scene.tint(part.material), baseColorTexture=image)
-        mesh.visual = TextureVisuals(uv=part.coordinates, material=matte)
+    whole = solid(scene.field, textured=True)
+    for material, part, chosen in textured_groups(whole):
+        # A vertex per pair of texture coordinates.
+        corners = np.concatenate([whole.vertices[whole.triangles[chosen]], whole.coordinates[chosen]], axis=2)
+        known, numbers = np.unique(corners.reshape(-1, 5), axis=0, return_inverse=True)
+        name, image = textured_name(material, part), images[texture_name(scene, part)].convert("RGB")
+        mesh = Solid(_y_up(known[:, :3]), numbers.reshape(-1, 3), whole.materials[chosen]).mesh
+        matte = _matte(name, scene.tint(material), baseColorTexture=image)
+        mesh.visual = TextureVisuals(uv=known[:, 3:], material=matte)
         yield name, mesh
 
 

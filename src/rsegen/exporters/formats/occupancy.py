@@ -23,6 +23,11 @@ _MOST_PIXELS = 100_000_000
 """Pixels of an image with a margin, at the most: 100 MB."""
 
 
+Climb = Annotated[
+    float | None, Float(0, 100_000, unit="cm", help="cells higher than this are occupied; default: one unit")
+]
+
+
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Occupancy(Format):
@@ -31,10 +36,7 @@ class Occupancy(Format):
     name: ClassVar[str] = "occupancy"
     step: ClassVar[Step] = "build"
 
-    climb_cm: Annotated[
-        float | None,
-        Float(0, 100_000, unit="cm", help="cells higher than this are occupied; default: one unit"),
-    ] = None
+    climb_cm: Climb = None
     margin_cm: Annotated[
         float, Float(0, 100_000, unit="cm", help="free ground around the map, rounded up to whole cells")
     ] = 0.0

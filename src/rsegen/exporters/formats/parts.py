@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.exporters.colours import Colour
+from rsegen.exporters.colours import Colour, linear, rounded
 from rsegen.exporters.formats.solid import Solid
 from rsegen.exporters.gazebo.obj import PARTS, obj
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.field.stepfield import Mask, StepField
 from rsegen.geometry import Mesh, surface, texture_coordinates
 from rsegen.geometry.mesh import label_grid
 from rsegen.geometry.rectangles import merge
@@ -62,16 +62,6 @@ def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:
         yield material, mesh.part(mesh.materials == material)
 
 
-class TexturedPart(NamedTuple):
-    """The triangles of a material with one texture, `top` or `side`: vertices (n, 3) in metres, coordinates (n, 2)."""
-
-    material: int
-    part: str
-    vertices: Array
-    coordinates: Array
-    triangles: Ints
-
-
 def textured_groups(mesh: Solid) -> Iterator[tuple[int, str, Mask]]:
     """Yield each material with each texture that it has, and its triangles as a mask."""
     for material in np.unique(mesh.materials).tolist():
@@ -81,18 +71,6 @@ def textured_groups(mesh: Solid) -> Iterator[tuple[int, str, Mask]]:
                 yield material, part, chosen
 
 
-def textured_parts(mesh: Solid) -> Iterator[TexturedPart]:
-    """Yield the triangles of each material and texture, with a vertex per pair of texture coordinates."""
-    for material, part, chosen in textured_groups(mesh):
-        places = mesh.vertices[mesh.triangles[chosen]]
-        corners = np.concatenate([places, mesh.coordinates[chosen]], axis=2).reshape(-1, 5)
-        known, numbers = np.unique(corners, axis=0, return_inverse=True)
-        yield TexturedPart(material, part, known[:, :3], known[:, 3:], numbers.reshape(-1, 3))
-
-
 def srgb_to_linear(colour: Colour) -> Colour:
-    """Return the linear colour of an sRGB colour (IEC 61966-2-1)."""
-    red, green, blue = (
-        round(part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4, 6) for part in colour
-    )
-    return red, green, blue
+    """Return the linear colour of an sRGB colour as files have it."""
+    return rounded(linear(colour), 6)

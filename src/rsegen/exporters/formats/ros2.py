@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.encoded import as_json
-from rsegen.exporters.formats.occupancy import Occupancy
+from rsegen.exporters.formats.occupancy import Climb, Occupancy
 from rsegen.exporters.formats.urdf import urdf_files
 from rsegen.exporters.gazebo import sdf, single
 from rsegen.exporters.ros2.elevation import layer_files
@@ -56,10 +56,7 @@ class Ros2(Format):
             help="robot that is spawned by default, on a spot of each map that has one; the others start on the ground",
         ),
     ] = None
-    climb_cm: Annotated[
-        float | None,
-        Float(0, 100_000, unit="cm", help="cells higher than this are occupied; default: one unit"),
-    ] = None
+    climb_cm: Climb = None
     margin_cm: Annotated[
         float | None,
         Float(0, 100_000, unit="cm", help="free ground around the map in its occupancy grid; default: 200"),
@@ -112,7 +109,7 @@ class Ros2(Format):
     def _on_ground(self, field: StepField) -> dict[str, Json]:
         """The pose on the ground west of the map, heading east, metres and radians."""
         x = -field.extent[0] / 2 - self.clearance_cm / 100
-        return _pose(round(x, NANOMETRE_DIGITS), 0.0, _DROP_HEIGHT)
+        return dict(zip(_POSE, (round(x, NANOMETRE_DIGITS), 0.0, _DROP_HEIGHT, 0.0, 0.0, 0.0), strict=True))
 
     def _on_spot(self, scene: Scene) -> dict[str, Json]:
         """The pose of the robot on a spot of the map, by its kind; nothing if the map has none."""
@@ -123,14 +120,11 @@ class Ros2(Format):
             (spot,) = spots(scene.field, ROBOTS[self.robot].body, 1, rng)
         except ParameterError:
             return {}
-        x, y, z, roll, pitch, yaw = (
-            round(value, 4) for value in (spot.x, spot.y, spot.z + _CLEARANCE, spot.roll, spot.pitch, spot.yaw)
-        )
-        return {self.robot: _pose(x, y, z, roll, pitch, yaw)}
+        raised = replace(spot, z=spot.z + _CLEARANCE)
+        return {self.robot: {name: round(getattr(raised, name), 4) for name in _POSE}}
 
 
-def _pose(x: float, y: float, z: float, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> dict[str, Json]:
-    return {"x": x, "y": y, "z": z, "roll": roll, "pitch": pitch, "yaw": yaw}
+_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 def package_name(name: str) -> str:

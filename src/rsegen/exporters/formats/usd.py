@@ -15,43 +15,43 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from rsegen.exporters.colours import Colour
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.parts import srgb_to_linear, textured_groups
 from rsegen.exporters.formats.solid import Solid, solid
 from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array
 from rsegen.params.extras import USD, Extra
 from rsegen.params.sorts import Flag
 
 
-def bind_textures(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
-    """Give a mesh prim its texture coordinates, and each subset of its faces a material."""
+def _bind(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
+    """Give each subset of the faces of a mesh prim its material, and with textures the prim its coordinates."""
     from pxr import Sdf, UsdGeom, UsdShade, Vt
 
-    values, index = np.unique(surface.coordinates.reshape(-1, 2), axis=0, return_inverse=True)
-    kind = Sdf.ValueTypeNames.TexCoord2fArray
-    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", kind, UsdGeom.Tokens.faceVarying)
-    st.Set(Vt.Vec2fArray.FromNumpy(values.astype(np.float32)))
-    st.SetIndices(Vt.IntArray.FromNumpy(index.ravel().astype(np.int32)))
+    textured = scene.recipe.is_textured
+    if textured:
+        values, index = np.unique(surface.coordinates.reshape(-1, 2), axis=0, return_inverse=True)
+        kind = Sdf.ValueTypeNames.TexCoord2fArray
+        st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", kind, UsdGeom.Tokens.faceVarying)
+        st.Set(Vt.Vec2fArray.FromNumpy(values.astype(np.float32)))
+        st.SetIndices(Vt.IntArray.FromNumpy(index.ravel().astype(np.int32)))
     binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
-    for material, part, chosen in textured_groups(surface):
+    kinds = ((material, "", surface.materials == material) for material in np.unique(surface.materials).tolist())
+    for material, part, chosen in textured_groups(surface) if textured else kinds:
         faces = Vt.IntArray.FromNumpy(np.flatnonzero(chosen).astype(np.int32))
-        subset = binding.CreateMaterialBindSubset(textured_name(material, part), faces)
-        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(_textured_material(root, scene, material, part))
+        name = textured_name(material, part) if textured else material_name(material)
+        subset = binding.CreateMaterialBindSubset(name, faces)
+        look = _textured_material(root, scene, material, part) if textured else _material(root, scene, material)
+        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(look)
     binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
 
 
 def _textured_material(root: Any, scene: Scene, material: int, part: str) -> Any:
     """Return the material of a surface without gloss: an image times the tint of the material."""
-    from pxr import Gf, Sdf, UsdGeom, UsdShade
+    from pxr import Gf, Sdf, UsdShade
 
-    stage, types = root.GetPrim().GetStage(), Sdf.ValueTypeNames
-    looks = root.GetPath().AppendChild("Looks")
-    UsdGeom.Scope.Define(stage, looks)
-    path = looks.AppendChild(textured_name(material, part))
+    types, (stage, path) = Sdf.ValueTypeNames, _look(root, textured_name(material, part))
     result = UsdShade.Material.Define(stage, path)
     # Three shaders in a row: texture coordinates -> image -> surface.
     reader = _shader(stage, path.AppendChild("st"), "UsdPrimvarReader_float2")
@@ -137,8 +137,7 @@ def _stage(scene: Scene) -> Any:
     for index, (friction, part) in enumerate(_by_friction(scene, surface)):
         own = f"friction_{decimal(friction).replace('.', '_')}" if index else "friction"
         mesh = _mesh(root, scene, part, f"surface_{own}" if index else "surface")
-        bind = bind_textures if scene.recipe.is_textured else _bind_colours
-        bind(root, scene, mesh, part)
+        _bind(root, scene, mesh, part)
         _add_physics(root, mesh, friction, own)
     return stage
 
@@ -163,7 +162,9 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, dtype=np.int32)))
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(surface.triangles.astype(np.int32).ravel()))
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(_normals(surface).astype(np.float32)))
+    first, second, third = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
+    normals = np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0  # along an axis
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
     colours = np.array(
         [srgb_to_linear(scene.surface_colour(level)) for level in range(int(surface.materials.max()) + 1)],
@@ -174,64 +175,38 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     return mesh
 
 
-def _normals(surface: Solid) -> Array:
-    """The normal of each triangle, (m, 3), along an axis."""
-    first, second, third = (surface.vertices[surface.triangles[:, corner]] for corner in range(3))
-    return np.sign(np.round(np.cross(second - first, third - first), 15)) + 0.0
-
-
-def _bind_colours(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
-    """Bind a subset of the faces to each material."""
-    from pxr import UsdGeom, UsdShade, Vt
-
-    binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
-    for kind in np.unique(surface.materials).tolist():
-        faces = np.flatnonzero(surface.materials == kind).astype(np.int32)
-        subset = binding.CreateMaterialBindSubset(material_name(kind), Vt.IntArray.FromNumpy(faces))
-        material = _material(root, material_name(kind), srgb_to_linear(scene.colour(kind)))
-        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
-    binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
-
-
-def _material(root: Any, name: str, colour: Colour) -> Any:
+def _material(root: Any, scene: Scene, kind: int) -> Any:
     """The material of a matte surface of one colour."""
     from pxr import Gf, Sdf, UsdShade
 
-    stage, path = _looks(root), root.GetPath().AppendChild("Looks").AppendChild(name)
+    stage, path = _look(root, material_name(kind))
     material = UsdShade.Material.Define(stage, path)
-    shader = UsdShade.Shader.Define(stage, path.AppendChild("preview"))
-    shader.CreateIdAttr("UsdPreviewSurface")
-    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*colour))
+    shader = _shader(stage, path.AppendChild("preview"), "UsdPreviewSurface")
+    colour = Gf.Vec3f(*srgb_to_linear(scene.colour(kind)))
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(colour)
     shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(1.0)
     material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
     return material
 
 
-def _looks(root: Any) -> Any:
-    """The stage, after defining the scope of materials in it."""
+def _look(root: Any, name: str) -> tuple[Any, Any]:
+    """The stage, and the path of a material of a name in the scope of materials."""
     from pxr import UsdGeom
 
-    stage = root.GetPrim().GetStage()
-    UsdGeom.Scope.Define(stage, root.GetPath().AppendChild("Looks"))
-    return stage
+    stage, looks = root.GetPrim().GetStage(), root.GetPath().AppendChild("Looks")
+    UsdGeom.Scope.Define(stage, looks)
+    return stage, looks.AppendChild(name)
 
 
 def _add_physics(root: Any, mesh: Any, friction: float, name: str) -> None:
-    """Add a triangle mesh collider without a rigid body, and its friction."""
+    """Add a triangle mesh collider without a rigid body, and a physics material of its friction."""
     from pxr import UsdPhysics, UsdShade
 
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
     binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
-    binding.Bind(_friction_material(root, name, friction), materialPurpose="physics")
-
-
-def _friction_material(root: Any, name: str, friction: float) -> Any:
-    """A physics material with a friction coefficient."""
-    from pxr import UsdPhysics, UsdShade
-
-    material = UsdShade.Material.Define(_looks(root), root.GetPath().AppendChild("Looks").AppendChild(name))
+    material = UsdShade.Material.Define(*_look(root, name))
     physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
     physics.CreateStaticFrictionAttr(friction)
     physics.CreateDynamicFrictionAttr(friction)
-    return material
+    binding.Bind(material, materialPurpose="physics")

@@ -36,14 +36,14 @@ def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None
     yield "".join(f"vn {x} {y} {z}\n" for x, y, z in NORMALS).encode()
     vertices = coordinates = 0
     for mesh in meshes:
+        texture = None if textured is None else texture_coordinates(mesh, textured)
         yield from _vertices(mesh)
-        if textured is None:
-            yield from _faces(mesh, vertices + 1)
-        else:
-            texture = texture_coordinates(mesh, textured)
-            yield from _coordinates(texture)
-            yield from _textured_faces(mesh, texture, vertices + 1, coordinates + 1)
-            coordinates += len(texture.values)
+        values = texture.values if texture else np.zeros((0, 2))
+        for strip in _strips(len(values), "textures"):
+            columns = (values[strip] / TILES).round(9).T.tolist()
+            yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
+        yield from _faces(mesh, vertices + 1, texture, coordinates + 1)
+        coordinates += len(values)
         vertices += len(mesh.places)
 
 
@@ -106,47 +106,29 @@ def _vertices(mesh: Mesh) -> Iterator[bytes]:
         yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
 
 
-def _faces(mesh: Mesh, first: int) -> Iterator[bytes]:
-    """Yield the faces, a group per material; `first` is the number of the first vertex."""
-    numbers = _counted(first, len(mesh.places))
-    normals = _texts([f"//{row + 1}" for row in range(len(NORMALS))])
+def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coordinate: int) -> Iterator[bytes]:
+    """Yield the faces, a group per material, with textures one of tops and then one of sides.
+
+    first, first_coordinate: the numbers of the first vertex and of its first texture coordinates
+    """
+    numbers, order = _counted(first, len(mesh.places)), None
+    groups: Ints = mesh.materials
+    if texture:
+        groups, order = 2 * groups.astype(int) + texture.sides, np.lexsort((texture.sides, mesh.materials))
+        own = _texts([f"/{index}" for index in range(first_coordinate, first_coordinate + len(texture.values))])
+    normals = _texts([f"{'/' if texture else '//'}{row + 1}" for row in range(len(NORMALS))])
     before = -1
     for strip in _strips(len(mesh.faces), "faces"):
-        normal = normals[mesh.normals[strip]]
-        corners = [part for corner in mesh.faces[strip].T for part in (b" ", numbers[corner], normal)]
-        page = _page([b"f", *corners, b"\n"], len(normal))
-        for material, lines in _groups(mesh.materials[strip]):
-            if material != before:
-                name = material_name(material)
-                yield f"g {name}\nusemtl {name}\n".encode()
-            yield _bare(page[lines])
-            before = material
-
-
-def _coordinates(texture: TextureCoordinates) -> Iterator[bytes]:
-    """Texture coordinates, in images: u to the right, v upward."""
-    for strip in _strips(len(texture.values), "textures"):
-        columns = (texture.values[strip] / TILES).round(9).T.tolist()
-        yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
-
-
-def _textured_faces(mesh: Mesh, texture: TextureCoordinates, first: int, first_coordinate: int) -> Iterator[bytes]:
-    """The faces with texture coordinates, one group per material of tops and one per material of sides."""
-    # As in _faces, with tops before sides of a material, each a group of its own.
-    order = np.lexsort((texture.sides, mesh.materials))
-    numbers = _counted(first, len(mesh.places))
-    own = _texts([f"/{index}" for index in range(first_coordinate, first_coordinate + len(texture.values))])
-    normals = _texts([f"/{index + 1}" for index in range(len(NORMALS))])
-    before = -1
-    for strip in _strips(len(order), "faces"):
-        rows = order[strip]
+        rows = strip if order is None else order[strip]
         normal = normals[mesh.normals[rows]]
-        pairs = zip(mesh.faces[rows].T, texture.corners[rows].T, strict=True)
-        corners = [part for place, at in pairs for part in (b" ", numbers[place], own[at], normal)]
+        corners: list[_Texts | bytes] = []
+        for corner in range(mesh.faces.shape[1]):
+            at = [own[texture.corners[rows, corner]]] if texture else []
+            corners += [b" ", numbers[mesh.faces[rows, corner]], *at, normal]
         page = _page([b"f", *corners, b"\n"], len(normal))
-        for group, lines in _groups(2 * mesh.materials[rows].astype(int) + texture.sides[rows]):
+        for group, lines in _groups(groups[rows]):
             if group != before:
-                name = textured_name(group // 2, PARTS[group % 2])
+                name = textured_name(group // 2, PARTS[group % 2]) if texture else material_name(group)
                 yield f"g {name}\nusemtl {name}\n".encode()
             yield _bare(page[lines])
             before = group

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.numbers import Lengths, lengths_in
-from rsegen.exporters.pictures.plan import LEGIBLE, draw_heights, number_cells
-from rsegen.exporters.pictures.preview import ColouredField, encoded, figure_bytes
+from rsegen.exporters.pictures.plan import LEGIBLE, ColouredField, draw_heights, number_cells, show_cells
+from rsegen.exporters.pictures.preview import encoded, figure_bytes, figure_of
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Mask
 from rsegen.scanning import SURE, Scan
@@ -42,12 +42,9 @@ def scan_plot(scan: Scan, points: Array, format: str = "png", units: str = "cm")
 
     points: (n, 3) of the cloud that was read [m]; some of them are drawn; units: of lengths, as in recipes.
     """
-    from matplotlib.figure import Figure
-
     # Two plots of 7 inches with their bars leave 5.6 for the map; 1.2 for titles.
     n_x, n_y = scan.levels.shape
-    height = float(np.clip(5.6 * n_y / n_x + 1.2, 3.5, 12))
-    figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
+    figure = figure_of(14, 5.6 * n_y / n_x + 1.2, 3.5, 12)
     from_above, residuals = figure.subplots(1, 2)
     written = lengths_in(units)
     _draw_points(from_above, scan, points, written)
@@ -91,20 +88,12 @@ def _draw_points(axes: Axes, scan: Scan, points: Array, written: Lengths) -> Non
 def _draw_errors(axes: Axes, scan: Scan, written: Lengths) -> None:
     # Colours end at half a unit: beyond it the level would be another one.
     half = scan.measured_unit * written.per_metre / 2
-    edges_x, edges_y = scan.field.edges()
-    shown = axes.imshow(
-        np.ma.masked_invalid(scan.errors * written.per_metre).T,
-        cmap="RdBu_r",
-        vmin=-half,
-        vmax=half,
-        origin="lower",
-        interpolation="none",
-        extent=(edges_x[0], edges_x[-1], edges_y[0], edges_y[-1]),
-    )
+    errors = np.ma.masked_invalid(scan.errors * written.per_metre)
+    shown = show_cells(axes, scan.field, errors, cmap="RdBu_r", vmin=-half, vmax=half, interpolation="none")
     axes.set_facecolor(_UNSEEN)
     axes.figure.colorbar(shown, ax=axes, label=f"measured height above that of the level [{written.unit}]", pad=0.1)
     if max(scan.levels.shape) <= LEGIBLE:
-        middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in (edges_x, edges_y))
+        middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in scan.field.edges())
         for (x, y), level in np.ndenumerate(scan.levels):
             text = "?" if not scan.seen[x, y] else "" if scan.frame[x, y] else f"{level}"
             weight = "bold" if scan.seen[x, y] and scan.confidence[x, y] < SURE else "normal"
@@ -127,10 +116,8 @@ def comparison_plot(comparison: Comparison, format: str = "png", units: str = "c
 
     units: of lengths, as in recipes
     """
-    from matplotlib.figure import Figure
-
     n_x, n_y = comparison.wanted.shape
-    figure = Figure(figsize=(14, float(np.clip(6.2 * n_y / n_x + 1.4, 3.5, 14))), dpi=100, layout="constrained")
+    figure = figure_of(14, 6.2 * n_y / n_x + 1.4, 3.5, 14)
     changes, wanted = figure.subplots(1, 2)
     _draw_changes(changes, comparison, lengths_in(units))
     title = draw_heights(wanted, ColouredField(field=comparison.wanted, units=units))
@@ -160,10 +147,9 @@ def _draw_changes(axes: Axes, comparison: Comparison, written: Lengths) -> None:
         [_UNSEEN_CELL, _TOO_HIGH, _TOO_LOW],
         _RIGHT,
     )
-    edges_x, edges_y = comparison.wanted.edges()
-    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
-    axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
+    show_cells(axes, comparison.wanted, colours)
     if max(off.shape) <= LEGIBLE:
+        edges_x, edges_y = comparison.wanted.edges()
         axes.set_xticks(edges_x, minor=True)
         axes.set_yticks(edges_y, minor=True)
         axes.grid(which="minor", color="white", linewidth=1.5)
@@ -189,11 +175,9 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
 
     errors_cm: (n_x, n_y), measured height of each block above its level [cm]; holes: (n_x, n_y), true if filled.
     """
-    from matplotlib.figure import Figure
-
     # The colours end at half a unit, the largest possible rounding.
     n_x, n_y = errors_cm.shape
-    figure = Figure(figsize=(8, float(np.clip(6.5 * n_y / n_x + 1, 3, 16))), dpi=100, layout="constrained")
+    figure = figure_of(8, 6.5 * n_y / n_x + 1, 3, 16)
     axes = figure.subplots()
     written = lengths_in(scene.units)
     errors = errors_cm / 100 * written.per_metre
@@ -210,14 +194,10 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
     axes.set(xlabel="x [cells]", ylabel="y [cells]", title=f"measured height above that of the block [{written.unit}]")
     figure.colorbar(shown, ax=axes, label=written.unit)
     if max(n_x, n_y) <= LEGIBLE:
-        _write_errors(axes, errors, holes, half)
+        for (x, y), error in np.ndenumerate(errors):
+            text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"
+            colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
+            axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)
     filled = f"; grey: {int(holes.sum()):,} filled" if holes.any() else ""
     figure.suptitle(f"{scene.name}: rounded to {written.said(scene.recipe.unit_cm / 100, 3)}{filled}")
     return figure_bytes(figure, scene, format)
-
-
-def _write_errors(axes: Axes, errors: Array, holes: Mask, half: float) -> None:
-    for (x, y), error in np.ndenumerate(errors):
-        text = "hole" if holes[x, y] else f"{round(error, 1) + 0:+.1f}"
-        colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
-        axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)

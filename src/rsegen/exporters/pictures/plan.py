@@ -6,19 +6,21 @@ Obstacles are numbered from 0, as in messages: obstacles[0], ...
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.exporters.colours import Colour
-from rsegen.exporters.numbers import Lengths, lengths_in
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.colours import Colour, height_colour
+from rsegen.exporters.numbers import lengths_in
+from rsegen.exporters.scene import FRAME_COLOUR, Scene
 from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.recipe.building import placed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.image import AxesImage
 
 
 LEGIBLE = 26
@@ -33,25 +35,23 @@ GROUND_GREY = 0.86
 """Each part of the colour of level ground, 0..1: lighter than all levels, darker than paper."""
 
 
-class Drawable(Protocol):
-    """A field, and the colour of each of its materials: a scene, or a field by itself."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ColouredField:
+    """A field with the default colours: frames red, blocks in the colours of their heights."""
 
-    @property
-    def field(self) -> StepField:
-        """Blocks and frames to draw."""
-
-    @property
-    def units(self) -> str:
-        """Units of its heights for people, as in recipes: cm or in."""
+    field: StepField
+    units: str = "cm"
 
     def plan_colour(self, material: int) -> Colour:
-        """Return the colour of a material in plans: 0 is the frame, any other number a level."""
+        """Return the colour of a material: 0 is the frame, any other number a level."""
+        highest = int(self.field.levels.max(initial=0))
+        return height_colour(material * self.field.unit, highest * self.field.unit) if material else FRAME_COLOUR
 
-    def view_colour(self, material: int) -> Colour:
-        """Return the colour of a material in views."""
+    view_colour = surface_colour = plan_colour
 
-    def surface_colour(self, material: int) -> Colour:
-        """Return the colour that the surface of a material has in a world from afar."""
+
+Drawable = Scene | ColouredField
+"""A field, and the colour of each of its materials in plans, in views, and of its surface from afar."""
 
 
 def draw_plan(axes: Axes, drawn: Drawable) -> None:
@@ -70,28 +70,33 @@ def draw_heights(axes: Axes, drawn: Drawable, share: float = 1.0) -> str:
     if most > LEGIBLE or size < _SMALLEST:
         return "plan"
     written = lengths_in(drawn.units)
-    _write_heights(axes, drawn, colours, size, written)
+    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
+    heights = drawn.field.heights
+    for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
+        text, ink = written.measured(heights[i, j], 3), ink_on(colours[i, j])
+        axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
     return f"plan, heights in {written.name}"
+
+
+def ink_on(colour: Colour | Array) -> str:
+    """Return the text colour that is legible on a colour, in greyscale print too (luma of ITU-R BT.601)."""
+    red, green, blue = colour
+    return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.5 else "black"
 
 
 def draw_cells(axes: Axes, drawn: Drawable) -> Array:
     """Draw the colours of a plan without heights, and return them: (n_x, n_y, 3)."""
-    field = drawn.field
-    edges_x, edges_y = field.edges()
-    colours = cell_colours(drawn.plan_colour, field)
-    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
-    axes.imshow(colours.transpose(1, 0, 2), origin="lower", extent=extent, interpolation="nearest")
+    colours = cell_colours(drawn.plan_colour, drawn.field)
+    show_cells(axes, drawn.field, colours)
     return colours
 
 
-def _write_heights(axes: Axes, drawn: Drawable, colours: Array, size: float, written: Lengths) -> None:
-    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
-    heights = drawn.field.heights
-    for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
-        # Legible on its colour, by the luma of ITU-R BT.601.
-        ink = "white" if colours[i, j] @ (0.3, 0.59, 0.11) < 0.5 else "black"
-        text = written.measured(heights[i, j], 3)
-        axes.text(middle_x[i], middle_y[j], text, ha="center", va="center", fontsize=size, color=ink)
+def show_cells(axes: Axes, field: StepField, values: Array | Ints, **style: Any) -> AxesImage:
+    """Draw a value per cell, (n_x, n_y), or a colour, (n_x, n_y, 3), where the cells of a field are, metres."""
+    (west, *_, east), (south, *_, north) = (line.tolist() for line in field.edges())
+    shown = values.transpose(1, 0, *range(2, values.ndim))
+    style = {"origin": "lower", "extent": (west, east, south, north), "interpolation": "nearest", **style}
+    return axes.imshow(shown, **style)
 
 
 def number_cells(axes: Axes, field: StepField) -> None:
@@ -172,7 +177,11 @@ def _nearest(lines: Ints, between: Ints, side: int) -> Ints:
 
 def boundary(cells: Mask, edges_x: Array, edges_y: Array) -> Array:
     """Return the sides between cells of a mask and cells outside it, as lines: metres, (m, 2, 2)."""
-    region = np.pad(cells, 1)
+    return changes(np.pad(cells, 1), edges_x, edges_y)
+
+
+def changes(region: Array | Mask, edges_x: Array, edges_y: Array) -> Array:
+    """Return the sides between cells of different values, as lines; region: the cells, and one more on each side."""
     i, j = np.nonzero(region[1:, 1:-1] != region[:-1, 1:-1])
     upright = np.stack([np.stack([edges_x[i], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
     i, j = np.nonzero(region[1:-1, 1:] != region[1:-1, :-1])

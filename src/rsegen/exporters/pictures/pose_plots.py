@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rsegen.exporters.pictures.preview import figure_bytes
+from rsegen.exporters.pictures.plan import changes, show_cells
+from rsegen.exporters.pictures.preview import figure_bytes, figure_of
 from rsegen.exporters.pictures.robot_drawing import draw_robot
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
@@ -37,13 +38,11 @@ def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, 
 
     heading: radians; robot: its name in the title. The margin is the angle by which it must be turned to tip over.
     """
-    from matplotlib.figure import Figure
-
     x, y = _places(scene.field)
     found = poses(scene.field, body, x[:, None], y[None, :], np.array(heading))
     shape = (len(x), len(y))
     along_x, along_y = scene.field.extent
-    figure = Figure(figsize=(15, float(np.clip(3.9 * along_y / along_x + 1.7, 3.2, 16))), dpi=100, layout="constrained")
+    figure = figure_of(15, 3.9 * along_y / along_x + 1.7, 3.2, 16)
     tilt, margin, reason = figure.subplots(1, 3, sharex=True, sharey=True)
     tilts, margins = (np.degrees(np.where(found.stands, angle, np.nan)) for angle in (found.tilt, found.tip_angle))
     _draw_angles(tilt, scene.field, tilts.reshape(shape), "tilt", colours="magma_r")
@@ -78,8 +77,7 @@ def _draw_angles(
 ) -> None:
     """Draw a map of angles in degrees; grey where there are none, as the robot does not stand."""
     axes.set_facecolor("0.6")
-    image = axes.imshow(angles.T, origin="lower", extent=_extent(field), cmap=colours, vmin=0, vmax=most)
-    image.set_interpolation("nearest")
+    image = show_cells(axes, field, angles, cmap=colours, vmin=0, vmax=most)
     extend = "max" if most else "neither"
     axes.figure.colorbar(image, ax=axes, shrink=0.85, extend=extend, label=f"{label} [degrees]; grey: tips over")
     _draw_blocks(axes, field)
@@ -92,7 +90,7 @@ def _draw_reasons(axes: Axes, field: StepField, reason: Ints) -> None:
 
     norm = BoundaryNorm(np.arange(len(_NAMES) + 1) - 0.5, len(_NAMES))
     colours = ListedColormap(_REASON_COLOURS)
-    axes.imshow(reason.T, origin="lower", extent=_extent(field), interpolation="nearest", cmap=colours, norm=norm)
+    show_cells(axes, field, reason, cmap=colours, norm=norm)
     shares = [float((reason == number).mean()) for number in range(len(_NAMES))]
     entries = [
         Patch(facecolor=colour, label=f"{name}, {share:.0%}")
@@ -103,22 +101,12 @@ def _draw_reasons(axes: Axes, field: StepField, reason: Ints) -> None:
     _draw_blocks(axes, field)
 
 
-def _extent(field: StepField) -> tuple[float, float, float, float]:
-    edges_x, edges_y = field.edges()
-    return float(edges_x[0]), float(edges_x[-1]), float(edges_y[0]), float(edges_y[-1])
-
-
 def _draw_blocks(axes: Axes, field: StepField) -> None:
     """Draw the edges between blocks of different heights, and set the plan's axes."""
     from matplotlib.collections import LineCollection
 
     edges_x, edges_y = field.edges()
-    i, j = np.nonzero(np.diff(field.heights, axis=0))
-    upright = np.stack([np.stack([edges_x[i + 1], edges_y[j + side]], axis=-1) for side in (0, 1)], axis=1)
-    i, j = np.nonzero(np.diff(field.heights, axis=1))
-    level = np.stack([np.stack([edges_x[i + side], edges_y[j + 1]], axis=-1) for side in (0, 1)], axis=1)
+    lines = changes(np.pad(field.heights, 1, mode="edge"), edges_x, edges_y)
     width = float(np.clip(24 / max(field.shape), 0.1, 0.8))
-    lines = LineCollection([*upright, *level], colors="black", linewidths=width, alpha=0.45)
-    axes.add_collection(lines)
-    extent = _extent(field)
-    axes.set(aspect="equal", xlabel="x [m]", xlim=extent[:2], ylim=extent[2:])
+    axes.add_collection(LineCollection(list(lines), colors="black", linewidths=width, alpha=0.45))
+    axes.set(aspect="equal", xlabel="x [m]", xlim=edges_x[[0, -1]], ylim=edges_y[[0, -1]])

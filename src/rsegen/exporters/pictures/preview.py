@@ -24,10 +24,10 @@ import numpy as np
 
 from rsegen import __version__
 from rsegen.errors import FileError
-from rsegen.exporters.colours import Colour, height_colour
 from rsegen.exporters.numbers import decimal, lengths_in
 from rsegen.exporters.pictures.plan import (
     GROUND_GREY,
+    ColouredField,
     Drawable,
     cell_colours,
     draw_heights,
@@ -35,7 +35,7 @@ from rsegen.exporters.pictures.plan import (
     number_cells,
 )
 from rsegen.exporters.pictures.robot_drawing import draw_robot, in_front, silhouettes
-from rsegen.exporters.scene import FRAME_COLOUR, Scene
+from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField, coarse, coarseness
 from rsegen.recipe.codec import to_json
 from rsegen.standing.body import Body
@@ -272,29 +272,14 @@ def preview(
     """
     from matplotlib import rc_context
 
-    with rc_context(_PAPER if paper else {}):
-        return _preview(shown, format, outlines=outlines, robot=robot, at=at, paper=paper)
-
-
-def _preview(
-    shown: StepField | Scene,
-    format: str,  # noqa: A002  # matplotlib's word
-    *,
-    outlines: bool,
-    robot: Body | None,
-    at: tuple[float, float, float],
-    paper: bool,
-) -> bytes:
+    scene = shown if isinstance(shown, Scene) else None
     field = shown.field if isinstance(shown, Scene) else shown
     drawn = (robot, poses(field, robot, *at)) if robot else None
-    if isinstance(shown, Scene):
-        title = "" if paper else _title(shown)
-        figure = preview_figure(shown, title, outlined=shown if outlines else None, robot=drawn, paper=paper)
-        return figure_bytes(figure, shown, format, is_stamped=not paper)
-    (n_x, n_y), (along_x, along_y) = shown.shape, map(decimal, shown.extent)
-    title = "" if paper else f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    figure = preview_figure(ColouredField(field=shown), title, robot=drawn, paper=paper)
-    return encoded(figure, format, is_stamped=not paper)
+    title, recipe = "" if paper else _title(field, scene), to_json(scene.alone) if scene else ""
+    with rc_context(_PAPER if paper else {}):
+        coloured, outlined = scene or ColouredField(field=field), scene if outlines else None
+        figure = preview_figure(coloured, title, outlined=outlined, robot=drawn, paper=paper)
+        return encoded(figure, format, recipe, is_stamped=not paper)
 
 
 def preview_figure(
@@ -335,15 +320,16 @@ def _how_it_stands(found: Poses) -> str:
     return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
 
-def figure_bytes(
-    figure: Figure,
-    scene: Scene,
-    format: str,  # noqa: A002  # matplotlib's word
-    *,
-    is_stamped: bool = True,
-) -> bytes:
+def figure_of(width: float, height: float, least: float, most: float) -> Figure:
+    """Return an empty figure whose parts make room for one another, of a width and a height in bounds, in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, float(np.clip(height, least, most))), dpi=100, layout="constrained")
+
+
+def figure_bytes(figure: Figure, scene: Scene, format: str) -> bytes:  # noqa: A002  # matplotlib's word
     """Return a figure about a map as the bytes of an image file, which carries the map's recipe."""
-    return encoded(figure, format, to_json(scene.alone), is_stamped=is_stamped)
+    return encoded(figure, format, to_json(scene.alone))
 
 
 def encoded(
@@ -435,10 +421,10 @@ _SWATCHES = 18
 """Entries of a legend, of each sort, at most."""
 
 
-def _title(scene: Scene) -> str:
-    n_x, n_y = scene.field.shape
-    along_x, along_y = map(decimal, scene.field.extent)
-    return f"{scene.name}: {n_x} x {n_y} cells, {along_x} x {along_y} m, seed {scene.recipe.seed}"
+def _title(field: StepField, scene: Scene | None) -> str:
+    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
+    size = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    return f"{scene.name}: {size}, seed {scene.recipe.seed}" if scene else size
 
 
 _MAKER = f"rsegen {__version__}"
@@ -457,21 +443,6 @@ def _metadata(format: str, recipe: str) -> dict[str, Any] | None:  # noqa: A002 
 
 THUMBNAIL = 320
 """Pixels along the longer side of a small plan, at most."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ColouredField:
-    """A field with the default colours: frames red, blocks in the colours of their heights."""
-
-    field: StepField
-    units: str = "cm"
-
-    def plan_colour(self, material: int) -> Colour:
-        """Return the colour of a material: 0 is the frame, any other number a level."""
-        highest = int(self.field.levels.max(initial=0))
-        return height_colour(material * self.field.unit, highest * self.field.unit) if material else FRAME_COLOUR
-
-    view_colour = surface_colour = plan_colour
 
 
 def thumbnail(shown: StepField | Scene) -> bytes:

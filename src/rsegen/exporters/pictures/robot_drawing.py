@@ -63,16 +63,15 @@ def hull(points: Array) -> Array:
     def chain(along: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
         kept: list[tuple[float, ...]] = []
         for x, y in along:
-            while len(kept) > 1 and _turn(kept[-2], kept[-1], (x, y)) <= 0:
+            while len(kept) > 1:
+                (a, b), (c, d) = kept[-2:]
+                if (c - a) * (y - b) - (d - b) * (x - a) > 0:  # a turn to the left
+                    break
                 kept.pop()
             kept.append((x, y))
         return kept[:-1]
 
     return np.array(chain(ordered) + chain(ordered[::-1]))
-
-
-def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def silhouettes(

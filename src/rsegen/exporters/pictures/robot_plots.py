@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.exporters.numbers import lengths_in
-from rsegen.exporters.pictures.plan import GROUND_GREY, boundary, draw_plan
-from rsegen.exporters.pictures.preview import figure_bytes
+from rsegen.exporters.pictures.plan import GROUND_GREY, boundary, draw_plan, show_cells
+from rsegen.exporters.pictures.preview import figure_bytes, figure_of
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, StepLimits, Traversability
 from rsegen.field.stepfield import Array
@@ -29,11 +29,8 @@ def path_plot(scene: Scene, reach: Traversability | Reach, crosser: str, format:
 
     crosser: what gets across, in words
     """
-    from matplotlib.figure import Figure
-
     along_x, along_y = scene.field.extent
-    height = float(np.clip(6 * along_y / along_x + 1, 3, 14))
-    figure = Figure(figsize=(14, height), dpi=100, layout="constrained")
+    figure = figure_of(14, 6 * along_y / along_x + 1, 3, 14)
     plan, heat = figure.subplots(1, 2, sharex=True, sharey=True)
     draw_plan(plan, scene)
     for (name, colour), crossing in zip(_DIRECTIONS.items(), (reach.west_east, reach.south_north), strict=True):
@@ -73,28 +70,21 @@ def _draw_path(axes: Axes, scene: Scene, crossing: Crossing | Way, name: str, co
 
 def _draw_costs(axes: Axes, scene: Scene, reach: Traversability | Reach) -> None:
     """Draw what is reached: by limits of steps the cost from the west to each cell; and the outline of the area."""
-    edges_x, edges_y = scene.field.edges()
-    extent = (edges_x[0], edges_x[-1], edges_y[0], edges_y[-1])
-    axes.imshow(np.full((1, 1, 3), GROUND_GREY), extent=extent)
-    outlined = f"outlined: {reach.cover:.0%} of the blocks in one region"
-    if isinstance(reach, Reach):
-        shown = np.ma.masked_array(np.ones(reach.region.T.shape), ~reach.region.T)
-        axes.imshow(shown, origin="lower", extent=extent, interpolation="nearest", cmap="summer", vmin=0, vmax=2)
-        axes.set(aspect="equal", xlabel="x [m]", title=outlined)
-    else:
-        costs = np.ma.masked_invalid(reach.west_east.costs.T)
-        if costs.count():
-            image = axes.imshow(costs, origin="lower", extent=extent, interpolation="nearest", cmap="viridis")
-            axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
-        axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
-    _outline(axes, reach, edges_x, edges_y)
-
-
-def _outline(axes: Axes, reach: Traversability | Reach, edges_x: Array, edges_y: Array) -> None:
-    """Draw the boundary of the largest traversable area."""
     from matplotlib.collections import LineCollection
 
-    lines = boundary(reach.region, edges_x, edges_y)
+    show_cells(axes, scene.field, np.full((1, 1, 3), GROUND_GREY))
+    outlined = f"outlined: {reach.cover:.0%} of the blocks in one region"
+    if isinstance(reach, Reach):
+        shown = np.ma.masked_array(np.ones(reach.region.shape), ~reach.region)
+        show_cells(axes, scene.field, shown, cmap="summer", vmin=0, vmax=2)
+        axes.set(aspect="equal", xlabel="x [m]", title=outlined)
+    else:
+        costs = np.ma.masked_invalid(reach.west_east.costs)
+        if costs.count():
+            image = show_cells(axes, scene.field, costs, cmap="viridis")
+            axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
+        axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
+    lines = boundary(reach.region, *scene.field.edges())
     width = float(np.clip(200 / max(reach.region.shape), 0.1, 2.5))
     axes.add_collection(LineCollection(list(lines), colors="#ff2d95", linewidths=width))
 
@@ -105,11 +95,8 @@ _COLOUR = "#ff2d95"
 
 def spots_plot(scene: Scene, outline: Outline, spots: Sequence[Spot], format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
     """Return the spots on the plan as the bytes of an image file with the map's recipe; outline: around the robot."""
-    from matplotlib.figure import Figure
-
     along_x, along_y = scene.field.extent
-    height = float(np.clip(8 * along_y / along_x + 1, 3, 16))
-    figure = Figure(figsize=(9, height), dpi=100, layout="constrained")
+    figure = figure_of(9, 8 * along_y / along_x + 1, 3, 16)
     axes = figure.subplots()
     draw_plan(axes, scene)
     for index, spot in enumerate(spots):

@@ -12,17 +12,13 @@ installed version: `ignition-gazebo-...` in Fortress, `gz-sim-...` from Garden o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.resources import files
-from types import MappingProxyType
 
 from rsegen.exporters.gazebo.sdf import system_name
 from rsegen.exporters.ros2.bridge import CLOCK, bridge_yaml, robot_topics
 from rsegen.exporters.ros2.elevation import NODE
-from rsegen.exporters.ros2.launch import CLASSIC, SIM, SPAWN_ROBOT
-from rsegen.exporters.ros2.nav2 import NAV2
-from rsegen.exporters.ros2.nodes import ELEVATION, MAP_SERVER, NAVIGATION, RVIZ, TEST
-from rsegen.exporters.ros2.readme import readme
+from rsegen.exporters.ros2.launch import CLASSIC, ELEVATION, MAP_SERVER, NAVIGATION, RVIZ, SIM, SPAWN_ROBOT, TEST
 from rsegen.exporters.ros2.rviz import RVIZ_CONFIG
 
 _EXEC_DEPENDS = (
@@ -120,39 +116,124 @@ ENVIRONMENT_HOOK = "".join(
 )
 """The search paths for models of Gazebo Classic, Gazebo Sim and Ignition."""
 
-_SYSTEMS = MappingProxyType(
-    {
-        "Physics": "",
-        "UserCommands": "",
-        "SceneBroadcaster": "",
-        "Sensors": "<render_engine>ogre2</render_engine>",
-        "Imu": "",
-        "Contact": "",
-        "Altimeter": "",
-        "ForceTorque": "",
-        "Magnetometer": "",
-        "NavSat": "",
-    }
+_SYSTEMS = (
+    *("Physics", "UserCommands", "SceneBroadcaster", "Sensors", "Imu", "Contact"),
+    *("Altimeter", "ForceTorque", "Magnetometer", "NavSat"),
 )
-"""Systems of a server with the parameters of each."""
+"""Systems of a server."""
 
 
 def _config(backend: str) -> str:
-    return f"<server_config>\n  <plugins>\n{''.join(_plugins(backend))}  </plugins>\n</server_config>\n"
-
-
-def _plugins(backend: str) -> Iterator[str]:
-    for kind, parameters in _SYSTEMS.items():
-        name = system_name(kind, backend)
-        yield f"""\
+    plugins = ""
+    for kind in _SYSTEMS:
+        name, parameters = system_name(kind, backend), "<render_engine>ogre2</render_engine>" * (kind == "Sensors")
+        plugins += f"""\
     <plugin entity_name="*" entity_type="world"
             filename="{name.library}"
             name="{name.class_name}">{parameters}</plugin>
 """
+    return f"<server_config>\n  <plugins>\n{plugins}  </plugins>\n</server_config>\n"
 
 
 FORTRESS = _config("fortress")
 GARDEN_AND_LATER = _config("sim")
+
+
+_STATIC = """\
+      static_layer:
+        plugin: nav2_costmap_2d::StaticLayer
+        map_subscribe_transient_local: true
+"""
+
+_OBSTACLES = """\
+      obstacle_layer:
+        plugin: nav2_costmap_2d::ObstacleLayer
+        observation_sources: scan
+        scan:
+          topic: /scan
+          data_type: LaserScan
+          max_obstacle_height: 2.0
+          marking: true
+          clearing: true
+"""
+
+_INFLATION = """\
+      inflation_layer:
+        plugin: nav2_costmap_2d::InflationLayer
+        cost_scaling_factor: 3.0
+"""
+
+
+def _costmap(name: str, own: str, layers: str) -> str:
+    return f"""\
+{name}_costmap:
+  {name}_costmap:
+    ros__parameters:
+      robot_base_frame: base_link
+{own}{layers}"""
+
+
+_LAYERS = "      plugins: [static_layer, obstacle_layer, inflation_layer]\n" + _STATIC + _OBSTACLES + _INFLATION
+
+_NAV2 = (
+    """\
+# Nav2's parameters for all robots; robots/KIND/nav2.yaml has those of one
+planner_server:
+  ros__parameters:
+    planner_plugins: [GridBased]
+    GridBased:
+      tolerance: 0.2
+      use_astar: false
+      allow_unknown: true
+controller_server:
+  ros__parameters:
+    controller_plugins: [FollowPath]
+    enable_stamped_cmd_vel: false  # the bridge takes geometry_msgs/Twist
+    FollowPath:
+      plugin: nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController
+      use_velocity_scaled_lookahead_dist: false
+      use_rotate_to_heading: true
+      allow_reversing: false
+behavior_server:
+  ros__parameters:
+    behavior_plugins: [spin, backup, wait]
+    enable_stamped_cmd_vel: false
+bt_navigator:
+  ros__parameters:
+    global_frame: map
+    robot_base_frame: base_link
+    odom_topic: /odom
+"""
+    + _costmap(
+        "local",
+        """\
+      global_frame: odom
+      rolling_window: true
+      width: 4
+      height: 4
+      resolution: 0.05
+      update_frequency: 5.0
+      publish_frequency: 2.0
+""",
+        _LAYERS,
+    )
+    + _costmap(
+        "global",
+        """\
+      global_frame: map
+      update_frequency: 1.0
+      publish_frequency: 1.0
+""",
+        _LAYERS,
+    )
+)
+"""Nav2's parameters that are the same for all robots; those of a robot are in a file of its own.
+
+Only what differs from Nav2's defaults is in it, with names that Humble and Jazzy have both: a planner of paths on the
+occupancy grid, a controller that follows them and turns on the spot, and costmaps of the grid and what the lidar sees.
+Numbers have a point, since ROS takes 1 for an integer. The names of two kinds of plug-ins differ by distribution, and
+stand in the launch file.
+"""
 
 
 def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: str) -> Mapping[str, str]:
@@ -163,14 +244,14 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
     own = "topics of a robot of your own: those of Gazebo Sim's plug-ins for a model named robot"
     return {
         "LICENSE": files("rsegen.exporters.ros2").joinpath("LICENSE").read_text("utf-8"),
-        "README.md": readme(package, robots),
+        "README.md": _readme(package, robots),
         "package.xml": package_xml(package),
         "CMakeLists.txt": cmake_lists(package),
         f"env-hooks/{package}.dsv.in": ENVIRONMENT_HOOK,
         "config/clock_bridge.yaml": bridge_yaml("the time of Gazebo Sim", [CLOCK]),
         "config/fortress_server.config": FORTRESS,
         "config/map.rviz": RVIZ_CONFIG,
-        "config/nav2.yaml": NAV2,
+        "config/nav2.yaml": _NAV2,
         "config/robot_bridge.yaml": bridge_yaml(own, robot_topics()),
         "config/server.config": GARDEN_AND_LATER,
         "launch/elevation.launch.py": ELEVATION,
@@ -184,3 +265,58 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
         **{f"robots/{kind}/{name}": text for kind, texts in robots.items() for name, text in texts.items()},
         "test/test_launch_files.py": TEST,
     }
+
+
+def _readme(package: str, robots: Iterable[str]) -> str:
+    """Return the README of a package: what its files are, one line for each thing to do, and its topics."""
+    nav2 = f"`ros2 launch {package} gazebo_sim.launch.py robot:=jackal start:=ground rviz:=true nav2:=true`"
+    kinds = ", ".join(f"`{kind}`" for kind in robots)
+    return f"""\
+# {package}
+
+Random Step Environments (NIST stepfields) for Gazebo, RViz and Nav2, with robots; made by rsegen.
+For ROS 2 Humble with Gazebo Fortress (from 6.16) and for Jazzy with Gazebo Harmonic.
+
+    rosdep install --from-paths src --ignore-src -y     # in the workspace, once
+    colcon build && . install/setup.bash
+
+| to | command |
+|---|---|
+| open a map | `ros2 launch {package} gazebo_sim.launch.py` |
+| spawn a robot | `ros2 launch {package} gazebo_sim.launch.py robot:=jackal` |
+| drive it by keys | `ros2 run teleop_twist_keyboard teleop_twist_keyboard` |
+| see all in RViz | `ros2 launch {package} gazebo_sim.launch.py robot:=jackal rviz:=true` |
+| drive to goals with Nav2 | {nav2} |
+| publish the true heights | `ros2 launch {package} elevation.launch.py use_sim_time:=true` |
+
+`robot` is one of {kinds}, or a file: URDF, Xacro or SDF. `map` chooses a map; each launch file
+lists its arguments with `--show-args`. Nav2 takes goals from RViz's tool *2D Goal Pose*. The tracks
+of the crawler move in Harmonic, not in Fortress.
+
+| file | what it is |
+|---|---|
+| `launch/gazebo_sim.launch.py` | opens Gazebo Sim and includes the others on request |
+| `launch/gazebo_classic.launch.py` | opens Gazebo Classic; robots from files |
+| `launch/spawn_robot.launch.py` | spawns a robot in a Gazebo that runs, with its frames and bridge |
+| `launch/rviz.launch.py` | RViz, and the map's own description |
+| `launch/navigation.launch.py`, `launch/map_server.launch.py` | Nav2, and the map for it |
+| `launch/elevation.launch.py`, `nodes/elevation.py` | the map as grid_map |
+| `robots/KIND` | a robot: URDF, model for Gazebo, topics of the bridge, parameters of Nav2 |
+| `config` | RViz, Nav2, the bridge of a robot of your own, the systems of Gazebo's server |
+| `maps/NAME` | occupancy grid, heights, friction, and where robots start |
+| `models`, `urdf`, `worlds` | the map for Gazebo and RViz |
+
+| topic | type | |
+|---|---|---|
+| `/cmd_vel` | geometry_msgs/Twist | drives the robot |
+| `/JOINT/angle` | std_msgs/Float64 | turns a flipper or a joint of the arm, radians |
+| `/odom`, `/tf` | nav_msgs/Odometry | the true pose in 3D: `odom` is the frame of the world |
+| `/wheel_odometry` | nav_msgs/Odometry | what wheels or tracks measure, in the frame `wheel_odom` |
+| `/joint_states`, `/imu`, `/scan` | sensor_msgs/JointState, Imu, LaserScan | joints and sensors |
+| `/map` | nav_msgs/OccupancyGrid | what is too high to climb from the ground |
+| `/elevation` | grid_map_msgs/GridMap | layers `elevation` (m) and `friction`, latched: the ground truth |
+| `/clock` | rosgraph_msgs/Clock | the time of the simulation |
+
+`map` to `odom` is fixed, as the pose is the true one; if SLAM or AMCL is to publish it, give
+`localized:=false`. Without a simulation leave `use_sim_time` at false, its default.
+"""

@@ -7,6 +7,7 @@ Scene --listing--> a row for each cell --> CSV, which `rsegen import` reads
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.pictures.preview import pdf_bytes
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.sheet.listing import listing
-from rsegen.exporters.sheet.timber import building_order
+from rsegen.exporters.sheet.timber import building_order, materials
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -52,30 +53,24 @@ def sheet(
     refuse_unbuildable(scene.recipe, saw)
     if format == "csv":
         return "".join(listing(scene, saw)).encode()
-    return pdf_bytes(_with_progress(pages(scene, saw), progress), scene)
+    return pdf_bytes(pages(scene, saw, progress or (lambda _: None)), scene)
 
 
-def pages(scene: Scene, saw: CutSettings) -> Iterator[Figure]:
+def pages(scene: Scene, saw: CutSettings, progress: Callable[[Figure], None] = lambda _: None) -> Iterator[Figure]:
     """Yield the pages: the map, each pallet in build order, frames and cost, and a form for repetitions."""
     # Each page is yielded before the next is drawn, so that only one is in memory.
     from rsegen.exporters.sheet.overview import draw_materials, draw_overview
     from rsegen.exporters.sheet.page import Page
     from rsegen.exporters.sheet.pallet_page import draw_form, draw_pallet
 
-    pallets = building_order(scene)
-    page = Page(scene.recipe.units)
-    draw_overview(page, scene, pallets, saw)
-    yield page.figure
-    for numbered in pallets:
+    pallets, needed = building_order(scene), materials(scene.field, scene.recipe, saw)
+    own = [partial(draw_pallet, scene=scene, numbered=pallet, pallets=len(pallets)) for pallet in pallets]
+    whole = partial(draw_overview, scene=scene, pallets=pallets, needed=needed)
+    for draw in (whole, *own, partial(draw_materials, scene=scene, needed=needed), partial(draw_form, scene=scene)):
         page = Page(scene.recipe.units)
-        draw_pallet(page, scene, numbered, len(pallets))
+        draw(page)
         yield page.figure
-    page = Page(scene.recipe.units)
-    draw_materials(page, scene, saw)
-    yield page.figure
-    page = Page(scene.recipe.units)
-    draw_form(page, scene)
-    yield page.figure
+        progress(page.figure)
 
 
 def page_count(recipe: Recipe) -> int:
@@ -102,10 +97,3 @@ def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
         problem = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
         raise ParameterError("chunks", f"{problem}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
     saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")
-
-
-def _with_progress(figures: Iterator[Figure], progress: Callable[[Figure], None] | None) -> Iterator[Figure]:
-    for figure in figures:
-        yield figure
-        if progress:
-            progress(figure)

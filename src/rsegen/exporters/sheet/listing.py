@@ -56,7 +56,7 @@ def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[s
     for block, count in length_counts(scene.field).items():
         yield f"# cut: {count} blocks of {written.tape(block)} {written.unit}\n"
     yield from _plan("blocks", "saw", needed.blocks, written)
-    for board, count in needed.frames.all_boards.items() if needed.frames else ():
+    for board, count in needed.frames.items():
         yield f"# frames: {count} boards of {written.tape(board)} {written.unit}\n"
     if needed.boards:
         yield from _plan("frames", "saw for frames", needed.boards, written)

@@ -12,22 +12,10 @@ from textwrap import wrap
 
 from rsegen import __version__
 from rsegen.exporters.cut_settings import CutSettings, nanometres
-from rsegen.exporters.numbers import Lengths, decimal, lengths_in
+from rsegen.exporters.numbers import Lengths, decimal
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
-from rsegen.exporters.sheet.timber import (
-    CuttingPlan,
-    FrameBoards,
-    Materials,
-    NumberedPallet,
-    Pattern,
-    frame_price,
-    frames,
-    length,
-    length_counts,
-    materials,
-    plan_cuts,
-)
+from rsegen.exporters.sheet.timber import CuttingPlan, Materials, NumberedPallet, frame_price, length, together
 from rsegen.field.stepfield import StepField
 
 _ABREAST = 3
@@ -44,7 +32,7 @@ def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float
     y = draw(page, scene, counts, (x, y), room)
     whole = sum(length(level, field) * count for level, count in counts.items())
     page.line((x, x + COLUMN), (y - 3.6, y - 3.6))
-    total = ("together", f"{sum(counts.values()):,}", lengths_in(scene.recipe.units).long(whole))
+    total = ("together", f"{sum(counts.values()):,}", page.written.long(whole))
     y = page.table(y, _columns(x)[1:], [total], fontweight="bold")
     page.swatch(x, y, EMPTY)
     page.text(x + 3, y, "0", 8, ha="center", color=GREY)
@@ -59,7 +47,7 @@ def _columns(x: float) -> list[float]:
 
 def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
     """Draw a line per level; return the y of the next line."""
-    (x, y), written = place, lengths_in(scene.recipe.units)
+    (x, y), written = place, page.written
     y = page.table(y, _columns(x), [("level", f"length {written.name}", "number", "timber")], size=8, color=GREY)
     for level, count in counts.items():
         page.swatch(x, y, scene.plan_colour(level))
@@ -71,14 +59,12 @@ def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tupl
 def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
     """Draw several levels per line, in narrow columns; return the y of the next line."""
     (x, y), width = place, (COLUMN + 4) / _ABREAST
-    page.text(x, y, f"number x length in {lengths_in(scene.recipe.units).name}", 8, color=GREY)
+    page.text(x, y, f"number x length in {page.written.name}", 8, color=GREY)
     rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
     for at, (level, count) in enumerate(list(counts.items())[: rows * _ABREAST]):
         here = x + at // rows * width, y + (at % rows + 1) * ROW
         page.swatch(*here, scene.plan_colour(level))
-        page.text(
-            here[0] + 8, here[1], f"{count:,} x {lengths_in(scene.recipe.units).tape(length(level, scene.field))}", 8
-        )
+        page.text(here[0] + 8, here[1], f"{count:,} x {page.written.tape(length(level, scene.field))}", 8)
     y += (rows + 1) * ROW
     if len(counts) > rows * _ABREAST:
         more = len(counts) - rows * _ABREAST
@@ -100,28 +86,28 @@ _BROAD = 30
 """Characters in a line of a cutting pattern, at the most, so that the offcut fits next to it."""
 
 
-def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], settings: CutSettings) -> None:
+def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], needed: Materials) -> None:
     """Draw the whole page."""
     _draw_head(page, scene, len(pallets))
     y = _draw_map(page, scene, pallets) + 12
     below = draw_cut_list(page, scene, scene.field, (page.left, y), page.bottom)
-    below = max(below, _draw_cutting_plan(page, scene, settings, y))
+    below = max(below, _draw_cutting_plan(page, scene, needed, y))
     _draw_boxes(page, scene, pallets, below + 6)
 
 
 def _draw_head(page: Page, scene: Scene, pallets: int) -> None:
     n_x, n_y = scene.field.shape
-    written = lengths_in(scene.recipe.units)
-    along_x, along_y = (decimal(round(along * 1e9 / written.timber_size, 4)) for along in scene.field.extent)
+    timber = page.written
+    along_x, along_y = (decimal(round(along * 1e9 / timber.timber_size, 4)) for along in scene.field.extent)
     page.fitted((page.left, 22), f"Build sheet: {scene.name}", 20, page.across - 12, fontweight="bold")
     many = f"{pallets} pallet{'s'[: pallets > 1]}"
     cells = "cells with frames" if scene.field.frame.any() else "cells"
-    size = f"{along_x} x {along_y} {written.timber}, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
+    size = f"{along_x} x {along_y} {timber.timber}, {n_x} x {n_y} {cells}, {many}, seed {scene.recipe.seed}"
     page.text(page.left, 29, size, 10)
     page.fitted((page.left, 35), scene.recipe.description[:_LONGEST], 9, page.across, color=GREY)
     about = f"seen from above; fingerprint {fingerprint(scene.field.blocks)}; rsegen {__version__}"
     page.text(page.left, 39.5, about, 8, color=GREY)
-    page.compass(page.right - 4, 23)
+    page.compass()
 
 
 def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> float:
@@ -172,52 +158,53 @@ def _size(text: str, room: float) -> float:
     return min(15.0, room / (0.72 * len(text) + 1))
 
 
-def _draw_cutting_plan(page: Page, scene: Scene, settings: CutSettings, y: float) -> float:
+def _draw_cutting_plan(page: Page, scene: Scene, needed: Materials, y: float) -> float:
     """Draw what to buy and how every piece is cut; return the y of the next line."""
-    counts = length_counts(scene.field)
-    plan = plan_cuts(counts, settings)
     y = page.heading(page.second, y, "Timber to buy", COLUMN)
-    for text, amount in _timber(scene, plan):
+    for text, amount in _timber(scene, needed, page.written):
         page.text(page.second, y, text)
         page.text(page.second + COLUMN, y, amount, ha="right")
         y += ROW
-    y = page.heading(page.second, y + 4, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
-    return draw_patterns(page, plan, y, lengths_in(scene.recipe.units))
+    return _draw_patterns(page, needed.blocks, y + 4)
 
 
-def draw_patterns(page: Page, plan: CuttingPlan, y: float, written: Lengths) -> float:
+def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
     """Draw how every piece of stock is cut, in the right column; return the y of the next line."""
-    rows = [_pattern_row(pattern, plan.settings, written) for pattern in plan.patterns]
-    for drawn, (pieces, parts, offcut) in enumerate(rows):
+    written = page.written
+    y = page.heading(page.second, y, f"Cutting {written.stock(plan.settings.stock)} of stock", COLUMN)
+    for drawn, pattern in enumerate(plan.patterns):
+        texts = (f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
+        parts, offcut = wrap(" + ".join(texts), _BROAD), written.tape(pattern.offcut(plan.settings))
         if y + len(parts) * ROW > page.bottom:
-            page.text(page.second, y, f"and {len(rows) - drawn} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(
+                page.second, y, f"and {len(plan.patterns) - drawn} more ways, which the sheet as CSV has", 8, color=GREY
+            )
             return y + ROW
-        page.text(page.second + 10, y, pieces, ha="right")
+        page.text(page.second + 10, y, f"{pattern.pieces:,} x", ha="right")
         for at, line in enumerate(parts):
             page.text(page.second + 13, y + at * ROW, line)
-        page.text(page.second + COLUMN, y, offcut, 8, ha="right", color=GREY)
+        page.text(page.second + COLUMN, y, f"{offcut} left", 8, ha="right", color=GREY)
         y += len(parts) * ROW
     return y
 
 
-def _timber(scene: Scene, plan: CuttingPlan) -> Iterator[tuple[str, str]]:
+def _timber(scene: Scene, needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
     """Yield the lines about timber, each a text and an amount."""
-    written, settings = lengths_in(scene.recipe.units), plan.settings
-    width, high = (nanometres(side_cm) for side_cm in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
-    section = _by((width, width), written)
-    yield f"blocks: {stock_length(scene, settings)} of {section}", _pieces(plan.pieces)
+    plan, known = needed.blocks, needed.frames
+    settings, (width, high) = plan.settings, _section_of_frames(scene)
+    stock = written.stock(settings.stock)
+    yield f"blocks: {stock} of {_by((width, width), written)}", _pieces(plan.pieces)
     yield from _sold_as((width, width), written)
     yield "  blocks together", written.long(plan.timber)
     yield f"  lost to the saw, {written.cut(settings.kerf)} per cut", written.long(plan.kerf_loss)
     if plan.trimmed:
         yield f"  ends, {written.tape(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
     yield "  left over", written.long(plan.offcuts)
-    known = frames(scene.recipe, settings.play)
     if known:
-        section = _by((width, high), written)
-        yield f"frames: {stock_length(scene, settings)} of {section}", _stock(scene, known, settings)
+        pieces = _pieces(needed.boards.pieces) if needed.boards else "too short"
+        yield f"frames: {stock} of {_by((width, high), written)}", pieces
         yield from _sold_as((width, high), written)
-        for board, count in known.all_boards.items():
+        for board, count in known.items():
             yield f"  {count:,} boards of {written.tape(board)} {written.unit}", written.long(board * count)
 
 
@@ -228,25 +215,14 @@ def _sold_as(section: tuple[int, int], written: Lengths) -> Iterator[tuple[str, 
         yield f"  sold as {name}, dry and planed", ""
 
 
-def stock_length(scene: Scene, settings: CutSettings) -> str:
-    """Return the length of a piece of stock with its unit."""
-    return lengths_in(scene.recipe.units).stock(settings.stock)
-
-
-def _stock(scene: Scene, known: FrameBoards, settings: CutSettings) -> str:
-    """Return the pieces of stock for the boards as text, or that it is too short for them."""
-    return "too short" if max(known.boards) > settings.usable else _pieces(plan_cuts(known.all_boards, settings).pieces)
+def _section_of_frames(scene: Scene) -> tuple[int, int]:
+    """Return the sides of a frame board in nanometres, of which the first is the width of a block."""
+    return nanometres(scene.recipe.block_width_cm), nanometres(scene.recipe.frame_height_cm)
 
 
 def _pieces(count: int) -> str:
     """Return a number of pieces of stock as text."""
     return f"{count:,} piece{'s'[: count != 1]}"
-
-
-def _pattern_row(pattern: Pattern, settings: CutSettings, written: Lengths) -> tuple[str, list[str], str]:
-    """Return a cutting pattern as texts: number of pieces, parts in a few lines, and offcut."""
-    parts = " + ".join(f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
-    return f"{pattern.pieces:,} x", wrap(parts, _BROAD), f"{written.tape(pattern.offcut(settings))} left"
 
 
 def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: float) -> None:
@@ -256,10 +232,7 @@ def _draw_boxes(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], y: 
         return
     y = page.heading(page.left, y, "Blocks for each pallet", page.across)
     columns = [page.left + 8, page.left + 24, *(page.left + 44 + 17 * at for at in range(len(levels)))]
-    heads = [
-        f"{lengths_in(scene.recipe.units).tape(length(level, scene.field))} {lengths_in(scene.recipe.units).unit}"
-        for level in levels
-    ]
+    heads = [f"{page.written.tape(length(level, scene.field))} {page.written.unit}" for level in levels]
     y = page.table(y, columns, [("", "pallet", *heads)], size=8, color=GREY)
     for pallet in pallets:
         counts = pallet.chunk.field.level_counts()
@@ -290,15 +263,15 @@ _STEPS = (
 )
 
 
-def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
+def draw_materials(page: Page, scene: Scene, needed: Materials) -> None:
     """Draw the whole page."""
-    needed, written = materials(scene.field, scene.recipe, settings), lengths_in(scene.recipe.units)
+    settings, written = needed.blocks.settings, page.written
     page.text(page.left, 22, "Frames, bases and cost", 20, fontweight="bold")
     page.fitted((page.left, 29), scene.name, 9, page.across)
     # The left column says what is needed, the right one how to cut the boards and how to build.
     y = 40.0
     for heading, rows in (
-        ("Frames", list(_frames(needed, scene, settings, written))),
+        ("Frames", list(_frames(needed, scene, written))),
         ("Base boards", [(f"{needed.bases:,} of {_by(needed.base, written)}", "")]),
         ("Weight", list(_weight(needed, settings, written))),
         ("Cost", list(_cost(needed, scene, settings))),
@@ -311,29 +284,22 @@ def draw_materials(page: Page, scene: Scene, settings: CutSettings) -> None:
         y += 4
     y = 40.0
     if needed.boards:
-        y = page.heading(page.second, y, f"Cutting {stock_length(scene, settings)} of stock", COLUMN)
-        y = draw_patterns(page, needed.boards, y, written) + 4
-    y = page.heading(page.second, y, "How to build it", COLUMN)
-    for text in _STEPS:
-        page.text(page.second, y, text, 8.2)
-        y += 4.4 if text else 2
+        y = _draw_patterns(page, needed.boards, y) + 4
+    page.instructions(y, _STEPS)
 
 
-def _frames(needed: Materials, scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
-    if needed.frames is None:
+def _frames(needed: Materials, scene: Scene, written: Lengths) -> Iterator[tuple[str, str]]:
+    if not needed.frames:
         yield "none", ""
         return
-    section = tuple(nanometres(side_cm) for side_cm in (scene.recipe.block_width_cm, scene.recipe.frame_height_cm))
-    yield f"boards, {_by(section, written)} high", written.long(needed.frames.timber)
-    for board, count in needed.frames.all_boards.items():
+    yield f"boards, {_by(_section_of_frames(scene), written)} high", written.long(together(needed.frames))
+    for board, count in needed.frames.items():
         yield f"  {count:,} of {written.tape(board)} {written.unit}", written.long(board * count)
+    stock = written.stock(needed.blocks.settings.stock)
     if needed.boards:
-        yield (
-            f"stock of {stock_length(scene, settings)}",
-            f"{needed.boards.pieces:,} piece{'s'[: needed.boards.pieces != 1]}",
-        )
+        yield f"stock of {stock}", _pieces(needed.boards.pieces)
     else:
-        yield f"they are longer than {stock_length(scene, settings)} of stock", ""
+        yield f"they are longer than {stock} of stock", ""
 
 
 def _by(sides: tuple[int, ...], written: Lengths) -> str:

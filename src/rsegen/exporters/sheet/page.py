@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rsegen.exporters.colours import Colour
+from rsegen.exporters.numbers import lengths_in
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 
@@ -40,12 +41,13 @@ ROW = 5.2
 class Page:
     """A page of vector graphics: A4, or Letter if a recipe is in inches; `across` is the width between its margins.
 
-    second: x of the right one of two columns
+    second: x of the right one of two columns; written: the units of lengths
     """
 
     def __init__(self, units: str) -> None:
         from matplotlib.figure import Figure
 
+        self.written = lengths_in(units)
         width, height = LETTER if units == "in" else A4
         self.left, self.right, self.bottom = MARGIN, width - MARGIN, height - MARGIN
         self.across = width - 2 * MARGIN
@@ -89,6 +91,13 @@ class Page:
         self.line((x, x + width), (y + 1.8, y + 1.8), 0.6, INK)
         return y + 7
 
+    def instructions(self, y: float, lines: Iterable[str]) -> None:
+        """Draw lines on how to build, in the right column; an empty one is a gap."""
+        y = self.heading(self.second, y, "How to build it", COLUMN)
+        for text in lines:
+            self.text(self.second, y, text, 8.2)
+            y += 4.4 if text else 2
+
     def table(self, y: float, columns: Sequence[float], rows: Iterable[Sequence[str]], **style: Any) -> float:
         """Draw rows of texts that end at the x of their columns; return the y of the next line."""
         for row in rows:
@@ -101,10 +110,11 @@ class Page:
         """Draw a patch of colour before a line of a table."""
         self.rectangle((x, y - 3), (6, 3.6), facecolor=colour)
 
-    def compass(self, x: float, y: float) -> None:
-        """Draw a north arrow with its centre at x, y."""
+    def compass(self) -> None:
+        """Draw a north arrow in the upper right corner."""
         from matplotlib.patches import Polygon
 
+        x, y = self.right - 4, 23
         for side, colour in ((-1, INK), (1, "white")):
             points = [(x, y - 6), (x + side * 2.6, y + 4), (x, y + 2)]
             self.paper.add_patch(Polygon(points, facecolor=colour, edgecolor=INK, linewidth=0.6))
@@ -173,9 +183,3 @@ def draw_run(page: Page, ends: tuple[float, float], y: float) -> None:
 def block_colour(scene: Scene, level: int) -> Colour:
     """Return the colour of a level on the page; white for no block."""
     return scene.plan_colour(level) if level else EMPTY
-
-
-def ink(colour: Colour) -> str:
-    """Return the text colour that is legible on a colour, in greyscale print too (luma of ITU-R BT.601)."""
-    red, green, blue = colour
-    return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.5 else "black"

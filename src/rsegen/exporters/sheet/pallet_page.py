@@ -10,10 +10,10 @@ from itertools import product
 
 import numpy as np
 
-from rsegen.exporters.numbers import lengths_in
+from rsegen.exporters.pictures.plan import ink_on
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.overview import SMALLEST, draw_cut_list
-from rsegen.exporters.sheet.page import COLUMN, GREY, INK, POINT, Page, PrintedPlan, block_colour, ink
+from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, block_colour
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
@@ -51,7 +51,7 @@ def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int
     notes = _draw_blocks(plan, numbered)
     y = _TOP + field.shape[1] * cell + 14
     draw_cut_list(page, scene, field, (page.left, y), page.bottom + 3)
-    _draw_notes(page, notes, y)
+    page.instructions(y, (*_PLACING, "", *notes, "", *_RULE))
 
 
 def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
@@ -61,7 +61,7 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
     name = f"fingerprint {fingerprint(numbered.levels)}"
     order = f"{scene.name}, {numbered.number} of {pallets} in the order of building; {where}; {name}"
     page.fitted((page.left, 29), order, 9, page.across - (52 if pallets > 1 else 12))
-    page.compass(page.right - 4, 23)
+    page.compass()
     if pallets > 1:
         _draw_position(page, scene, numbered)
 
@@ -83,20 +83,17 @@ def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:
 
 def _draw_rulers(plan: PrintedPlan, numbered: NumberedPallet) -> None:
     """Draw cell numbers on all four sides: all of them, or every fifth if they would overlap."""
-    cells_x, cells_y = (plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1))
     far_x, far_y = (cells * plan.cell for cells in plan.field.shape)
     size, step = (8, 1) if plan.cell > 5 else (6, 5)
     style = {"color": GREY, "ha": "center", "va": "center"}
-    for at, i in enumerate(cells_x):
-        if (numbered.corner[0] + at) % step == 0:
-            for y in (plan.top - 3, plan.top + far_y + 3):
-                plan.page.text(plan.middle(i, 0)[0], y, str(numbered.corner[0] + at), size, **style)
-    for at, j in enumerate(cells_y):
-        if (numbered.corner[1] + at) % step == 0:
-            for x in (plan.left - 4, plan.left + far_x + 4):
-                plan.page.text(x, plan.middle(0, j)[1], str(numbered.corner[1] + at), size, **style)
-    plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, color=GREY, ha="center", va="center")
-    plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, color=GREY, ha="center", va="center")
+    for axis, sides in enumerate(((plan.top - 3, plan.top + far_y + 3), (plan.left - 4, plan.left + far_x + 4))):
+        for at, cell in enumerate(plan.field.inside(axis).nonzero()[0].tolist(), numbered.corner[axis]):
+            middle = plan.middle(cell, cell)[axis]
+            for side in sides if at % step == 0 else ():
+                x, y = (side, middle) if axis else (middle, side)
+                plan.page.text(x, y, str(at), size, **style)
+    plan.page.text(plan.left + far_x / 2, plan.top + far_y + 8, "x", 9, **style)
+    plan.page.text(plan.left - 10, plan.top + far_y / 2, "y", 9, **style)
 
 
 _SMALL = 5.5
@@ -111,7 +108,7 @@ def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]
     cells = product(*(plan.field.inside(axis).nonzero()[0].tolist() for axis in (0, 1)))
     for at, cell in zip(np.ndindex(levels.shape), cells, strict=True):
         level, (x, y) = int(levels[at]), plan.middle(*cell)
-        style = {"color": ink(block_colour(plan.scene, level)) if level else GREY}
+        style = {"color": ink_on(block_colour(plan.scene, level)) if level else GREY}
         plan.page.text(x, y, texts[level], size, ha="center", va="center", **style)
         if ordered and level:
             corner = 0.44 * plan.cell
@@ -122,7 +119,7 @@ def _draw_blocks(plan: PrintedPlan, numbered: NumberedPallet) -> tuple[str, ...]
 
 def _labels(plan: PrintedPlan) -> tuple[dict[int, str], tuple[str, ...]]:
     """Return the text of each level in the cells, and the notes that explain it."""
-    field, written = plan.field, lengths_in(plan.scene.recipe.units)
+    field, written = plan.field, plan.page.written
     heights = {level: written.tape(length(level, field)) for level in field.level_counts()}
     if _size(plan.cell, heights) >= SMALLEST:
         return heights, (f"Large numbers are heights in {written.name}.",)
@@ -138,14 +135,6 @@ def _size(cell: float, texts: dict[int, str]) -> float:
     """
     widest = max(len(text) - (text.count(" ") + text.count("/")) / 2 for text in texts.values())
     return min(18.0, 0.85 * cell / POINT / (0.64 * max(widest, 2)))
-
-
-def _draw_notes(page: Page, notes: tuple[str, ...], y: float) -> None:
-    """Draw the notes on how to read the plan and how to place the blocks."""
-    y = page.heading(page.second, y, "How to build it", COLUMN)
-    for text in (*_PLACING, "", *notes, "", *_RULE):
-        page.text(page.second, y, text, 8.2)
-        y += 4.4 if text else 2
 
 
 _HEAD = (("Robot", 0, 85), ("Operator", 95, 85), ("Place and date", 0, 85), ("Time allowed", 95, 85))

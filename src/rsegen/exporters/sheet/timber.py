@@ -159,8 +159,7 @@ def placing_order(levels: Levels) -> Ints:
 
 def length_counts(field: StepField) -> Mapping[int, int]:
     """Return the number of blocks of each length [nm], the shortest first."""
-    counts = Counter({length(level, field): count for level, count in field.level_counts().items() if level})
-    return dict(counts)
+    return {length(level, field): count for level, count in field.level_counts().items() if level}
 
 
 def length(level: int, field: StepField) -> int:
@@ -168,38 +167,22 @@ def length(level: int, field: StepField) -> int:
     return nanometres(round(level * field.unit * 100, 7))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FrameBoards:
-    """Equal frames: their number, and the number of boards of each length [nm] per frame, the longest first."""
+def frames(recipe: Recipe, play: int = 0) -> dict[int, int]:
+    """Return the number of boards of each length [nm] of all frames, the longest first; none without a frame above 0.
 
-    number: int
-    boards: Mapping[int, int]
-
-    @property
-    def all_boards(self) -> dict[int, int]:
-        """The number of boards of each length of all frames."""
-        return {length: self.number * count for length, count in self.boards.items()}
-
-    @property
-    def timber(self) -> int:
-        """The length of all boards in nanometres."""
-        return sum(length * count for length, count in self.all_boards.items())
-
-
-def frames(recipe: Recipe, play: int = 0) -> FrameBoards | None:
-    """Return the frames of a map, or None if it has none above the ground; play: of the blocks inside, in
-    nanometres.
+    play: of the blocks inside, in nanometres
     """
     if recipe.boundary == "none" or not recipe.frame_height_cm:
-        return None
-    m_x, m_y = recipe.chunks
-    count, (n_x, n_y) = (
-        (m_x * m_y, (recipe.chunk_size,) * 2) if recipe.boundary == "divided" else (1, recipe.grid.shape)
-    )
-    width = nanometres(recipe.block_width_cm)
-    boards = Counter({(n_x + 2) * width + play: 2})
-    boards[n_y * width + play] += 2
-    return FrameBoards(number=count, boards=dict(sorted(boards.items(), reverse=True)))
+        return {}
+    (count, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
+    boards = Counter({(n_x + 2) * width + play: 2 * count})
+    boards[n_y * width + play] += 2 * count
+    return dict(sorted(boards.items(), reverse=True))
+
+
+def together(counts: Mapping[int, int]) -> int:
+    """Return the length of all of some parts."""
+    return sum(length * count for length, count in counts.items())
 
 
 _METRE = 10**9
@@ -210,11 +193,12 @@ _METRE = 10**9
 class Materials:
     """The cutting plans of blocks and frames, base boards (number, sides in nm), weights [kg] and the total price.
 
-    boards: None if there are no frames, or if one of them is longer than the stock; price: None if none was given
+    frames: boards of each length; boards: None if there are none, or if one is longer than the stock
+    price: None if none was given
     """
 
     blocks: CuttingPlan
-    frames: FrameBoards | None
+    frames: Mapping[int, int]
     boards: CuttingPlan | None
     bases: int
     base: tuple[int, int]
@@ -226,8 +210,7 @@ class Materials:
 def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materials:
     """Return the materials of a map."""
     blocks, known = plan_cuts(length_counts(field), settings), frames(recipe, settings.play)
-    fits = known is not None and max(known.boards) <= settings.usable
-    boards = plan_cuts(known.all_boards, settings) if known and fits else None
+    boards = plan_cuts(known, settings) if known and max(known) <= settings.usable else None
     side, high = recipe.block_width_cm / 100, recipe.frame_height_cm / 100
     bases, base = _bases(recipe, settings)
     return Materials(
@@ -237,18 +220,22 @@ def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materi
         bases=bases,
         base=base,
         block_weight=blocks.timber / _METRE * side**2 * settings.density,
-        frame_weight=(known.timber if known else 0) / _METRE * side * high * settings.density,
-        price=_price(blocks, boards, known, recipe, settings),
+        frame_weight=together(known) / _METRE * side * high * settings.density,
+        price=_price(blocks, boards, recipe, settings, framed=bool(known)),
     )
 
 
 def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]:
     """Return number and sides of base boards: one below each chunk with its frame, or one below a map in one frame."""
+    (count, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
+    rim = 2 * width + settings.play if recipe.boundary != "none" else 0
+    return count, (n_x * width + rim, n_y * width + rim)
+
+
+def _bodies(recipe: Recipe) -> tuple[int, Cell]:
+    """Return the number of parts that are moved as one, and their blocks along x and y: a framed map, or chunks."""
     m_x, m_y = recipe.chunks
-    n_x, n_y = recipe.grid.shape if recipe.boundary == "outer" else (recipe.chunk_size,) * 2
-    rim = 2 * nanometres(recipe.block_width_cm) + settings.play if recipe.boundary != "none" else 0
-    width = nanometres(recipe.block_width_cm)
-    return 1 if recipe.boundary == "outer" else m_x * m_y, (n_x * width + rim, n_y * width + rim)
+    return (1, recipe.grid.shape) if recipe.boundary == "outer" else (m_x * m_y, (recipe.chunk_size,) * 2)
 
 
 def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
@@ -258,10 +245,10 @@ def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
 
 
 def _price(
-    blocks: CuttingPlan, boards: CuttingPlan | None, known: FrameBoards | None, recipe: Recipe, settings: CutSettings
+    blocks: CuttingPlan, boards: CuttingPlan | None, recipe: Recipe, settings: CutSettings, *, framed: bool
 ) -> float | None:
     """Return the price of all timber; None if the price of some of it is not given."""
     price = frame_price(recipe, settings)
-    if settings.price is None or (known and (boards is None or price is None)):
+    if settings.price is None or (framed and (boards is None or price is None)):
         return None
     return blocks.pieces * settings.price + (boards.pieces * (price or 0) if boards else 0)

@@ -17,13 +17,16 @@ PALETTE = np.repeat(np.rint(np.arange(64) * 255 / 63).astype(np.uint8)[:, None],
 MEAN = 58
 """Row of the palette that most of the paint has: 0.92 of 63."""
 
+_PAINT = 0.86, 0.98
+"""Tones of the darkest and the lightest block."""
+
 _EDGE = 0.35
 """Tone of edges: dark, but not as dark as a gap."""
 
 
 def top(rng: np.random.Generator) -> Array:
     """Return the tones, 0 black to 1 white, of the tops of TILES x TILES blocks."""
-    tones = _paint(rng, TILES * TILES).reshape(TILES, TILES)
+    tones = one_per_image(rng, TILES * TILES, *_PAINT).reshape(TILES, TILES)
     tones = tones.repeat(PIXELS, axis=0).repeat(PIXELS, axis=1)
     edge = _is_edge(TILES * PIXELS)
     return np.where(edge[:, None] | edge[None, :], _EDGE, tones)
@@ -31,14 +34,10 @@ def top(rng: np.random.Generator) -> Array:
 
 def side(rng: np.random.Generator) -> Array:
     """Return the tones of the sides of TILES blocks, with an edge at their top."""
-    tones = np.tile(_paint(rng, TILES).ravel().repeat(PIXELS), (TILES * PIXELS, 1))
+    tones = np.tile(one_per_image(rng, TILES, *_PAINT).ravel().repeat(PIXELS), (TILES * PIXELS, 1))
     tones[:, _is_edge(TILES * PIXELS)] = _EDGE
     tones[0] = _EDGE
     return tones
-
-
-def _paint(rng: np.random.Generator, count: int) -> Array:
-    return one_per_image(rng, count, 0.86, 0.98)
 
 
 def _is_edge(pixels: int) -> Mask:

@@ -9,22 +9,13 @@ computed with sines or powers, whose last digits differ between machines.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
+from rsegen.exporters.colours import Colour, rounded
 from rsegen.exporters.textures import edged, pine
 from rsegen.exporters.textures.images import png
-from rsegen.field.stepfield import Array
 from rsegen.params.streams import generator
-
-
-class Textures(NamedTuple):
-    """The PNG files of a look: `top` for the tops of blocks, `side` for their sides and for frames."""
-
-    top: bytes
-    side: bytes
-
 
 _TONES = 63
 """Highest index of a palette of 64 colours: 6 bits per pixel, which the eye cannot tell from 8 on wood."""
@@ -33,18 +24,13 @@ LOOKS = {"levels": edged, "friction": edged, "wood": pine}
 
 
 @lru_cache(maxsize=4)
-def textures(look: str, seed: int) -> Textures:
-    """Return the textures of a look, drawn from a seed."""
+def textures(look: str, seed: int) -> tuple[bytes, bytes]:
+    """Return the PNG files of a look, drawn from a seed: of the tops of blocks, and of their sides and of frames."""
     made, rng = LOOKS[look], generator(seed, 0, "textures of blocks")
-    return Textures(*(png(_indices(tones), made.PALETTE) for tones in (made.top(rng), made.side(rng))))
+    tops, sides = (np.clip(np.rint(tones * _TONES), 0, _TONES) for tones in (made.top(rng), made.side(rng)))
+    return png(tops.astype(np.uint8), made.PALETTE), png(sides.astype(np.uint8), made.PALETTE)
 
 
-def mean_colour(look: str) -> tuple[float, float, float]:
+def mean_colour(look: str) -> Colour:
     """Return the colour, 0..1, that the textures of a look have from afar."""
-    red, green, blue = (round(float(part) / 255, 3) for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])
-    return red, green, blue
-
-
-def _indices(tones: Array) -> Array:
-    """Return tones 0..1 as indices into a palette."""
-    return np.clip(np.rint(tones * _TONES), 0, _TONES).astype(np.uint8)
+    return rounded(float(part) / 255 for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])

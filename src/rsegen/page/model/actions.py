@@ -2,7 +2,8 @@
 
     {"do": "move_end", "row": 2, "end": "last", "cell": [4, 9], "gesture": "g7"} --> a change of the session
 
-Each returns the row that it was about, which a page then selects: -1 if none. Cells are of the map that the page shows.
+Each returns the row that it was about, which a page then selects: -1 if none. Cells are of the map that the page shows;
+those that are painted by hand become a matrix obstacle.
 """
 
 from __future__ import annotations
@@ -10,18 +11,24 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
+from rsegen.field.obstacles.matrix import Matrix
+from rsegen.field.stepfield import Ints, Mask
 from rsegen.page.calls import checked
 from rsegen.page.model.ends import End, aligned, fixed, with_end_at
-from rsegen.page.model.painting import UNPAINTED, can_paint, painted
-from rsegen.page.model.session import Session
+from rsegen.page.model.session import Entry, Session
 from rsegen.params.sorts import MOST_LEVELS, Cell, Json, parameters
-from rsegen.recipe.codec import MOST_OBSTACLES
+from rsegen.recipe.codec import MOST_OBSTACLES, decode_obstacle
 from rsegen.recipe.recipe import Recipe
 
 Action = Mapping[str, Json]
 
 _ACTIONS: dict[str, Callable[..., int]] = {}
+
+UNPAINTED = -1
+"""The level that erases a cell."""
 
 
 def act(session: Session, actions: Sequence[Action], index: int) -> int:
@@ -76,13 +83,6 @@ def _set(session: Session, _index: int, *, name: str, value: Any, gesture: str |
 
 
 @_action
-def reroll(session: Session, _index: int) -> int:
-    """Draw another seed."""
-    session.reroll()
-    return -1
-
-
-@_action
 def add(session: Session, _index: int, *, entry: dict[str, Any], at: int | None = None) -> int:
     """Add an obstacle, in line where its kind must be axis-aligned."""
     if len(session.draft.rows) >= MOST_OBSTACLES:
@@ -104,13 +104,6 @@ def remove(session: Session, _index: int, *, row: int) -> int:
     """Remove a row."""
     session.remove(row)
     return row
-
-
-@_action
-def clear(session: Session, _index: int) -> int:
-    """Remove all rows."""
-    session.clear()
-    return -1
 
 
 @_action
@@ -167,15 +160,66 @@ def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: 
     return session.add(painted(None, cells, level), gesture=key)
 
 
-@_action
-def undo(session: Session, _index: int) -> int:
-    """Undo the last change."""
-    session.undo()
-    return -1
+def _of_session(method: Callable[[Session], None]) -> None:
+    """Let pages do what a method of a session does, which is about no row."""
+
+    def do(session: Session, _index: int) -> int:
+        method(session)
+        return -1
+
+    _ACTIONS[method.__name__] = do
 
 
-@_action
-def redo(session: Session, _index: int) -> int:
-    """Redo the change that was undone last."""
-    session.redo()
-    return -1
+for _method in (Session.reroll, Session.clear, Session.undo, Session.redo):
+    _of_session(_method)
+
+
+def can_paint(entry: Entry) -> bool:
+    """Return whether an entry is a matrix in its own size at a fixed place, so that cells can be painted into it."""
+    try:
+        matrix = decode_obstacle(entry)
+    except ParameterError:
+        return False
+    if not isinstance(matrix, Matrix) or matrix.softness or "random" in (matrix.first or ()):
+        return False
+    start = matrix.first or (0, 0)
+    own = tuple(at + size - 1 for at, size in zip(start, matrix.size, strict=True))  # type: ignore[operator]  # a cell
+    return matrix.last in (None, own)
+
+
+def painted(entry: Entry | None, cells: Sequence[Cell], level: int) -> dict[str, Json]:
+    """Return a matrix entry, or a new one, with some cells set to a level; it grows as needed."""
+    start, levels = _grown(entry, cells)
+    for x, y in cells:
+        levels[x - start[0], y - start[1]] = level
+    (x1, x2), (y1, y2) = (_span(levels >= 0, axis) for axis in (0, 1))
+    matrix = Matrix.of(levels[x1:x2, y1:y2])
+    first = start[0] + x1, start[1] + y1
+    return {
+        **(entry or {"kind": Matrix.kind}),
+        "levels": max(matrix.levels, entry.get("levels", 2) if entry else 2),
+        "rows": list(matrix.rows),
+        "first": list(first),
+        "last": [at + size - 1 for at, size in zip(first, matrix.size, strict=True)],
+    }
+
+
+def _grown(entry: Entry | None, cells: Sequence[Cell]) -> tuple[Cell, Ints]:
+    """Return the corner of smallest x and y, and the levels from there on, of the entry grown to include the cells."""
+    corners = [*cells]
+    if entry:
+        old = decode_obstacle(entry)
+        levels = old.cell_levels()  # type: ignore[attr-defined]  # a matrix
+        x, y = entry.get("first", (0, 0))
+        corners += [(x, y), (x + levels.shape[0] - 1, y + levels.shape[1] - 1)]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    grown = np.full(high - low + 1, UNPAINTED)
+    if entry:
+        grown[x - low[0] : x - low[0] + levels.shape[0], y - low[1] : y - low[1] + levels.shape[1]] = levels
+    return (int(low[0]), int(low[1])), grown
+
+
+def _span(covered: Mask, axis: int) -> tuple[int, int]:
+    """Return the range of painted cells along an axis; the first cell if none is painted."""
+    there = np.flatnonzero(covered.any(axis=1 - axis))
+    return (int(there[0]), int(there[-1]) + 1) if len(there) else (0, 1)

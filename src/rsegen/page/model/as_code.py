@@ -23,7 +23,9 @@ def command_line(recipe: Recipe, folder: str) -> str:
 
 def python_code(recipe: Recipe, folder: str) -> str:
     """Return the program that generates the maps of a recipe."""
-    lines = ["import rsegen", *_imports(recipe), "", "recipe = rsegen.Recipe("]
+    others = {type(obstacle) for obstacle in recipe.obstacles if not _is_ours(type(obstacle))}
+    imports = sorted(f"from {cls.__module__} import {cls.__name__}" for cls in others)
+    lines = ["import rsegen", *imports, "", "recipe = rsegen.Recipe("]
     lines += [f"    {name}={_tuple(value)!r}," for name, value in _stated(recipe).items()]
     lines += ["    obstacles=[", *(f"        {_call(obstacle)}," for obstacle in recipe.obstacles), "    ],", ")"]
     return "\n".join([*lines, f"rsegen.generate(recipe, {folder!r})", ""])
@@ -33,12 +35,6 @@ def _stated(recipe: Recipe) -> Entry:
     """Return the seed, and the global parameters that differ from their defaults."""
     values, default = draft_of(recipe).values, draft_of(Recipe(seed=0)).values
     return {name: value for name, value in values.items() if value != default.get(name) or name == "seed"}
-
-
-def _imports(recipe: Recipe) -> list[str]:
-    """Return the imports of obstacle kinds that other packages define."""
-    others = {type(obstacle) for obstacle in recipe.obstacles if not _is_ours(type(obstacle))}
-    return sorted(f"from {cls.__module__} import {cls.__name__}" for cls in others)
 
 
 def _is_ours(cls: type) -> bool:

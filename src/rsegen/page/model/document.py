@@ -45,8 +45,8 @@ class Document:
         self._stamp = self._stamp_now()
         self.session.changed = self._session_changed
         if found := self.journal.recovered():
-            self.recovered = found.when
-            self.session.restore(found.draft)
+            draft, self.recovered = found
+            self.session.restore(draft)
 
     @classmethod
     def of_file(cls, path: Path) -> Document:
@@ -85,17 +85,12 @@ class Document:
 
     def reload(self) -> None:
         """Take over what is in the file, or what a document without one began with; undo takes it back."""
-        if self.path is None:
-            self._start_again(self._start)
-            return
-        text = _read(self.path)
-        draft = Session.of(load(self.path)).draft
-        self.text = text
-        self._start_again(draft)
-
-    def close(self) -> None:
-        """Discard what is not saved."""
-        self.journal.remove()
+        draft = self._start
+        if self.path is not None:
+            self.text, draft = _read(self.path), Session.of(load(self.path)).draft
+        self.session.saved = draft
+        self.session.restore(draft)
+        self._saved()
 
     def look(self) -> bool:
         """Look whether somebody else wrote the file; return whether that has changed since the last look."""
@@ -105,11 +100,6 @@ class Document:
         self._stamp, before = stamp, self.changed_on_disk
         self.changed_on_disk = self._differs()
         return self.changed_on_disk != before
-
-    def _start_again(self, draft: Draft) -> None:
-        self.session.saved = draft
-        self.session.restore(draft)
-        self._saved()
 
     def _saved(self) -> None:
         """Remember that the draft is in the file."""

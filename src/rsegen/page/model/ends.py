@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from rsegen.errors import ParameterError
 from rsegen.field.obstacles import Obstacle
@@ -17,25 +17,18 @@ End = Literal["first", "last", "both"]
 """Which end is moved; both: the middle of the two, and them with it."""
 
 
-class Ends(NamedTuple):
-    """The cells of the two ends of an obstacle."""
-
-    first: Cell
-    last: Cell
-
-
-def ends_of(entry: Entry, design: MapDesign, index: int) -> Ends | None:
-    """Return where an obstacle lies in map `index`, also where it is drawn at random; None if it does not fit there."""
+def ends_of(entry: Entry, design: MapDesign, index: int) -> Entry | None:
+    """Return where an obstacle lies in map `index`, first and last, also if that is random; None if it does not fit."""
     obstacle = _obstacle(entry)
     if obstacle is None:
         return None
     try:
         obstacle.check_size(design.grid)
-        ends = Ends(*ends_by(design.grid, obstacle, generator(design.seed, index, obstacle.key or "")))
+        ends = ends_by(design.grid, obstacle, generator(design.seed, index, obstacle.key or ""))
     except ParameterError:
         return None
     on_map = all(0 <= at < cells for end in ends for at, cells in zip(end, design.grid.shape, strict=True))
-    return ends if on_map else None
+    return dict(zip(("first", "last"), map(list, ends), strict=True)) if on_map else None
 
 
 def fixed(entry: Entry, design: MapDesign, index: int) -> Entry:
@@ -43,8 +36,7 @@ def fixed(entry: Entry, design: MapDesign, index: int) -> Entry:
 
     The entry as it is if it is invalid, or does not fit into the map.
     """
-    ends = ends_of(entry, design, index)
-    return entry if ends is None else {**entry, "first": list(ends.first), "last": list(ends.last)}
+    return {**entry, **(ends_of(entry, design, index) or {})}
 
 
 def with_end_at(entry: Entry, end: End, cell: Cell, design: MapDesign, index: int) -> Entry:

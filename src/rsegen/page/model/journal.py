@@ -26,14 +26,6 @@ def state_folder() -> Path:
     return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "rsegen"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Recovered:
-    """A draft that was never saved, and when it was changed last."""
-
-    draft: Draft
-    when: str
-
-
 @dataclass(kw_only=True, slots=True)
 class Journal:
     """The draft of one document on disk.
@@ -67,15 +59,14 @@ class Journal:
             with suppress(OSError):
                 path.unlink(missing_ok=True)
 
-    def recovered(self) -> Recovered | None:
-        """Return the latest draft of processes that have ended, if there is one that can be read."""
+    def recovered(self) -> tuple[Draft, str] | None:
+        """Return the latest draft of processes that have ended, if one can be read, and when it was made."""
         for path in sorted(self._left(), key=_changed, reverse=True):
             with suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
                 content = json.loads(path.read_text("utf-8"))
                 rows = tuple(MappingProxyType(dict(row)) for row in content["rows"])
                 if content["name"] == self.name:
-                    draft = Draft(values=MappingProxyType(dict(content["values"])), rows=rows)
-                    return Recovered(draft=draft, when=str(content["when"]))
+                    return Draft(values=MappingProxyType(dict(content["values"])), rows=rows), str(content["when"])
         return None
 
     def _left(self) -> list[Path]:

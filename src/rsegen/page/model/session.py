@@ -31,11 +31,7 @@ class Draft:
 
     def recipe(self) -> Recipe:
         """Return the recipe of the draft; a ParameterError if it is invalid."""
-        return decode(self.content())
-
-    def content(self) -> dict[str, Json]:
-        """Return the draft as the content of a recipe file."""
-        return {**self.values, "obstacles": [dict(row) for row in self.rows]}
+        return decode({**self.values, "obstacles": [dict(row) for row in self.rows]})
 
 
 def draft_of(recipe: Recipe) -> Draft:
@@ -196,8 +192,8 @@ class Session:
                 self.changed()
             raise
 
-    def _put_rows(self, rows: tuple[Entry, ...], gesture: object = None) -> None:
-        self._put(replace(self.draft, rows=rows), gesture)
+    def _put_rows(self, rows: tuple[Entry, ...]) -> None:
+        self._put(replace(self.draft, rows=rows), None)
 
     def _replace(self, number: int, entry: Entry, gesture: object) -> None:
         rows = (*self.draft.rows[:number], MappingProxyType(dict(entry)), *self.draft.rows[number + 1 :])

@@ -64,8 +64,9 @@ def _yaml_after(before: str, recipe: Recipe) -> str | None:
         _set_rows(tree, start, recipe)
 
     def edit_with_keys(tree: Any) -> None:
-        edit(tree)
-        _set_keys(tree, recipe)
+        edit(tree)  # some rows would get another key by their new place in the list, and so another draw
+        for node, obstacle in zip(tree.get("obstacles") or (), recipe.obstacles, strict=True):
+            node["key"] = obstacle.key
 
     for change in (edit, edit_with_keys):
         changed = _written(before, change)
@@ -163,12 +164,6 @@ def _set_row(node: Any, before: dict[str, Json], after: dict[str, Json]) -> None
     for name, value in after.items():
         if name in differ or (name == "key" and draws_anew and "key" not in node):
             node[name] = _node(value)
-
-
-def _set_keys(tree: Any, recipe: Recipe) -> None:
-    """Give every row the key that it has, as some would get another one by their new place in the list."""
-    for node, obstacle in zip(tree.get("obstacles") or (), recipe.obstacles, strict=True):
-        node["key"] = obstacle.key
 
 
 def _row(entry: dict[str, Json], *, block: bool) -> Any:
