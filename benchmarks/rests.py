@@ -44,7 +44,7 @@ from rsegen.simulation.simulators.server import attempted, running_server
 from rsegen.simulation.worlds import world_of
 from rsegen.standing.body import Body
 from rsegen.standing.resting import has_stood, poses
-from rsegen.standing.settling import SINGLE, PaddedGround, Settled, _demands, _plane, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, _Settling, reach_of, settle
 
 FILE = RESULTS / "rests.json"
 
@@ -310,11 +310,8 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
 
 def _is_stable(ground: PaddedGround, body: Body, at: At) -> bool:
     """Return whether a robot that rests like this would not be turned: three contacts are around its centre of mass."""
-    relative, place = (body.points - body.centre).T.astype(SINGLE), (at.centre[:1], at.centre[1:2])
-    u, v, g = _demands(ground, relative, *place, at.axes[None])
-    afar = np.arange(len(body.points), len(body.points) + 3)[None]
-    _, along, across, _ = _plane(u, v, g, afar)
-    return bool(degrees(float(np.hypot(along[0], across[0]))) < CLOSE[1])
+    robot = _Settling(ground, body, at.centre[:1], at.centre[1:2], np.array([at.yaw]))
+    return bool(degrees(float(robot.leaning(at.axes[..., None])[0])) < CLOSE[1])
 
 
 def _errors(one: At, other: At) -> tuple[float, float]:

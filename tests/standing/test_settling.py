@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import asin, degrees, hypot, pi
 
 import numpy as np
@@ -131,6 +132,46 @@ def test_nothing_is_below_the_ground_and_three_contacts_bear_the_robot(kind: str
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_a_pose_does_not_depend_on_the_poses_that_are_found_with_it(kind: str) -> None:
+    body, rng = BODIES[kind], np.random.default_rng(5)
+    field = field_of(rng.integers(0, 5, (30, 30)), UNITS[kind])
+    x, y, yaw = (rng.uniform(-most, most, 40) for most in (1.4, 1.4, pi))
+    together = settle(PaddedGround.of(field, reach_of(body)), body, x, y, yaw)
+    for k in range(0, 40, 3):
+        alone = settled(field, body, x[k], y[k], yaw[k])
+        assert (alone.contacts[0] == together.contacts[k]).all()
+        assert (alone.z[0], *alone.slope[0]) == pytest.approx((together.z[k], *together.slope[k]), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_robot_is_below_the_ground_by_no_more_than_the_turn_that_it_would_still_make(kind: str) -> None:
+    body, rng = BODIES[kind], np.random.default_rng(6)
+    field = field_of(rng.integers(0, 8, (20, 20)), 0.05)
+    x, y, yaw = (rng.uniform(-most, most, 200) for most in (0.9, 0.9, pi))
+    ground = PaddedGround.of(field, reach_of(body))
+    rest = settle(ground, body, x, y, yaw)
+    stood = np.flatnonzero(has_stood(rest))
+    # With blocks like these many go to and fro over an edge.
+    assert (rest.turn[stood] > 1e-4).mean() > 0.1
+    _, above = below_samples(ground, body, rest, stood)
+    assert ((above.min(axis=1) > -rest.turn[stood] * reach_of(body) - 1e-3).mean()) > 0.99  # or just at an edge
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_groups_hold_every_sample_and_are_of_neighbours(kind: str) -> None:
+    body = BODIES[kind]
+    assert set(body.groups.ravel().tolist()) == set(range(len(body.points)))
+    sizes = np.linalg.norm(np.ptp(body.points[body.groups], axis=1), axis=1)
+    assert np.median(sizes) < body.length / 6
+
+
+def test_a_robot_that_is_all_on_one_side_of_its_centre_of_mass_tips_over() -> None:
+    few = replace(BODIES["burger"], points=BODIES["burger"].points[:5], groups=np.arange(5)[None])
+    rest = settled(field_of(np.zeros((9, 9), int)), few, 0.0, 0.0, 0.3)
+    assert not has_stood(rest)[0]
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_mujoco_agrees(kind: str) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     robot, body = ROBOTS[kind], BODIES[kind]
@@ -141,7 +182,7 @@ def test_mujoco_agrees(kind: str) -> None:
         for number, start in enumerate(rests._starts(scene, body, 1)[:20])
     ]
     assert np.median([rest.height for rest in found]) < 1.0
-    assert np.median([rest.angle for rest in found]) < 0.3
+    assert np.median([rest.angle for rest in found]) < (0.3 if kind in EXACT else 0.5)
 
 
 def test_no_place_at_all_gives_no_poses() -> None:

@@ -31,6 +31,10 @@ _HIDDEN = 0.02
 """Metres above another sample of the same place from which a sample is hidden by it, up to tilts of some 30 degrees."""
 
 
+_NEIGHBOURS = 8
+"""Samples of a group: so many of a flat part are some 5 cm across, half a block of 10 cm."""
+
+
 class Solid(NamedTuple):
     """Points (n, 3) of a solid's surface with their normals (n, 3), and how far inside it any point is, metres.
 
@@ -152,6 +156,7 @@ class Body:
     """A rigid robot from below, in the frame of its model, x forward.
 
     points, normals: samples of its surface (n, 3), metres, and the outward normals there
+    groups: (m, 8), samples that are neighbours; all of them, and some twice where their number is no multiple of 8
     part: (n,) index into `parts`; rim: (n,) whether a sample is on the edge of a flat face, with a wall above it
     mass, centre: kg, and the centre of mass (3,); speed: at which it drives over rough ground, m/s
     surface, part_of_surface: samples from all sides, (m, 3) and (m,), to draw it
@@ -159,6 +164,7 @@ class Body:
 
     points: Array
     normals: Array
+    groups: Ints
     part: Ints
     rim: Mask
     parts: tuple[Part, ...]
@@ -169,7 +175,8 @@ class Body:
     part_of_surface: Ints
 
     def __post_init__(self) -> None:
-        for array in (self.points, self.normals, self.part, self.rim, self.centre, self.surface, self.part_of_surface):
+        own = (self.points, self.normals, self.groups, self.part, self.rim, self.centre)
+        for array in (*own, self.surface, self.part_of_surface):
             array.setflags(write=False)
 
     @property
@@ -235,6 +242,7 @@ def body_of_shapes(
     return Body(
         points=every[kept],
         normals=normal[kept],
+        groups=_groups(every[kept]),
         part=of_part[kept],
         rim=(np.concatenate(rim) & ~covered)[kept],
         parts=tuple(part for part, _, _ in shapes),
@@ -244,6 +252,21 @@ def body_of_shapes(
         surface=np.concatenate(placed_points),
         part_of_surface=np.repeat(np.arange(len(shapes)), [len(placed) for placed in placed_points]),
     )
+
+
+def _groups(points: Array) -> Ints:
+    """Return groups of eight neighbours: the samples are halved across their longest side, and these again."""
+
+    def halves(own: Ints) -> list[Ints]:
+        if len(own) <= _NEIGHBOURS:
+            return [own]
+        across = np.ptp(points[own], axis=0).argmax()
+        own = own[np.argsort(points[own, across], kind="stable")]
+        middle = -(-len(own) // (2 * _NEIGHBOURS)) * _NEIGHBOURS
+        return halves(own[:middle]) + halves(own[middle:])
+
+    order = np.concatenate(halves(np.arange(len(points))))
+    return np.resize(order, (-(-len(order) // _NEIGHBOURS), _NEIGHBOURS))
 
 
 def _hidden(points: Array, normals: Array, distance: float) -> Mask:

@@ -7,12 +7,15 @@
    It is found by exchange: the plane through three samples around the origin, the sample farthest above that plane in,
    and one of the three out, such that the origin stays between them; the plane at the origin rises with each exchange.
 3. The robot is turned by (a, b), all the way where its contacts stay and by a share of it where they change, and so on
-   from 1 until the turn is below 1e-4: two to ten rounds.
+   from 1 until the turn is below 1e-4: two to twelve rounds.
 
-All poses of a chunk are done at once. After two rounds only the samples near the ground are looked at; a last round
-with all of them shows whether that was right, and goes on with all where it was not. Cost: 50 to 130 microseconds a
-pose. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of mass on the
-diagonal; it takes one of them. And a part against the side of a block: it never comes to rest at the very edge.
+All poses of a chunk are done at once. Samples are in groups of neighbours (body.py). At first one of each group is
+looked at; their three contacts are near enough to tell which groups count. Then a look at all samples in turn with
+rounds of few: with all, the robot rests if none is above the plane of its contacts and that plane is level; if not, the
+groups that are highest above or least below it are the few, until the robot is still, or so much turned that others
+may count. Cost: 50 microseconds a pose in thousands, 2 milliseconds for one. What breaks it: robots that stand equally
+well in two ways, as one with four wheels and its centre of mass on the diagonal; it takes one of them. And a part
+against the side of a block: it goes to and fro over the edge, with shorter turns, and ends there before it is still.
 """
 
 from __future__ import annotations
@@ -27,30 +30,39 @@ from numpy.typing import NDArray
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 
-_ROUNDS, _FULL, _STILL, _DAMPED = 10, 2, 1e-4, 0.7
-"""Rounds at most, rounds with all samples, the turn at which it ends, and the share that is made as contacts change."""
+_STILL, _ROUNDS, _LOOKS = 1e-4, 12, 4
+"""The turn at which a robot is still; rounds, and looks at all samples after the first, at most: nine of ten robots
+need six and one."""
+
+_DAMPED, _DAMPED_ROUNDS = 0.7, 5
+"""Share of a turn that is made as contacts change, and rounds from whose end on it shrinks by itself in each."""
+
+_NEAR, _AROUND = 20, 0.15
+"""Groups that are looked at until a robot has turned by that slope: then, at its ends, others come 5 cm nearer. With
+14 groups 2 % of the poses are found less well, with 28 it takes a tenth longer."""
 
 _LOST = 2.5
 """Slope from which no robot comes back: it tips over."""
 
-_NEAR, _LAST = 96, 6
-"""Samples that are looked at after the first rounds, and rounds with all of them again at the end, at most."""
+_NEAR = 20
+"""Groups of neighbouring samples that are looked at between two looks at all samples."""
 
 _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
-_EXCHANGES, _ABOVE = 40, 2e-5
-"""Exchanges at most; metres by which a sample may be above the plane."""
+_EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.75
+"""Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left."""
 
 _FAR, _DEEP = 1e3, -5e4
 """Three far samples, metres away, so deep that any other one is above them: the first three."""
 
-_CHUNK = 1_000_000
-"""Samples of all poses of a chunk: the calls of numpy then cost little beside their work."""
+_CHUNK = 4096
+"""Robots that settle together: with a quarter of it, the calls of numpy for the last few that turn cost half as much as
+all the rest; their few samples are 8 MB."""
 
 _BLOCK = 80_000
-"""Samples of poses that are looked at together: their arrays of 0.3 MB stay in the cache of a core, and from 87,000 on
-BLAS would use a second core, and win nothing."""
+"""Samples that are looked at together: their arrays of 0.3 MB stay in the cache of a core, and from 87,000 on BLAS
+would use a second core, and win nothing."""
 
 SINGLE = np.float32
 Singles = NDArray[np.float32]
@@ -62,6 +74,7 @@ class PaddedGround:
     """The ground of a field, flat as an array with a border of level ground.
 
     heights: metres, (rows * columns,); width: of a block, metres; half: cells from the corner to the origin
+    inside: cells from the edge at which the robot's centre of mass stays, so that all of it is above these heights
     """
 
     heights: Singles
@@ -69,14 +82,18 @@ class PaddedGround:
     width: float
     half: tuple[float, float]
     border: int
+    inside: int
 
     @classmethod
     def of(cls, field: StepField, reach: float) -> PaddedGround:
         """Return the ground of a field, for robots that reach so many metres from their centre of mass."""
-        border = int(np.ceil(reach / field.block_width)) + 2
+        inside = int(np.ceil(reach / field.block_width)) + 1
+        border = 2 * inside
         heights = np.pad(field.heights, border).astype(SINGLE)
         n_x, n_y = field.shape
-        return cls(heights.ravel(), heights.shape, field.block_width, (n_x / 2 + border, n_y / 2 + border), border)
+        return cls(
+            heights.ravel(), heights.shape, field.block_width, (n_x / 2 + border, n_y / 2 + border), border, inside
+        )
 
     def below(self, x: Array, y: Array) -> Array:
         """Return the heights of the ground at places in metres, of any shape; outside the field it is 0."""
@@ -129,73 +146,183 @@ def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> 
     """Return the robot at rest after it was put down level with its origin at x, y [m] and a heading [rad], (n,)."""
     c, s = np.cos(yaw), np.sin(yaw)
     at_x, at_y = x + c * body.centre[0] - s * body.centre[1], y + s * body.centre[0] + c * body.centre[1]
-    count, per_chunk = len(x), max(_CHUNK // (len(body.points) + 3), 8)
-    slope, z, turn = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
-    contacts = np.zeros((count, 3), np.int64)
-    for begin in range(0, count, per_chunk):
-        part = slice(begin, min(begin + per_chunk, count))
-        slope[part], z[part], contacts[part], turn[part] = _settled(ground, body, at_x[part], at_y[part], yaw[part])
-    contacts[contacts >= len(body.points)] = -1
-    return Settled(x=at_x, y=at_y, z=z, yaw=yaw, slope=slope, axes=axes(slope, yaw), contacts=contacts, turn=turn)
+    parts = []
+    for begin in range(0, max(len(x), 1), _CHUNK):
+        part = slice(begin, begin + _CHUNK)
+        robots = _Settling(ground, body, at_x[part], at_y[part], yaw[part])
+        robots.settle()
+        parts.append(robots)
+    slope, contacts, height, turn = (
+        np.concatenate([getattr(robots, name) for robots in parts], axis=-1)
+        for name in ("slope", "three", "height", "turn")
+    )
+    samples = np.append(body.groups.T, [-1, -1, -1])
+    return Settled(
+        x=at_x,
+        y=at_y,
+        z=height,
+        yaw=yaw,
+        slope=slope.T,
+        axes=axes(slope.T, yaw),
+        contacts=samples[contacts.T],
+        turn=turn,
+    )
 
 
 def axes(slope: Array, yaw: Array) -> Array:
     """Return the robot's axes as columns (n, 3, 3); its x axis stays in the vertical plane of its heading."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    along = slope[:, 0] * c + slope[:, 1] * s
-    forward = np.stack([c, s, along], axis=1) / np.sqrt(1 + along**2)[:, None]
-    up = np.stack([-slope[:, 0], -slope[:, 1], np.ones_like(c)], axis=1)
-    up /= np.linalg.norm(up, axis=1)[:, None]
-    return np.stack([forward, np.cross(up, forward), up], axis=2)
+    return np.moveaxis(_axes(slope.T, np.cos(yaw), np.sin(yaw)), 2, 0)
 
 
-def _settled(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> tuple[Array, Array, Ints, Array]:
-    """Return slope, height of the centre of mass, contacts and the last turn of each robot of a chunk."""
-    count, samples = len(x), len(body.points)
-    offsets = (body.points - body.centre).T.astype(SINGLE)
-    slope, height, turn = np.zeros((count, 2)), np.zeros(count), np.full(count, np.inf)
-    contacts = np.tile(np.arange(samples, samples + 3), (count, 1))
-    live, near, few, of_few = np.arange(count), None, offsets, np.empty(0, np.int64)
-    number, rounds = 0, _ROUNDS
-    while number < rounds and len(live):
-        start = contacts[live] if near is None else _positions(near, contacts[live], samples)
-        u, v, g = _demands(ground, few, x[live], y[live], axes(slope[live], yaw[live]))
-        three, a, b, c = _plane(u, v, g, start)
-        own = three if near is None else np.take_along_axis(near, three, axis=1)
-        # On the same contacts the turn is Newton's step; where they changed, a whole one may go too far.
-        same = (np.sort(own, axis=1) == np.sort(contacts[live], axis=1)).all(axis=1)
-        contacts[live], height[live] = own, c
-        turn[live] = steep = np.hypot(a, b)
-        still = (steep < _STILL) | (np.hypot(*slope[live].T) > _LOST)
-        share = np.minimum(1.0 if number == 0 else np.where(same, 1.0, _DAMPED), _MOST_TURN / np.maximum(steep, 1e-12))
-        slope[live] = np.clip(
-            slope[live] + np.where(still, 1.0, share)[:, None] * np.stack([a, b], 1), -_STEEPEST, _STEEPEST
+def _axes(slope: Array, c: Array, s: Array) -> Array:
+    """Return the robot's axes as columns, (3, 3, n), for slopes (2, n) and the cosines and sines of the headings."""
+    a, b = slope
+    along = a * c + b * s
+    length, high = 1 / np.sqrt(1 + along**2), 1 / np.sqrt(1 + a**2 + b**2)
+    x, y, z = c * length, s * length, along * length
+    left = -(b * z + y) * high, (x + a * z) * high, (b * x - a * y) * high
+    return np.array([[x, left[0], -a * high], [y, left[1], -b * high], [z, left[2], high]])
+
+
+class _Settling:
+    """Robots of a chunk as they settle, n of them.
+
+    points: (3, m), samples from the centre of mass, of whole groups, of which column k is one of group k % groups, and
+    three far ones
+    middle: (2, n), of the centres of mass in cells of the padded ground; heading: (2, n), its cosine and sine
+    three: (3, n), columns of the contacts, counterclockwise; slope: (2, n); height, turn: (n,), as in Settled
+    rounds: (n,), those that each robot has had
+    """
+
+    def __init__(self, ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> None:
+        count, self.groups = len(x), len(body.groups)
+        points = np.concatenate([body.points[body.groups.T.ravel()] - body.centre, _AFAR])
+        self.ground, self.points = ground, np.ascontiguousarray(points.T, SINGLE)
+        # From places so far outside that they are on level ground anyway, all samples are still on the padded one.
+        self.middle = np.array(
+            [
+                np.clip(at / ground.width + half, ground.inside, cells - ground.inside)
+                for at, half, cells in zip((x, y), ground.half, ground.shape, strict=True)
+            ]
         )
-        number += 1
-        if number == _FULL and samples > 2 * _NEAR:
-            # Those in contact and the three far ones are always among them.
-            far = np.tile(np.arange(samples, samples + 3), (len(live), 1))
-            near = np.concatenate([_nearest(u, v, g, a, b, c), contacts[live], far], axis=1)[~still]
-            few = np.ascontiguousarray(np.moveaxis(offsets[:, near[:, :-3]], 0, 1))
-            of_few = live[~still]
-        elif near is not None:
-            near, few = near[~still], few[~still]
-        live = live[~still]
-        if near is not None and (number == rounds or not len(live)):
-            live, near, few, rounds = of_few, None, offsets, number + _LAST
-    return slope, height, contacts, turn
+        self.heading, self.slope = np.array([np.cos(yaw), np.sin(yaw)]), np.zeros((2, count))
+        self.three = np.tile(np.arange(body.groups.size, body.groups.size + 3)[:, None], count)
+        self.height, self.turn, self.rounds = np.zeros(count), np.full(count, np.inf), np.zeros(count, int)
+
+    def settle(self) -> None:
+        """Turn the robots until they are still."""
+        live: Ints = np.arange(len(self.turn))
+        far = np.arange(self.groups, self.groups + 3)[:, None]
+        coarse = np.append(np.arange(self.groups), self.three[:, :1])
+        few, turned, three = _of_each(self.points[:, coarse], len(live)), self.axes(live), np.tile(far, len(live))
+        _plane(self.under(few, live, turned), few, turned, three)
+        self.three = coarse[three]
+        live, columns = self.look(live)
+        for _ in range(_LOOKS):
+            if not len(live):
+                break
+            self.settle_on(live, columns)
+            live, columns = self.look(live)
+        # Those that end before they are still are as high as all of their samples demand.
+        self.find_contacts(np.flatnonzero(np.isinf(self.turn)))
+
+    def settle_on(self, rows: Ints, columns: Ints) -> None:
+        """Turn some robots on few samples each, (n, k) with the contacts and the far ones last, as far as these do."""
+        few, before = np.empty((len(rows), 3, columns.shape[1]), SINGLE), self.slope.copy()
+        for axis, own in enumerate(self.points):
+            own.take(columns, out=few[:, axis], mode="clip")
+        three = np.tile(np.arange(columns.shape[1] - 6, columns.shape[1] - 3)[:, None], len(rows))
+        while len(rows):
+            moves = self.turn_once(rows, columns, few, three)
+            turned = np.hypot(*(self.slope[:, rows] - before[:, rows])) >= _AROUND
+            going = np.flatnonzero(moves & ~turned & (self.rounds[rows] < _ROUNDS))
+            if len(going) < len(rows):
+                rows, columns, few, three = rows[going], columns[going], few[going], three[:, going]
+
+    def turn_once(self, rows: Ints, columns: Ints, few: Singles, three: Ints) -> Mask:
+        """Turn some robots by the planes of some of their samples; return which have moved and are not lost."""
+        turned, before = self.axes(rows), np.sort(three, axis=0)
+        a, b, c = _plane(self.under(few, rows, turned), few, turned, three)
+        self.three[:, rows] = own = columns[np.arange(len(rows)), three]
+        # On the same contacts the turn is Newton's step; where they changed, a whole one may go too far.
+        same = (np.sort(three, axis=0) == before).all(axis=0) | (self.rounds[rows] == 0)
+        self.rounds[rows] += 1
+        share = np.where(same, 1.0, _DAMPED ** np.maximum(self.rounds[rows] - _DAMPED_ROUNDS + 1, 1))
+        steep = np.hypot(a, b)
+        share = np.minimum(share, _MOST_TURN / np.maximum(steep, 1e-12))
+        # Where a far one is among the three, these samples do not tell; the next look does.
+        share[(own >= self.points.shape[1] - 3).any(axis=0)] = 0.0
+        self.height[rows], self.turn[rows] = c, steep
+        self.slope[:, rows] = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
+        return np.asarray((share * steep >= _STILL) & (np.hypot(*self.slope[:, rows]) <= _LOST))
+
+    def look(self, rows: Ints) -> tuple[Ints, Ints]:
+        """Return the robots that neither rest nor tip over, and samples of each on which they turn: columns (n, k)."""
+        samples, members, count = self.points.shape[1], self.points.shape[1] // self.groups, min(_NEAR, self.groups)
+        # As a robot is turned its contacts move; where they are no longer around it, they are found anew.
+        at = np.einsum("ijn,jkn->ikn", self.axes(rows)[:2], self.points[:, self.three[:, rows]])
+        self.find_contacts(rows[~_surrounds(at)])
+        left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
+        for part in _blocks(len(rows), samples):
+            own = rows[part]
+            every, each = _of_each(self.points, len(own)), np.arange(len(own))
+            turned, three = self.axes(own), self.three[:, own]
+            under = self.under(every, own, turned)
+            plane = _through(_placed(under, every, turned, each, three))
+            over = _over(under, every, turned, plane)
+            highest = over.argmax(axis=1)
+            fits = (over[each, highest] - plane[2] <= _ABOVE) | (three == highest).any(axis=0)
+            turn = np.where(fits, np.hypot(*plane[:2]), np.inf)
+            self.height[own], self.turn[own] = plane[2], turn
+            tips = (three >= samples - 3).any(axis=0) | (np.hypot(*self.slope[:, own]) > _LOST)
+            goes_on = np.flatnonzero((turn >= _STILL) & ~tips & (self.rounds[own] < _ROUNDS))
+            of_groups = over[goes_on, :-3].reshape(-1, members, self.groups).max(axis=1)
+            nearest = np.argpartition(of_groups, -count, axis=1)[:, -count:]
+            few = (nearest[:, None] + self.groups * np.arange(members)[:, None]).reshape(len(goes_on), members * count)
+            far = _of_each(np.arange(samples - 3, samples), len(goes_on))
+            near.append(np.concatenate([few, three[:, goes_on].T, far], axis=1))
+            left.append(own[goes_on])
+        return np.concatenate(left), np.concatenate(near)
+
+    def find_contacts(self, rows: Ints) -> None:
+        """Find the contacts of robots among all samples, from those that they have."""
+        if not len(rows):
+            return
+        every, turned, three = _of_each(self.points, len(rows)), self.axes(rows), self.three[:, rows]
+        a, b, c = _plane(self.under(every, rows, turned), every, turned, three)
+        self.three[:, rows], self.height[rows], self.turn[rows] = three, c, np.hypot(a, b)
+
+    def axes(self, rows: Ints) -> Array:
+        """Return the axes of some robots, (3, 3, n)."""
+        return _axes(self.slope[:, rows], *self.heading[:, rows])
+
+    def under(self, few: Singles, rows: Ints, turned: Array) -> Singles:
+        """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
+        under = np.empty((len(rows), few.shape[2]), SINGLE)
+        scaled = np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
+        middle = self.middle[:, rows].T[..., None].astype(SINGLE)
+        for part in _blocks(*under.shape):
+            at = scaled[part] @ few[part]
+            at += middle[part]
+            i, j = np.moveaxis(at.astype(np.int32), 1, 0)
+            self.ground.heights.take(i * np.int32(self.ground.shape[1]) + j, mode="clip", out=under[part])
+        under[:, -3:] = _DEEP
+        return under
+
+    def leaning(self, turned: Array) -> Array:
+        """Return the slope by which each robot would be turned if it had these axes (3, 3, n), (n,)."""
+        rows = np.arange(len(self.turn))
+        every = _of_each(self.points, len(rows))
+        a, b, _ = _plane(self.under(every, rows, turned), every, turned, self.three)
+        return np.asarray(np.hypot(a, b))
 
 
-def _nearest(u: Singles, v: Singles, g: Singles, a: Array, b: Array, c: Array) -> Ints:
-    """Return the samples nearest to the plane of each row, (n, 96), but for the three far ones."""
-    chosen = np.empty((len(u), _NEAR), np.int64)
-    for part in _blocks(*u.shape):
-        slack = a[part, None] * u[part]
-        slack += b[part, None] * v[part]
-        slack += c[part, None]
-        slack -= g[part]
-        chosen[part] = np.argpartition(slack[:, :-3], _NEAR, axis=1)[:, :_NEAR]
-    return chosen
+def _of_each(array: _Rows, count: int) -> _Rows:
+    """Return an array as that of each of some robots, without a copy."""
+    return cast("_Rows", np.broadcast_to(array, (count, *array.shape)))
+
+
+_AFAR = _FAR * np.array([[1, 0, 0], [-1 / 2, 3**0.5 / 2, 0], [-1 / 2, -(3**0.5) / 2, 0]])
 
 
 def _blocks(rows: int, samples: int) -> Iterator[slice]:
@@ -204,113 +331,99 @@ def _blocks(rows: int, samples: int) -> Iterator[slice]:
     yield from (slice(begin, begin + step) for begin in range(0, rows, step))
 
 
-def _positions(near: Ints, contacts: Ints, samples: int) -> Ints:
-    """Return where each contact is in its row of `near`, (n, 3)."""
-    return np.asarray((near[:, :, None] == contacts[:, None, :]).argmax(axis=1))
+def _placed(under: Singles, few: Singles, turned: Array, rows: Ints, columns: Ints) -> Array:
+    """Return u, v and g of a sample of each row, (3, n), or of k of them, (3, k, n), by columns (n,) or (k, n)."""
+    placed: Array = np.einsum("ijn,...nj->i...n", turned, few[rows, :, columns])
+    np.subtract(under[rows, columns], placed[2], out=placed[2])
+    return placed
 
 
-def _demands(
-    ground: PaddedGround, offsets: Singles, x: Array, y: Array, turned: Array
-) -> tuple[Singles, Singles, Singles]:
-    """Return u, v and g of samples, (n, m + 3), three far ones last; offsets: (3, m) of all or (n, 3, m) of some."""
-    count, width = len(x), offsets.shape[-1] + 3
-    u, v, g = (np.empty((count, width), SINGLE) for _ in range(3))
-    inner, far = slice(0, width - 3), slice(width - 3, width)
-    single, (rows, columns) = turned.astype(SINGLE), ground.shape
-    i, j = (x / ground.width + ground.half[0])[:, None], (y / ground.width + ground.half[1])[:, None]
-    for part in _blocks(*u.shape):
-        if offsets.ndim == 2:
-            for array, row in zip((u, v, g), range(3), strict=True):
-                np.matmul(single[part, row], offsets, out=array[part, inner])
-        else:
-            moved = np.matmul(single[part], offsets[part])
-            for array, row in zip((u, v, g), range(3), strict=True):
-                array[part, inner] = moved[:, row]
-        cells = _along(u[part, inner], i[part].astype(SINGLE), ground.width, rows) * np.int32(columns)
-        cells += _along(v[part, inner], j[part].astype(SINGLE), ground.width, columns)
-        below = ground.heights.take(cells.astype(np.intp), mode="clip")
-        np.subtract(below, g[part, inner], out=g[part, inner])
-    u[:, far] = np.array([_FAR, -_FAR / 2, -_FAR / 2], SINGLE)
-    v[:, far] = np.array([0, 0.866 * _FAR, -0.866 * _FAR], SINGLE)
-    g[:, far] = _DEEP
-    return u, v, g
+def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
+    """Return a, b, c of the plane through three samples around the origin, (3, n), which no sample is above.
 
-
-def _along(offset: Singles, middle: Singles, width: float, cells: int) -> NDArray[np.int32]:
-    """Return the cells along an axis in which samples are, offset from a middle; the nearest ones outside."""
-    place = offset * SINGLE(1 / width)
-    place += middle
-    return np.clip(place, 0, cells - 1, out=place).astype(np.int32)
-
-
-def _plane(u: Singles, v: Singles, g: Singles, three: Ints) -> tuple[Ints, Array, Array, Array]:
-    """Return three samples around the origin and a, b, c of the plane through them, which no sample is above."""
-    count = len(u)
-    three, a, b, c = three.copy(), np.zeros(count), np.zeros(count), np.zeros(count)
+    three: (3, n), where to begin; they become the three.
+    """
+    count, far = under.shape[0], under.shape[1] - 3
+    rows = np.arange(count)
+    corners = _placed(under, few, turned, rows, three)
     # The contacts of the round before have moved as the robot was turned; where the origin left them, from afar again.
-    rows = np.arange(count)[:, None]
-    three[~_surrounds(u[rows, three], v[rows, three])] = np.arange(u.shape[1] - 3, u.shape[1])
-    live = np.arange(count)
+    left = np.flatnonzero(~_surrounds(corners))
+    if len(left):
+        three[:, left] = np.arange(far, far + 3)[:, None]
+        corners[:, :, left] = _placed(under, few, turned[:, :, left], left, three[:, left])
+    plane, own = np.empty((3, count)), three
     for _ in range(_EXCHANGES):
-        own = three[live]
-        at_u, at_v, at_g = (array[live[:, None], own].astype(np.float64) for array in (u, v, g))
-        a[live], b[live], c[live] = _through(at_u, at_v, at_g)
-        highest, above = _highest(u, v, g, a, b, live)
+        through = _through(corners)
+        highest, above = _highest(under, few, turned, through)
         # One of the three is above their plane by rounding alone: far ones by millimetres.
-        rises = (above - c[live] > _ABOVE) & (own != highest[:, None]).all(axis=1)
-        live, own, at_u, at_v, highest = live[rises], own[rises], at_u[rises], at_v[rises], highest[rises]
-        if not len(live):
-            break
+        rises = (above - through[2] > _ABOVE) & (own != highest).all(axis=0)
+        rising = np.flatnonzero(rises)
+        highest = highest[rising]
+        if len(rising) <= _SHARE * len(rows):
+            plane[:, rows], three[:, rows] = through, own
+            rows, under, few, turned = rows[rising], under[rising], few[rising], turned[:, :, rising]
+            corners, own, rising = corners[:, :, rising], own[:, rising], np.arange(len(rising))
+            if not len(rows):
+                break
+        new = _placed(under, few, turned[:, :, rising], rising, highest)
         # The origin is between the new sample and two of the three: exactly one pair, but for rounding.
-        new_u, new_v = (array[live, highest].astype(np.float64)[:, None] for array in (u, v))
-        kept = _PAIRS[_least_share(new_u, new_v, at_u, at_v).argmax(axis=1)]
-        three[live, 0] = highest
-        three[live, 1:] = np.take_along_axis(own, kept, axis=1)
-    return three, a, b, c
+        leaving = (_least_share(new, corners[:, :, rising]).argmax(axis=0) + 2) % 3
+        corners[:, leaving, rising] = new
+        own[leaving, rising] = highest
+    else:
+        plane[:, rows], three[:, rows] = through, own
+    return plane
 
 
-def _highest(u: Singles, v: Singles, g: Singles, a: Array, b: Array, rows: Ints) -> tuple[Ints, Singles]:
-    """Return the sample that is highest above the plane a u + b v in each of some rows, and its height above it."""
-    highest, above = np.empty(len(rows), np.intp), np.empty(len(rows), SINGLE)
-    for part in _blocks(len(rows), u.shape[1]):
-        at = rows[part]
-        over = u.take(at, axis=0)
-        over *= -a[at, None].astype(SINGLE)
-        term = v.take(at, axis=0)
-        term *= b[at, None].astype(SINGLE)
-        over -= term
-        over += g.take(at, axis=0)
+def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
+    """Return how high samples are above the slope of a plane at the origin, (n, m); those in it are as high as it."""
+    normals = (turned[2] + plane[0] * turned[0] + plane[1] * turned[1]).T.astype(SINGLE)
+    over = (normals[:, None] @ few)[:, 0]
+    return np.asarray(np.subtract(under, over, out=over))
+
+
+def _highest(under: Singles, few: Singles, turned: Array, plane: Array) -> tuple[Ints, Singles]:
+    """Return the sample that is highest above the plane in each row, and its height above it."""
+    highest, above = np.empty(len(under), np.intp), np.empty(len(under), SINGLE)
+    for part in _blocks(*under.shape):
+        over = _over(under[part], few[part], turned[:, :, part], plane[:, part])
         over.argmax(axis=1, out=highest[part])
-        above[part] = over[np.arange(len(at)), highest[part]]
+        above[part] = over[np.arange(len(over)), highest[part]]
     return highest, above
 
 
-def _through(u: Array, v: Array, g: Array) -> tuple[Array, Array, Array]:
-    """Return a, b, c of the plane g = a u + b v + c through three points each, (n, 3)."""
-    (u1, u2), (v1, v2), (g1, g2) = ((array[:, 1] - array[:, 0], array[:, 2] - array[:, 0]) for array in (u, v, g))
+_NEXT = np.array([1, 2, 0])
+
+
+def _areas(corners: Array) -> Array:
+    """Return twice the areas between the origin and each side of triangles, (3, n), positive for one around it."""
+    (u, v), following = corners[:2], corners[:2, _NEXT]
+    return np.asarray(u * following[1] - v * following[0])
+
+
+def _surrounds(corners: Array) -> Mask:
+    """Return which triangles hold the origin, (n,): it is on the inner side of all of their sides."""
+    return np.asarray((_areas(corners) >= 0).all(axis=0))
+
+
+def _through(corners: Array) -> Array:
+    """Return a, b, c of the plane g = a u + b v + c through three points each, (3, 3, n): (3, n)."""
+    (u1, u2), (v1, v2), (g1, g2) = corners[:, 1:] - corners[:, :1]
     area = u1 * v2 - u2 * v1
-    area = np.where(np.abs(area) < 1e-12, 1e-12, area)
+    area[np.abs(area) < 1e-12] = 1e-12
     a, b = (g1 * v2 - g2 * v1) / area, (u1 * g2 - u2 * g1) / area
-    return a, b, g[:, 0] - a * u[:, 0] - b * v[:, 0]
+    u, v, g = corners[:, 0]
+    return np.array([a, b, g - a * u - b * v])
 
 
-def _surrounds(u: Singles, v: Singles) -> Mask:
-    """Return which triangles (n, 3) hold the origin, (n,): it is on the same side of all of their sides."""
-    sides = np.stack([u[:, j] * v[:, k] - u[:, k] * v[:, j] for j, k in _PAIRS], axis=1)
-    return np.asarray((sides >= 0).all(axis=1) | (sides <= 0).all(axis=1))
-
-
-_PAIRS = np.array([(0, 1), (1, 2), (2, 0)])
-
-
-def _least_share(new_u: Array, new_v: Array, u: Array, v: Array) -> Array:
-    """Return the least barycentric coordinate of the origin in the triangles of a new point and each pair, (n, 3)."""
-    u1, v1 = u - new_u, v - new_v
-    u2, v2 = u1[:, [1, 2, 0]], v1[:, [1, 2, 0]]
-    area = u1 * v2 - u2 * v1
-    flat = np.abs(area) < 1e-12
+def _least_share(new: Array, corners: Array) -> Array:
+    """Return the least barycentric coordinate of the origin in the triangles of a new point and each side, (3, n)."""
+    of_new = _areas(corners)
+    before = new[0] * corners[1] - new[1] * corners[0]
+    after = -before[_NEXT]
+    area = of_new + before + after
+    flat = area < 1e-12
     area[flat] = 1.0
-    first, second = (u2 * new_v - new_u * v2) / area, (new_u * v1 - u1 * new_v) / area
-    least = np.minimum(np.minimum(first, second), 1 - first - second)
+    least = np.minimum(np.minimum(of_new, before), after) / area
     least[flat] = -np.inf
     return np.asarray(least)

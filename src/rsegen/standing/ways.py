@@ -108,8 +108,9 @@ BEST = ("length", "tilt", "margin")
 _Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
 
-_NEXT = 24
-"""Places at the front of a search that are looked at together: of fewer, each call costs as much as its poses."""
+_NEXT, _AHEAD = 24, 1 / 8
+"""Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
+is looked at in vain: of fewer, each call costs as much as its poses."""
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
@@ -387,7 +388,8 @@ class Lattice:
         i, j, k = place
         if self._is_driven[place] and self._is_turned[place] and self._is_turned[i, j, (k - 1) % HEADINGS]:
             return
-        near = [each for _, _, each in nsmallest(_NEXT, front) if each and not self._is_driven[each]]
+        count = max(_NEXT, int(_AHEAD * np.count_nonzero(self._is_driven)))
+        near = [each for _, _, each in nsmallest(count, front) if each and not self._is_driven[each]]
         self._find_from(np.unique([np.ravel_multi_index(each, self.moves.shape) for each in (place, *near)]))
 
     def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
