@@ -98,7 +98,7 @@ def test_python_and_the_command_line_drive_the_same_and_another_seed_drives_othe
 ) -> None:
     done: list[float] = []
     folder, name = course(tmp_path, 1), gazebo.simulator.name
-    chosen: dict[str, Any] = {"route": "random", "robots": 2, "duration": 3, "simulator": name}
+    chosen: dict[str, Any] = {"route": "random", "robots": 2, "duration": 2, "simulator": name}
     result = rsegen.drive(folder, **chosen, seed=5, output=tmp_path / "python", progress=done.append)
     words = ["drive", str(folder), *(word for key, value in chosen.items() for word in (f"--{key}", str(value)))]
     for seed in ("5", "6"):
@@ -109,9 +109,9 @@ def test_python_and_the_command_line_drive_the_same_and_another_seed_drives_othe
         assert python != other
     assert json.loads((tmp_path / "python" / "drive.json").read_text()) == result.as_json()
     for robot in result.robots:
-        assert robot.metrics.distance == pytest.approx(0.4, abs=0.25)
+        assert robot.metrics.distance == pytest.approx(0.25, abs=0.2)
         assert robot.trajectory.rows[0, 1] == pytest.approx(robot.start.x, abs=0.01)
-    assert done[-1] == 3
+    assert done[-1] == 2
 
 
 def names(folder: Path) -> set[str]:
@@ -142,7 +142,7 @@ def test_a_rest_that_is_less_than_a_step_is_left_out(
 
 def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
     words = ["drive", str(course(tmp_path, 1)), "--robot", "jackal", "--simulator", gazebo.simulator.name]
-    assert main([*words, "--duration", "15", "-o", str(tmp_path / "out")]) == 0
+    assert main([*words, "--duration", "7", "-o", str(tmp_path / "out")]) == 0
     with (tmp_path / "out" / "contacts.csv").open() as stream:
         touched = [row for row in csv.DictReader(stream) if row["part"].endswith("tread")]
     levels = {round(100 * float(row["z"])) for row in touched if row["other"] == "rse_0000"}
@@ -185,7 +185,7 @@ def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsy
     (tmp_path / "mine.sdf").write_text(ROBOTS["jackal"].file("mine", gazebo.backend))
     words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.5,0.43,0.25"]
     words += ["--simulator", gazebo.simulator.name]
-    assert main([*words, "--speed", "0.2", "--duration", "14", "--json"]) == 0
+    assert main([*words, "--speed", "0.4", "--duration", "7", "--json"]) == 0
     (robot,) = told(capsys)
     assert robot["crossed"] is not None
 
@@ -194,7 +194,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan = tmp_path / "tiny.yaml"
-    plan.write_text("seconds: 2\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [10]}\n")
+    plan.write_text("seconds: 1\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [10]}\n")
     words = ["experiment", str(plan), "--simulator", gazebo.simulator.name, "-o", str(tmp_path / "out")]
     assert main([*words, "--dry-run", "--json"]) == 0
     fates = json.loads(capsys.readouterr().out)
