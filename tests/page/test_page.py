@@ -644,7 +644,7 @@ ZOOMED = (683, 384)
 
 @pytest.mark.parametrize("size", [(360, 640), ZOOMED, (1366, 768), (3840, 2160)], ids=lambda size: f"{size[0]}")
 def test_every_control_is_inside_the_window(chrome: Chrome, address: str, size: tuple[int, int]) -> None:
-    page = Page(chrome, address, "mixed-course", size, sharpness=1)
+    page = Page(chrome, address, "mixed-course", size, sharpness=min(1, 1920 / size[0]))
     page.js("state.selected.value = 1; state.jobs.value = [arguments[0]]", _RUNS)
     for tab in ("obstacles", "map", "robot", "results"):
         page.js("state.tab.value = arguments[0]", tab)

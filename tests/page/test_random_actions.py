@@ -68,7 +68,7 @@ const field = (label) => all(`[data-field="${label}"] input[type=text]`)[0];
 
 
 FEW, MANY = 15, 60
-REASON = "trials take a minute"  # seeds 5 and 7 once showed another map than the chosen one, and an undone change
+REASON = "a trial takes half a minute"  # seed 5 once showed another map than the chosen one
 
 
 @dataclass(kw_only=True)
@@ -289,7 +289,7 @@ def chrome() -> Iterator[Chrome]:
 
 @pytest.mark.parametrize(
     ("seed", "actions"),
-    long_unless(lambda case: case[1] == FEW, [(0, FEW), (1, FEW), *((seed, MANY) for seed in (5, 7))], reason=REASON),
+    long_unless(lambda case: case[1] == FEW, [(0, FEW), (1, FEW), (5, MANY)], reason=REASON),
 )
 def test_every_invariant_holds_after_random_actions(chrome: Chrome, tmp_path: Path, seed: int, actions: int) -> None:
     file = tmp_path / "course.yaml"
