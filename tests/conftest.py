@@ -1,14 +1,18 @@
-"""Settings of all tests: markers by folder, a limit of CPU time, hypothesis, signals.
+"""Settings of all tests: markers by folder, a limit of CPU time, hypothesis, signals, where temporary files are.
 
 Hypothesis runs without deadlines, as machines are noisy, and in CI with the same examples every time: 25 per test, and
 100 with `--hypothesis-profile=thorough`, as the long ones have in `make test-all`.
 
 A shell that runs the tests in the background has them ignore Ctrl-C, nohup has them ignore that their terminal is gone,
 and all that they start would do so too; so both are set back.
+
+What rsegen writes it syncs, some 25,000 times in all tests, and each time waits milliseconds for a disk. So temporary
+files are in memory, if there is enough of it for them.
 """
 
 import os
 import signal
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,6 +32,22 @@ settings.load_profile("house")
 for _name, _usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
     if hasattr(signal, _name) and signal.getsignal(getattr(signal, _name)) == signal.SIG_IGN:
         signal.signal(getattr(signal, _name), _usual)
+
+MEMORY = "/dev/shm"  # noqa: S108  # a file system in memory, of Linux
+ROOM = 2e9
+"""Bytes that have to be free there, more than twice what all tests need at once."""
+
+
+def _takes_files(folder: str) -> bool:
+    """Whether a folder has room for the files of tests, and programs in it may be run; not so in most containers."""
+    if not os.path.isdir(folder):
+        return False
+    found = os.statvfs(folder)
+    return found.f_bavail * found.f_frsize > ROOM and not found.f_flag & os.ST_NOEXEC
+
+
+if "TMPDIR" not in os.environ and _takes_files(MEMORY):
+    os.environ["TMPDIR"] = tempfile.tempdir = MEMORY
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

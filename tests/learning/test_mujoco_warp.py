@@ -12,11 +12,13 @@ import pytest
 import rsegen
 from rsegen import Random, Recipe
 from rsegen.errors import ParameterError
+from tests.support.late_import import LateImport
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
-mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
-from rsegen.learning.mujoco import BlockGrid  # noqa: E402  # they need both
-from rsegen.learning.mujoco_warp import BlocksOfWorlds  # noqa: E402
+from rsegen.learning.mujoco import BlockGrid  # noqa: E402  # it needs MuJoCo
+
+mjw = LateImport("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+adapter = LateImport("rsegen.learning.mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
 
 pytestmark = [pytest.mark.long(reason="Warp, 0.4 GB, which compiles its kernels"), pytest.mark.slow]
 
@@ -46,9 +48,9 @@ def compiled() -> Any:
 
 
 @pytest.fixture
-def worlds(compiled: Any) -> tuple[Any, Any, BlocksOfWorlds]:
+def worlds(compiled: Any) -> tuple[Any, Any, Any]:
     model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=WORLDS)
-    return model, data, BlocksOfWorlds(GRID, compiled, model, data)
+    return model, data, adapter.BlocksOfWorlds(GRID, compiled, model, data)
 
 
 def _touching(level: int, cell: int) -> list[float]:
@@ -141,7 +143,7 @@ def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them() -> None:
     body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.08, 0.06, 0.02], friction=[1e-3, 1e-3, 1e-3])
     compiled = spec.compile()
     model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=len(friction), njmax=128)
-    blocks = BlocksOfWorlds(grid, compiled, model, data)
+    blocks = adapter.BlocksOfWorlds(grid, compiled, model, data)
     levels = np.broadcast_to(np.arange(1, 6, dtype=np.int16)[:, None, None], (5, 20, 20))
     blocks.write(levels)
     qpos, qvel = np.zeros((5, 7)), np.zeros((5, 6))

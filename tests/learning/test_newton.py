@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,11 @@ import pytest
 
 from rsegen import Matrix, Random, Recipe, build_many, compose
 from rsegen.errors import ParameterError, UnknownName
+from tests.support.late_import import LateImport
 
-newton = pytest.importorskip("newton", reason="Newton is not installed")
-import warp as wp  # noqa: E402  # Newton brings it
-
-from rsegen.learning.newton import BlockGrid, add_map  # noqa: E402  # it needs Newton
+newton = LateImport("newton", reason="Newton is not installed")
+wp = LateImport("warp", reason="Warp is not installed")
+adapter = LateImport("rsegen.learning.newton", reason="Newton is not installed")
 
 pytestmark = pytest.mark.long(reason="Newton, with Warp 0.5 GB")
 
@@ -33,7 +34,7 @@ SCENE = compose(
 @pytest.mark.parametrize("shape", ["boxes", "mesh"])
 def test_every_level_has_its_friction(shape: str) -> None:
     builder = newton.ModelBuilder()
-    shapes = add_map(builder, SCENE, shape=shape)
+    shapes = adapter.add_map(builder, SCENE, shape=shape)
     frictions = {round(builder.shape_material_mu[number], 6) for number in shapes}
     assert frictions == {0.2, 0.4, 0.6}
     assert builder.body_count == 0
@@ -43,7 +44,7 @@ def test_every_level_has_its_friction(shape: str) -> None:
 
 def test_boxes_are_the_heights_of_the_cells() -> None:
     builder = newton.ModelBuilder()
-    shapes = add_map(builder, SCENE, pos=(1, 2, 0.5))
+    shapes = adapter.add_map(builder, SCENE, pos=(1, 2, 0.5))
     found = np.zeros(SCENE.field.shape)
     x, y = ((edges[:-1] + edges[1:]) / 2 for edges in SCENE.field.edges())
     for number in shapes:
@@ -60,27 +61,23 @@ def test_boxes_are_the_heights_of_the_cells() -> None:
 
 def test_an_unknown_shape_is_refused() -> None:
     with pytest.raises(UnknownName, match=r"unknown shape 'hfield' .*boxes, mesh"):
-        add_map(newton.ModelBuilder(), SCENE, shape="hfield")
+        adapter.add_map(newton.ModelBuilder(), SCENE, shape="hfield")
 
 
 WORLDS = 3
-GRID = BlockGrid(
-    Recipe(
-        seed=7,
-        chunk_size=4,
-        unit_cm=5,
-        boundary="none",
-        level_friction=(0.2, 0.4, 0.6),
-        obstacles=[Random(levels=4)],
-    ),
-    pos=(1, 2, 0.5),
-)
+RECIPE = replace(SCENE.recipe, seed=7, chunk_size=4)
+
+
+@cache
+def grid() -> Any:
+    """The blocks that worlds have."""
+    return adapter.BlockGrid(RECIPE, pos=(1, 2, 0.5))
 
 
 def _worlds() -> tuple[Any, np.ndarray]:
     """A model of worlds with the blocks and a ball above the block (2, 1) in each, and the shapes of the blocks."""
     one = newton.ModelBuilder()
-    shapes = np.array(GRID.add_to(one))
+    shapes = np.array(grid().add_to(one))
     ball = one.add_body(xform=wp.transform(wp.vec3(1.05, 1.95, 1.0), wp.quat_identity()))
     one.add_shape_sphere(ball, radius=0.03)
     builder = newton.ModelBuilder()
@@ -90,8 +87,8 @@ def _worlds() -> tuple[Any, np.ndarray]:
 
 def test_blocks_change_in_a_finalized_model() -> None:
     model, shapes = _worlds()
-    levels = build_many(GRID.recipe, range(WORLDS))
-    GRID.write(model, levels, shapes)
+    levels = build_many(RECIPE, range(WORLDS))
+    grid().write(model, levels, shapes)
     places, sizes, friction = (
         array.numpy()[shapes] for array in (model.shape_transform, model.shape_scale, model.shape_material_mu)
     )
@@ -102,12 +99,12 @@ def test_blocks_change_in_a_finalized_model() -> None:
     assert np.allclose(places[0, :, 0].reshape(4, 4), 1 + middles[:, None])
     assert np.allclose(places[0, :, 1].reshape(4, 4), 2 + middles)
     assert np.allclose(sizes[..., :2], 0.05)
-    assert np.allclose(friction, GRID.sliding(levels))
-    ground = GRID.ground(levels)
+    assert np.allclose(friction, grid().sliding(levels))
+    ground = grid().ground(levels)
     assert np.allclose(ground.heights(places[..., :2]), places[..., 2] + sizes[..., 2])
     assert np.allclose(ground.friction(places[..., :2]), friction)
     before = model.shape_scale.numpy()
-    GRID.write(model, levels[0], shapes[2])
+    grid().write(model, levels[0], shapes[2])
     after = model.shape_scale.numpy()
     assert np.array_equal(after[shapes[2]], before[shapes[0]])
     assert np.array_equal(after[shapes[:2]], before[shapes[:2]])
@@ -116,9 +113,9 @@ def test_blocks_change_in_a_finalized_model() -> None:
 def test_other_shapes_are_refused() -> None:
     model, shapes = _worlds()
     with pytest.raises(ParameterError, match="shapes: 32 for 16 blocks; give those of add_to"):
-        GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[:2])
+        grid().write(model, build_many(RECIPE, [0])[0], shapes[:2])
     with pytest.raises(ParameterError, match=r"shapes: 1000..1015 of 51 shapes"):
-        GRID.write(model, build_many(GRID.recipe, [0])[0], shapes[0] + 1000)
+        grid().write(model, build_many(RECIPE, [0])[0], shapes[0] + 1000)
 
 
 def _a_second_later(model: Any, stepper: Any, now: Any) -> Any:
@@ -144,8 +141,8 @@ def test_balls_rest_on_the_blocks_written_last(solver: str) -> None:
     model, shapes = _worlds()
     stepper = getattr(newton.solvers, solver)(model)
     for first in (0, 10):
-        levels = build_many(GRID.recipe, range(first, first + WORLDS))
-        GRID.write(model, levels, shapes)
+        levels = build_many(RECIPE, range(first, first + WORLDS))
+        grid().write(model, levels, shapes)
         stepper.notify_model_changed(newton.ModelFlags.SHAPE_PROPERTIES)
         now = model.state()
         newton.eval_fk(model, model.joint_q, model.joint_qd, now)
@@ -171,15 +168,15 @@ def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them(
     if solver == "SolverMuJoCo":
         pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
     friction, builder, shapes = np.array([0.2, 0.4, 0.6]), newton.ModelBuilder(), []
-    grid = BlockGrid(replace(GRID.recipe, chunk_size=16))
+    blocks = adapter.BlockGrid(replace(RECIPE, chunk_size=16))
     levels = np.ones((3, 16, 16), dtype=np.int16) * np.arange(1, 4, dtype=np.int16)[:, None, None]
     for level in (1, 2, 3):
         world = newton.ModelBuilder()
         if ground == "blocks":
-            shapes.append(np.array(grid.add_to(world)) + builder.shape_count)
+            shapes.append(np.array(blocks.add_to(world)) + builder.shape_count)
         else:
             matrix = Matrix(rows=(" ".join([str(level)] * 16),) * 16)
-            add_map(world, compose(replace(grid.recipe, obstacles=(matrix,))))
+            adapter.add_map(world, compose(replace(blocks.recipe, obstacles=(matrix,))))
         box = world.add_body(xform=wp.transform(wp.vec3(-0.5, 0.02, 0.05 * level + 0.02), wp.quat_identity()))
         # The solvers combine two frictions in different ways, which all give the same for two equal ones.
         material = newton.ModelBuilder.ShapeConfig(mu=float(friction[level - 1]))
@@ -187,7 +184,7 @@ def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them(
         builder.add_world(world)
     model = builder.finalize(device="cpu")
     if ground == "blocks":
-        grid.write(model, levels, np.array(shapes))
+        blocks.write(model, levels, np.array(shapes))
     own = {"njmax": 512, "nconmax": 256} if solver == "SolverMuJoCo" else {}
     stepper, now = getattr(newton.solvers, solver)(model, **own), model.state()
     speeds = np.zeros((3, 6), dtype=np.float32)

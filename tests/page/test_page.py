@@ -28,7 +28,7 @@ from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.run.single_files import save
 from tests.page.test_files import drive as recorded
-from tests.support.browser import chromium, complaints, resize
+from tests.support.browser import BLURRED, chromium, complaints, resize
 from tests.support.patience import until
 
 if TYPE_CHECKING:
@@ -68,9 +68,16 @@ def chrome() -> Iterator[Chrome]:
 class Page:
     """The page in a browser, by the words that are on it."""
 
-    def __init__(self, chrome: Chrome, address: str, what: str = "", size: tuple[int, int] = (1366, 768)) -> None:
+    def __init__(
+        self,
+        chrome: Chrome,
+        address: str,
+        what: str = "",
+        size: tuple[int, int] = (1366, 768),
+        sharpness: float = BLURRED,
+    ) -> None:
         self.chrome = chrome
-        resize(chrome, *size)
+        resize(chrome, *size, sharpness=sharpness)
         chrome.get("about:blank")
         complaints(chrome)  # of the page before
         chrome.get(f"{address}&open={what}")
@@ -146,24 +153,26 @@ def test_the_course_of_the_paper_is_made_undone_and_made_again(page: Page) -> No
     assert page.state()["rows"] == made["rows"]
 
 
-@pytest.mark.parametrize("text", ["7.5", "7,5"])
-def test_both_decimal_separators_are_read_as_the_same_number(page: Page, text: str) -> None:
-    page.type("Height step (unit)", text)
-    assert page.settled()["values"]["unit_cm"] == 7.5
-    page.field("Number of maps").click()
-    assert page.field("Height step (unit)").get_attribute("value") == "7.5"
+def test_both_decimal_separators_are_read_as_the_same_number(page: Page) -> None:
+    for text, number in (("7.5", 7.5), ("6,5", 6.5)):
+        page.type("Height step (unit)", text)
+        assert page.settled()["values"]["unit_cm"] == number
+        page.field("Number of maps").click()
+        assert page.field("Height step (unit)").get_attribute("value") == str(number)
 
 
-@pytest.mark.parametrize("text", ["1.000,5", "1 000", "7.5.5", "abc", "1,000", "0x10", ""])
-def test_a_number_that_cannot_be_read_is_said_at_its_field_and_changes_nothing(page: Page, text: str) -> None:
+def test_a_number_that_cannot_be_read_is_said_at_its_field_and_changes_nothing(page: Page) -> None:
     before = page.settled()["values"]["unit_cm"]
-    field = page.type("Height step (unit)", text or Keys.DELETE)
-    until(lambda: page.problem("Height step (unit)"))
-    assert field.get_attribute("aria-invalid") == "true"
-    assert field.get_attribute("value") == text
-    page.field("Number of maps").click()
-    assert page.settled()["values"]["unit_cm"] == before
-    assert field.get_attribute("value") == text
+    for text in ("1.000,5", "1 000", "7.5.5", "abc", "1,000", "0x10", ""):
+        field = page.type("Height step (unit)", text or Keys.DELETE)
+        until(lambda: page.problem("Height step (unit)"))
+        assert field.get_attribute("aria-invalid") == "true"
+        assert field.get_attribute("value") == text
+        page.field("Number of maps").click()
+        assert page.settled()["values"]["unit_cm"] == before
+        assert field.get_attribute("value") == text
+        page.type("Height step (unit)", str(before))
+        until(lambda: not page.problem("Height step (unit)"))
 
 
 def test_a_value_out_of_its_range_is_said_at_its_field_and_kept(page: Page) -> None:
@@ -472,7 +481,7 @@ def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
     here, first = page.chrome.current_url, page.chrome.current_window_handle
     page.chrome.switch_to.new_window("tab")
     try:
-        resize(page.chrome, 1366, 768)
+        resize(page.chrome, 1366, 768, sharpness=BLURRED)
         page.chrome.get(here)
         until(lambda: page.js("return Boolean(state?.scene.value && state.hello.value)"))
         page.choose("Add", "Peak")
@@ -599,7 +608,7 @@ def test_a_frozen_page_shows_its_maps_without_a_server_or_a_control_that_edits(c
     maps = [ShownMap.of(compose(recipe, index), "name: mixed-course", ".yaml") for index in recipe.indices]
     file = tmp_path / "maps.html"
     file.write_bytes(frozen_page(maps))
-    resize(chrome, 1366, 768)
+    resize(chrome, 1366, 768, sharpness=BLURRED)
     chrome.get("about:blank")
     complaints(chrome)  # of earlier pages
     chrome.get(file.as_uri())
@@ -633,11 +642,9 @@ ZOOMED = (683, 384)
 """A screen of 1366 x 768 at 200 %."""
 
 
-@pytest.mark.parametrize(
-    "size", [(360, 640), ZOOMED, (1024, 640), (1366, 768), (1920, 1080), (3840, 2160)], ids=lambda size: f"{size[0]}"
-)
+@pytest.mark.parametrize("size", [(360, 640), ZOOMED, (1366, 768), (3840, 2160)], ids=lambda size: f"{size[0]}")
 def test_every_control_is_inside_the_window(chrome: Chrome, address: str, size: tuple[int, int]) -> None:
-    page = Page(chrome, address, "mixed-course", size=size)
+    page = Page(chrome, address, "mixed-course", size, sharpness=min(1, 1920 / size[0]))
     page.js("state.selected.value = 1; state.jobs.value = [arguments[0]]", _RUNS)
     for tab in ("obstacles", "map", "robot", "results"):
         page.js("state.tab.value = arguments[0]", tab)
@@ -663,7 +670,7 @@ def axe() -> str:
     return _AXE.read_text("utf-8")
 
 
-@pytest.mark.parametrize(("size", "dark"), [((1366, 720), True), ((360, 720), False), (ZOOMED, True)])
+@pytest.mark.parametrize(("size", "dark"), [((1366, 720), True), ((360, 720), False)])
 def test_axe_finds_no_error(chrome: Chrome, address: str, axe: str, size: tuple[int, int], dark: bool) -> None:
     page = Page(chrome, address, "mixed-course")
     resize(chrome, *size, dark=dark)

@@ -95,10 +95,10 @@ def test_many_maps_at_their_difficulties_and_steps_equal_maps_built_one_by_one(r
 def test_every_kind_with_drawn_ends_and_every_blend(kind: str, blend: str, ends: dict[str, Any]) -> None:
     obstacle = rsegen.KINDS[kind](levels=5, softness=40, blend=blend, **ends)
     recipe = Recipe(seed=11, chunk_size=6, chunks=(2, 1), ground_level=4, obstacles=[Random(levels=4), obstacle])
-    many = rsegen.build_many(recipe, range(40))
-    assert np.array_equal(many, _one_by_one(recipe, range(40)))
+    many = rsegen.build_many(recipe, range(12))
+    assert np.array_equal(many, _one_by_one(recipe, range(12)))
     if ends:  # without them, some kinds are the same on the whole of every map
-        assert len(np.unique(many, axis=0)) > 20
+        assert len(np.unique(many, axis=0)) > 6
 
 
 @pytest.mark.parametrize("difficulty", [1, 0.6])

@@ -180,8 +180,14 @@ def to_its_workers_too(process: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("send", [to_it_alone, to_its_workers_too])
-@pytest.mark.parametrize("maps", long_unless(lambda maps: maps == 1, [0, 1, 200], reason="another moment"))
+@pytest.mark.parametrize(
+    ("maps", "send"),
+    long_unless(
+        lambda case: case[0] == 1,
+        [(0, to_its_workers_too), (1, to_it_alone), (1, to_its_workers_too), (200, to_it_alone)],
+        reason="another moment",
+    ),
+)
 def test_ctrl_c_ends_all_workers_and_leaves_whole_maps(
     tmp_path: Path, many: list[str | Path], send: Callable[[int], None], maps: int
 ) -> None:
@@ -227,6 +233,7 @@ def test_workers_end_in_the_middle_of_long_results() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("many", ["generate"], indirect=True)
 def test_a_killed_worker_is_reported_and_leaves_nothing(tmp_path: Path, many: list[str | Path]) -> None:
     process = started(*many, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 50)
@@ -241,6 +248,7 @@ def test_a_killed_worker_is_reported_and_leaves_nothing(tmp_path: Path, many: li
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("many", ["generate"], indirect=True)
 def test_workers_end_when_their_parent_is_killed(tmp_path: Path, many: list[str | Path]) -> None:
     process = started(*many, "-o", tmp_path / "out")
     until_there(process, tmp_path / "out", 50)

@@ -52,7 +52,7 @@ def right_turn(scan: Scan, field: StepField) -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 0, range(3), reason="a cloud more per kind"))
+@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 0, range(2), reason="a cloud more per kind"))
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_block_that_is_seen_is_right_at_any_heading_and_tilt(kind: str, seed: int) -> None:
     field = field_of(seed, **KINDS[kind])
@@ -62,6 +62,8 @@ def test_every_block_that_is_seen_is_right_at_any_heading_and_tilt(kind: str, se
     assert abs(scan.unit - field.unit) < 0.003
     assert abs(scan.block_width - field.block_width) < 0.002
     assert scan.boundary == KINDS[kind]["boundary"]
+    assert scan.base == 0, "it is on no board"
+    assert scan.open_sides == ()
     if scan.boundary != "none":
         assert abs(scan.frame_height - field.frame_height) < 0.003
 
@@ -174,14 +176,11 @@ def overhead(field: StepField) -> tuple[DepthCamera, ...]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("unit_cm", "noise"), [(10, 0.01), *long_unless(lambda _: False, [(5, 0.005)], reason="6 views")]
-)
-def test_a_field_of_three_metres_is_found_from_six_views(unit_cm: int, noise: float) -> None:
+def test_a_field_of_three_metres_is_found_from_six_views() -> None:
     """Edges are more in some parts of it, so that two metres were its strongest period."""
-    field = field_of(301, boundary="none", chunks=(5, 2), chunk_size=6, unit_cm=unit_cm)
+    field = field_of(301, boundary="none", chunks=(5, 2), chunk_size=6)
     rng = np.random.default_rng(301)
-    cloud = scanned(field, overhead(field), Flaws(noise=noise, missing=0.2, outliers=0.02), rng)
+    cloud = scanned(field, overhead(field), Flaws(noise=0.01, missing=0.2, outliers=0.02), rng)
     scan = find_field(turned(cloud, rng, 0.5))
     right_turn(scan, field)
     assert scan.seen.mean() > 0.95
@@ -189,7 +188,7 @@ def test_a_field_of_three_metres_is_found_from_six_views(unit_cm: int, noise: fl
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 1, range(1, 4), reason="a cloud more"))
+@pytest.mark.parametrize("seed", long_unless(lambda seed: seed == 1, range(1, 3), reason="a cloud more"))
 def test_a_single_coarse_image_is_enough(kind: str, seed: int) -> None:
     """160 x 120 pixels, one per 14 mm: six points in a pixel of 47 mm, half of a block."""
     field = field_of(seed, **KINDS[kind])
@@ -238,12 +237,11 @@ def test_a_frame_of_which_a_side_is_hidden_is_found() -> None:
 
 @pytest.mark.slow
 def test_a_side_next_to_which_nothing_was_seen_is_open() -> None:
-    field, cloud = hiding("none")
+    _, cloud = hiding("none")
     scan = find_field(cloud)
     assert sorted(scan.levels.shape) == [9, 10]
     assert scan.open_sides
     assert find_field(cloud, ScanSettings(blocks=(10, 10))).open_sides == ()
-    assert find_field(cloud_of(field)).open_sides == ()
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import SURE, Scan, ScanSettings, find_field
 from rsegen.scanning.levels import board_below, units_per_level
-from tests.scanning.test_find_field import KINDS, TWO_VIEWS, cloud_of, field_of, right_turn
+from tests.scanning.test_find_field import TWO_VIEWS, cloud_of, field_of, right_turn
 
 USUAL = Flaws(noise=0.005, missing=0.2, outliers=0.02)
 
@@ -52,12 +52,6 @@ def test_a_given_board_is_not_searched() -> None:
     assert find_field(cloud, ScanSettings(base=0)).base == 0
     with pytest.raises(ScanError, match="blocks rise by 5 cm in the cloud, not 10 cm"):
         find_field(cloud, ScanSettings(base=0), known=field_of(2, boundary="outer"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_field_on_the_floor_has_no_board(kind: str) -> None:
-    assert find_field(cloud_of(field_of(3, **KINDS[kind]))).base == 0
 
 
 def test_boards_and_units_follow_from_the_levels_of_tops() -> None:

@@ -22,6 +22,9 @@ _QUIET = (
     *("disable-dev-shm-usage", "hide-scrollbars"),
 )
 
+BLURRED = 0.5
+"""Sharpness of pages of which nobody looks at the picture: without a graphics card each pixel takes time."""
+
 
 @contextmanager
 def chromium(*flags: str) -> Iterator[Chrome]:
@@ -45,9 +48,9 @@ def chromium(*flags: str) -> Iterator[Chrome]:
             opened.quit()
 
 
-def resize(browser: Chrome, width: int, height: int, *, dark: bool = False) -> None:
-    """Give the page this size in CSS pixels, and light or dark colours."""
-    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+def resize(browser: Chrome, width: int, height: int, *, dark: bool = False, sharpness: float = 1) -> None:
+    """Give the page this size in CSS pixels, so many pixels of the screen along each, and light or dark colours."""
+    size = {"width": width, "height": height, "deviceScaleFactor": sharpness, "mobile": False}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})

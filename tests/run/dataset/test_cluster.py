@@ -80,9 +80,7 @@ def test_a_cluster_that_runs_makes_the_same_bytes(address: str, tmp_path: Path, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "command", long_unless("series".__eq__, ["generate", "series", "export"], reason="a cluster per command")
-)
+@pytest.mark.parametrize("command", long_unless("series".__eq__, ["series", "export"], reason="a cluster per command"))
 def test_a_cluster_makes_the_same_bytes_as_this_machine(tmp_path: Path, command: str) -> None:
     flags = [command, *OBSTACLE, "--maps", "12", *(["--to", "heightmap"] if command == "export" else [])]
     for name, where in (("here", ["--workers", "1"]), ("there", ["--workers", "2", "--scheduler", "local"])):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import cycle, pairwise
 from math import cos, inf, sin
 
 import numpy as np
@@ -44,8 +44,7 @@ def off_line(place: tuple[float, float], points: np.ndarray) -> float:
     return least
 
 
-@pytest.mark.parametrize("kind", ROBOTS)
-@pytest.mark.parametrize("example", EXAMPLES)
+@pytest.mark.parametrize(("example", "kind"), [*zip(EXAMPLES, cycle(ROBOTS))])
 def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
     field = rsegen.build(rsegen.load(EXAMPLES[example]))
     first, second = robot_runs(field, robot(kind), "way", count=2, seed=1)

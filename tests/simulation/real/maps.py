@@ -32,13 +32,6 @@ class Map:
         return self.folder / f"{self.scene.name}.world"
 
 
-def examples() -> Iterator[rsegen.Recipe]:
-    """A recipe for every map of every example."""
-    for recipe in map(rsegen.load, EXAMPLES.values()):
-        for index in recipe.indices:
-            yield recipe.alone(index)
-
-
 def variants() -> Iterator[rsegen.Recipe]:
     """A small random map of two chunks in every mesh type with every boundary."""
     random = rsegen.Random(levels=4)
@@ -92,13 +85,14 @@ def shape_name(shape: Shape) -> str:
     return "-".join(f"{name}-{value}" for name, value in shape.items()) or "default"
 
 
-def shaped() -> Iterator[rsegen.Recipe]:
-    """The first map of every example, each in another shape than the one before it, none in the default one.
+def examples() -> Iterator[rsegen.Recipe]:
+    """The first map of every example, the first in the default shape, each in another shape than the one before it.
 
     Every example in every shape is rebuilt from its files in tests/exporters/gazebo/test_rebuilt.py.
     """
-    for recipe, shape in zip(map(rsegen.load, EXAMPLES.values()), cycle(SHAPES[1:])):
-        yield replace(recipe, name=f"{recipe.name}-{shape_name(shape)}", maps=1, **shape)
+    for recipe, shape in zip(map(rsegen.load, EXAMPLES.values()), cycle(SHAPES)):
+        name = f"{recipe.name}-{shape_name(shape)}" if shape else recipe.name
+        yield replace(recipe, name=name, maps=1, **shape)
 
 
 def slippery() -> Iterator[rsegen.Recipe]:
@@ -130,22 +124,25 @@ def lanes(scene: rsegen.Scene) -> Iterator[tuple[str, tuple[float, float, float]
         yield name, place, scene.friction_of(material) < SIDEWAYS / 10
 
 
-def kinds() -> Iterator[rsegen.Recipe]:
-    """A small map with nothing but one obstacle, for every kind, in turn as one mesh and as boxes."""
-    for kind, mesh_type in zip(rsegen.KINDS, cycle(("single", "multi"))):
-        placement = rsegen.KINDS[kind](levels=4, softness=40)
-        yield rsegen.Recipe(
-            name=f"{kind}-{mesh_type}",
-            chunk_size=6,
-            ground_level=max(0, -placement.level_range[0]),  # a pit reaches below the ground
-            mesh_type=mesh_type,
-            seed=1,
-            obstacles=(placement,),
-        )
+def every_kind() -> rsegen.Recipe:
+    """A map of a chunk per kind with an obstacle of it; kinds differ in levels alone."""
+    side, obstacles = 6, []
+    for number, kind in enumerate(rsegen.KINDS.values()):
+        first, end = (number * side, 0), (number * side + side - 1, side - 1)
+        last = (end[0], 0) if kind is rsegen.HorizontalBarrier else end
+        obstacles.append(kind(levels=4, softness=40, first=first, last=last))
+    return rsegen.Recipe(
+        name="kinds",
+        chunk_size=side,
+        chunks=(len(obstacles), 1),
+        ground_level=max(-obstacle.level_range[0] for obstacle in obstacles),  # a pit reaches below the ground
+        seed=1,
+        obstacles=tuple(obstacles),
+    )
 
 
 FEW = {
-    *("mixed-course_0000", "single-divided_0000", "pallet-outer_0000", "multi-none_0000"),
+    *("diagonal-barrier_0000", "single-divided_0000", "pallet-outer_0000", "multi-none_0000"),
     *("single-friction_0000", "pallet-levels_0000", "multi-wood_0000"),
     *("slippery-default_0000", "slippery-collision-boxes_0000", "slippery-mesh_type-multi_0000"),
 }

@@ -98,7 +98,7 @@ def test_python_and_the_command_line_drive_the_same_and_another_seed_drives_othe
 ) -> None:
     done: list[float] = []
     folder, name = course(tmp_path, 1), gazebo.simulator.name
-    chosen: dict[str, Any] = {"route": "random", "robots": 2, "duration": 3, "simulator": name}
+    chosen: dict[str, Any] = {"route": "random", "robots": 2, "duration": 2, "simulator": name}
     result = rsegen.drive(folder, **chosen, seed=5, output=tmp_path / "python", progress=done.append)
     words = ["drive", str(folder), *(word for key, value in chosen.items() for word in (f"--{key}", str(value)))]
     for seed in ("5", "6"):
@@ -109,9 +109,9 @@ def test_python_and_the_command_line_drive_the_same_and_another_seed_drives_othe
         assert python != other
     assert json.loads((tmp_path / "python" / "drive.json").read_text()) == result.as_json()
     for robot in result.robots:
-        assert robot.metrics.distance == pytest.approx(0.4, abs=0.25)
+        assert robot.metrics.distance == pytest.approx(0.25, abs=0.2)
         assert robot.trajectory.rows[0, 1] == pytest.approx(robot.start.x, abs=0.01)
-    assert done[-1] == 3
+    assert done[-1] == 2
 
 
 def names(folder: Path) -> set[str]:
@@ -142,7 +142,7 @@ def test_a_rest_that_is_less_than_a_step_is_left_out(
 
 def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation, tmp_path: Path) -> None:
     words = ["drive", str(course(tmp_path, 1)), "--robot", "jackal", "--simulator", gazebo.simulator.name]
-    assert main([*words, "--duration", "15", "-o", str(tmp_path / "out")]) == 0
+    assert main([*words, "--duration", "7", "-o", str(tmp_path / "out")]) == 0
     with (tmp_path / "out" / "contacts.csv").open() as stream:
         touched = [row for row in csv.DictReader(stream) if row["part"].endswith("tread")]
     levels = {round(100 * float(row["z"])) for row in touched if row["other"] == "rse_0000"}
@@ -154,14 +154,14 @@ def test_wheels_touch_the_map_at_the_heights_of_its_blocks(gazebo: Installation,
 def test_sampling_contacts_does_not_change_a_drive(gazebo: Installation, tmp_path: Path) -> None:
     folder, name = course(tmp_path, 4), gazebo.simulator.name
     with_contacts, without = (
-        rsegen.drive(folder, robots=2, duration=6, seed=5, simulator=name, contacts=contacts)
+        rsegen.drive(folder, robots=2, duration=3, seed=5, simulator=name, contacts=contacts)
         for contacts in (True, False)
     )
     for one, other in zip(with_contacts.robots, without.robots, strict=True):
         assert np.array_equal(one.trajectory.rows, other.trajectory.rows)
         assert one.metrics.touched
         assert other.metrics.touched == {}
-    assert len(with_contacts.contact_samples) == 12
+    assert len(with_contacts.contact_samples) == 6
     assert without.contact_samples == []
     # On a busy machine a server may fail and be started again: the drive has to be the same all the more.
     assert [note for note in (*with_contacts.notes, *without.notes) if "was started again" not in note] == []
@@ -185,7 +185,7 @@ def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsy
     (tmp_path / "mine.sdf").write_text(ROBOTS["jackal"].file("mine", gazebo.backend))
     words = ["drive", str(course(tmp_path, 1)), "--robot", str(tmp_path / "mine.sdf"), "--size", "0.5,0.43,0.25"]
     words += ["--simulator", gazebo.simulator.name]
-    assert main([*words, "--speed", "0.2", "--duration", "14", "--json"]) == 0
+    assert main([*words, "--speed", "0.4", "--duration", "7", "--json"]) == 0
     (robot,) = told(capsys)
     assert robot["crossed"] is not None
 
@@ -194,7 +194,7 @@ def test_an_experiment_goes_on_where_it_was_stopped(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan = tmp_path / "tiny.yaml"
-    plan.write_text("seconds: 2\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [10]}\n")
+    plan.write_text("seconds: 1\nrepeats: 1\nrows:\n  - {robot: burger, robots: 1, sizes: [10]}\n")
     words = ["experiment", str(plan), "--simulator", gazebo.simulator.name, "-o", str(tmp_path / "out")]
     assert main([*words, "--dry-run", "--json"]) == 0
     fates = json.loads(capsys.readouterr().out)
@@ -245,11 +245,11 @@ def test_a_server_that_is_killed_in_a_trial_is_counted(gazebo_classic: Installat
 
     def watch() -> None:
         for server in processes("gzserver"):
-            if len(killed) < 2 and server.pid not in killed and server.create_time() < time.time() - 4:
+            if len(killed) < 2 and server.pid not in killed and server.create_time() < time.time() - 3:
                 killed.append(server.pid)
                 server.kill()
 
-    plan = ExperimentPlan(name="killed", rows=(TableRow(robots=1, sizes=(10,)),), paces=("free",), seconds=6)
+    plan = ExperimentPlan(name="killed", rows=(TableRow(robots=1, sizes=(10,)),), paces=("real",), seconds=4)
     outcome = run_trial(plan, plan.cells[0], 0, gazebo_classic, watch).outcome
     assert len(killed) == 2
     assert outcome.attempts == 3
@@ -267,7 +267,7 @@ def test_a_server_without_the_processor_is_starved(gazebo_classic: Installation)
                 time.sleep(1.5)  # between two looks it runs for about half a second
                 server.resume()
 
-    plan = ExperimentPlan(name="starved", rows=(TableRow(robots=1, sizes=(10,)),), paces=("free", "real"), seconds=5)
+    plan = ExperimentPlan(name="starved", rows=(TableRow(robots=1, sizes=(10,)),), paces=("free", "real"), seconds=2)
     free, real = (run_trial(plan, cell, 0, gazebo_classic, watch).outcome for cell in plan.cells)
     assert free.starved
     assert free.cpu is not None
@@ -279,8 +279,8 @@ def test_a_server_without_the_processor_is_starved(gazebo_classic: Installation)
 def test_a_robot_of_a_file_is_in_a_plan(gazebo: Installation, tmp_path: Path) -> None:
     file = tmp_path / "mine.sdf"
     file.write_text(ROBOTS["jackal"].file("mine", gazebo.backend))
-    row = TableRow(robot=str(file), robots=1, sizes=(20,), speed=0.3)
-    plan = ExperimentPlan(name="mine", rows=(row,), paces=("free",), seconds=3)
+    row = TableRow(robot=str(file), robots=1, sizes=(10,), speed=0.3)
+    plan = ExperimentPlan(name="mine", rows=(row,), paces=("free",), seconds=2)
     trial = run_trial(plan, plan.cells[0], 0, gazebo)
     assert list(trial.trajectories) == ["mine_0"]
     assert trial.outcome.driven is not None
@@ -316,7 +316,7 @@ def test_wheels_that_turn_nothing_are_noted(gazebo_classic: Installation, tmp_pa
 
 @pytest.mark.long(reason="two servers in turns")
 def test_an_empty_world_in_turns_with_another_has_the_same_speed(gazebo: Installation) -> None:
-    plan = ExperimentPlan(name="null", rows=(TableRow(robots=1, sizes=(0,)),), paces=("beside",), seconds=4)
+    plan = ExperimentPlan(name="null", rows=(TableRow(robots=1, sizes=(0,)),), paces=("beside",), seconds=2)
     outcome = run_trial(plan, plan.cells[0], 0, gazebo).outcome
     assert outcome.share is not None
     assert 1 / 2 < outcome.share < 2  # a busy machine gives 0.7 to 1.4: speed itself is for benchmarks

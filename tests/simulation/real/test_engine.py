@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
 from math import pi
 from pathlib import Path
 from typing import Protocol
@@ -21,7 +20,7 @@ from rsegen.simulation.simulators.live_world import Pose
 from tests.simulation.real.bodies import body, furnished, tilt
 from tests.simulation.real.conftest import missing
 from tests.simulation.real.falling import falling, judge
-from tests.simulation.real.maps import SHAPES, examples, generated, lanes, map_name, shape_name, slippery, variants
+from tests.simulation.real.maps import examples, generated, lanes, map_name, slippery, variants
 
 pytestmark = pytest.mark.long(reason="a package of 1.7 GB, scripts/gazebo-engine")
 
@@ -54,21 +53,18 @@ def placed(line: str) -> tuple[str, Pose]:
     return name, Pose(**dict(zip(AXES, map(float, numbers), strict=True)))
 
 
-def shaped() -> Iterator[rsegen.Recipe]:
-    """A small map in every shape that Gazebo Sim is given."""
-    recipe = next(variants())
-    for shape in SHAPES:
-        if shape.get("simulator") != "classic":
-            yield replace(recipe, name=shape_name(shape), **shape)
+def loaded(recipes: Iterable[rsegen.Recipe]) -> list[rsegen.Recipe]:
+    """The recipes whose worlds are for Gazebo Sim too."""
+    return [recipe for recipe in recipes if recipe.simulator == "both"]
 
 
-@pytest.mark.parametrize("recipe", [*examples(), *variants(), *shaped()], ids=map_name)
+@pytest.mark.parametrize("recipe", loaded([*examples(), *variants()]), ids=map_name)
 def test_bodies_rest_on_the_top_of_their_cell(recipe: rsegen.Recipe, engine: Engine, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
     judge(made.scene.field, engine(falling(made), 1500))
 
 
-@pytest.mark.parametrize("recipe", [each for each in slippery() if each.simulator == "both"], ids=map_name)
+@pytest.mark.parametrize("recipe", loaded(slippery()), ids=map_name)
 def test_boxes_have_their_friction_and_meshes_that_of_the_engine(
     recipe: rsegen.Recipe, engine: Engine, tmp_path: Path
 ) -> None:

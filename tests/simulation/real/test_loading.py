@@ -14,12 +14,12 @@ import rsegen
 from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.bodies import SIZE, body
-from tests.simulation.real.maps import few_short, generated, kinds, map_name, textured, variants
+from tests.simulation.real.maps import every_kind, few_short, generated, map_name, textured, variants
 from tests.simulation.real.places import expected_places, places
 from tests.simulation.simulated import simulated
 
 
-@pytest.mark.parametrize("recipe", few_short([*textured(), *kinds()]), ids=map_name)
+@pytest.mark.parametrize("recipe", few_short([*textured(), every_kind()]), ids=map_name)
 def test_gazebo_loads_every_look_and_kind(recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path) -> None:
     made = generated(recipe, tmp_path)
 

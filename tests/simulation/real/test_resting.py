@@ -12,13 +12,13 @@ import rsegen
 from rsegen.cli import main
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.falling import falling, judge, spots
-from tests.simulation.real.maps import Map, examples, few_short, generated, map_name, shaped, variants
+from tests.simulation.real.maps import Map, examples, few_short, generated, map_name, variants
 from tests.simulation.real.places import expected_places, places
 from tests.simulation.simulated import simulated
 from tests.support.long import long_unless
 
 
-@pytest.mark.parametrize("recipe", few_short([*examples(), *variants(), *shaped()]), ids=map_name)
+@pytest.mark.parametrize("recipe", few_short([*examples(), *variants()]), ids=map_name)
 def test_models_are_in_their_places_and_bodies_rest_on_their_cells(
     recipe: rsegen.Recipe, gazebo: Installation, tmp_path: Path
 ) -> None:

@@ -9,12 +9,11 @@ import pytest
 
 import rsegen
 from tests.simulation.real.maps import (
+    every_kind,
     examples,
     few_short,
     generated,
-    kinds,
     map_name,
-    shaped,
     slippery,
     textured,
     variants,
@@ -25,7 +24,7 @@ HARMLESS = "Library error: libignition-tools-backward.so not found"
 
 
 @pytest.mark.parametrize(
-    "recipe", few_short([*examples(), *variants(), *textured(), *kinds(), *shaped(), *slippery()]), ids=map_name
+    "recipe", few_short([*examples(), *variants(), *textured(), every_kind(), *slippery()]), ids=map_name
 )
 def test_every_world_and_model_is_valid(
     recipe: rsegen.Recipe, check_sdf: Callable[[Path], str], tmp_path: Path
