@@ -38,8 +38,8 @@ _DAMPED, _DAMPED_ROUNDS = 0.7, 8
 """Share of a turn that is made as contacts change, and rounds from whose end on it shrinks by itself in each."""
 
 _NEAR, _AROUND = 20, 0.1
-"""Groups that are looked at until a robot has turned by that slope: its ends are then 3 cm nearer to the ground. With 14
-groups 2 % of the poses are found less well, with 28 it takes a tenth longer."""
+"""Groups that are looked at until a robot has turned by that slope: its ends are then 3 cm nearer to the ground. With
+14 groups 2 % of the poses are found less well, with 28 it takes a tenth longer."""
 
 _LOST = 2.5
 """Slope from which no robot comes back: it tips over."""
