@@ -17,7 +17,7 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask
 from rsegen.standing.body import Body
-from rsegen.standing.settling import PaddedGround, Settled
+from rsegen.standing.settling import SINGLE, PaddedGround, Settled, Singles
 
 TOUCHING = 0.0015
 """Metres between a sample and the ground up to which it counts as in contact: what contacts of simulators give way."""
@@ -35,27 +35,38 @@ SLIDING = -9.0
 """Surplus where no forces balance the weight: the robot slides, turns or tips by itself."""
 
 
-def below_samples(ground: PaddedGround, body: Body, settled: Settled, rows: Ints) -> tuple[Array, Array]:
-    """Return the positions of all samples from the centres of mass, (n, m, 3), and their heights above ground."""
-    relative = (body.points - body.centre) @ np.swapaxes(settled.axes[rows], 1, 2)
-    x, y = relative[..., 0] + settled.x[rows, None], relative[..., 1] + settled.y[rows, None]
-    return relative, relative[..., 2] + settled.z[rows, None] - ground.below(x, y)
+def below_samples(ground: PaddedGround, body: Body, settled: Settled, rows: Ints) -> tuple[Singles, Singles]:
+    """Return the positions of all samples from the centres of mass, (n, 3, m), and their heights above ground."""
+    relative = settled.axes[rows].astype(SINGLE) @ (body.points - body.centre).T.astype(SINGLE)
+    middle = ground.middles(settled.x[rows], settled.y[rows])
+    under = ground.under(relative * SINGLE(1 / ground.width), middle)
+    return relative, relative[:, 2] + settled.z[rows, None].astype(SINGLE) - under
 
 
-def outermost(body: Body, relative: Array, above: Array, contacts: Ints) -> Ints:
+def outermost(body: Body, relative: Singles, above: Singles, contacts: Ints) -> Ints:
     """Return the samples in contact that bear the robot or are outermost in a direction, (n, 3 + 8); -1 for none.
 
     Of each part only its lowest samples count: beside them a round one is near the ground, but not in contact.
     """
-    touching = above < TOUCHING
-    for part in np.unique(body.part):
-        own = body.part == part
-        touching[:, own] &= above[:, own] < above[:, own].min(axis=1, keepdims=True) + _EVEN
-    chosen, any_touches = [contacts], touching.any(axis=1)
-    for turn in np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS:
-        far = np.where(touching, relative[..., 0] * np.cos(turn) + relative[..., 1] * np.sin(turn), -np.inf)
-        chosen.append(np.where(any_touches, far.argmax(axis=1), -1)[:, None])
-    return np.concatenate(chosen, axis=1)
+    rows, columns = np.nonzero(above < TOUCHING)
+    heights, of_part = above[rows, columns], rows * len(body.parts) + body.part[columns]
+    low = heights < _of_runs(np.minimum, heights, of_part) + SINGLE(_EVEN)
+    rows, columns = rows[low], columns[low]
+    turns = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
+    reach = np.outer(relative[rows, 0, columns], np.cos(turns)) + np.outer(relative[rows, 1, columns], np.sin(turns))
+    far = np.full((len(contacts), _DIRECTIONS), -1)
+    # Of several that are as far the first one stays, as it is written last.
+    at, turn = np.nonzero((reach == _of_runs(np.maximum, reach, rows))[::-1])
+    far[rows[::-1][at], turn] = columns[::-1][at]
+    return np.concatenate([contacts, far], axis=1)
+
+
+def _of_runs(best: np.ufunc, values: Singles, of: Ints) -> Singles:
+    """Return the best value of each run of equal numbers in `of`, at each of its places; values along axis 0."""
+    begins = np.flatnonzero(np.diff(of, prepend=-1))
+    if not len(begins):
+        return values
+    return np.repeat(best.reduceat(values, begins, axis=0), np.diff(begins, append=len(of)), axis=0)
 
 
 def stands_easily(body: Body, settled: Settled) -> Mask:
@@ -86,7 +97,7 @@ def _surplus(ground: PaddedGround, body: Body, settled: Settled, rows: Ints, *, 
     relative, above = below_samples(ground, body, settled, rows)
     chosen = outermost(body, relative, above, settled.contacts[rows])
     turned = settled.axes[rows]
-    at = np.take_along_axis(relative, chosen[..., None], axis=1)
+    at = relative[np.arange(len(rows))[:, None], :, chosen].astype(np.float64)
     force = -np.einsum("nij,ncj->nci", turned, body.normals[chosen])
     # In the frame of the heading, so that forward is the first axis.
     c, s = np.cos(settled.yaw[rows]), np.sin(settled.yaw[rows])

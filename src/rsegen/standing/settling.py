@@ -101,6 +101,26 @@ class PaddedGround:
         j = np.clip(y / self.width + self.half[1], 0, self.shape[1] - 1).astype(np.intp)
         return np.asarray(self.heights[i * self.shape[1] + j], np.float64)
 
+    def middles(self, x: Array, y: Array) -> Array:
+        """Return the cells in which centres of mass are, (2, n), with their fractions.
+
+        Places so far outside that a robot there is on level ground anyway are moved to where all of it is above the
+        padded ground.
+        """
+        placed = zip((x, y), self.half, self.shape, strict=True)
+        return np.array([np.clip(at / self.width + half, self.inside, n - self.inside) for at, half, n in placed])
+
+    def under(self, samples: Singles, middle: Array) -> Singles:
+        """Return the heights of the ground under samples of robots, (n, m): (n, 2 or more, m) in cells from middles."""
+        under = np.empty((len(samples), samples.shape[2]), SINGLE)
+        for part in blocks(*under.shape):
+            cells = (samples[part, :2] + middle[:, part].T[..., None].astype(SINGLE)).astype(np.int32)
+            flat = cells[:, 0]
+            flat *= np.int32(self.shape[1])
+            flat += cells[:, 1]
+            self.heights.take(flat, mode="clip", out=under[part])
+        return under
+
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Settled:
@@ -198,13 +218,7 @@ class _Settling:
         count, self.groups = len(x), len(body.groups)
         points = np.concatenate([body.points[body.groups.T.ravel()] - body.centre, _AFAR])
         self.ground, self.points = ground, np.ascontiguousarray(points.T, SINGLE)
-        # From places so far outside that they are on level ground anyway, all samples are still on the padded one.
-        self.middle = np.array(
-            [
-                np.clip(at / ground.width + half, ground.inside, cells - ground.inside)
-                for at, half, cells in zip((x, y), ground.half, ground.shape, strict=True)
-            ]
-        )
+        self.middle = ground.middles(x, y)
         self.heading, self.slope = np.array([np.cos(yaw), np.sin(yaw)]), np.zeros((2, count))
         self.three = np.tile(np.arange(body.groups.size, body.groups.size + 3)[:, None], count)
         self.height, self.turn, self.rounds = np.zeros(count), np.full(count, np.inf), np.zeros(count, int)
@@ -263,7 +277,7 @@ class _Settling:
         at = np.einsum("ijn,jkn->ikn", self.axes(rows)[:2], self.points[:, self.three[:, rows]])
         self.find_contacts(rows[~_surrounds(at)])
         left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
-        for part in _blocks(len(rows), samples):
+        for part in blocks(len(rows), samples):
             own = rows[part]
             every, each = _of_each(self.points, len(own)), np.arange(len(own))
             turned, three = self.axes(own), self.three[:, own]
@@ -298,14 +312,8 @@ class _Settling:
 
     def under(self, few: Singles, rows: Ints, turned: Array) -> Singles:
         """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
-        under = np.empty((len(rows), few.shape[2]), SINGLE)
         scaled = np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
-        middle = self.middle[:, rows].T[..., None].astype(SINGLE)
-        for part in _blocks(*under.shape):
-            at = scaled[part] @ few[part]
-            at += middle[part]
-            i, j = np.moveaxis(at.astype(np.int32), 1, 0)
-            self.ground.heights.take(i * np.int32(self.ground.shape[1]) + j, mode="clip", out=under[part])
+        under = self.ground.under(scaled @ few, self.middle[:, rows])
         under[:, -3:] = _DEEP
         return under
 
@@ -325,7 +333,7 @@ def _of_each(array: _Rows, count: int) -> _Rows:
 _AFAR = _FAR * np.array([[1, 0, 0], [-1 / 2, 3**0.5 / 2, 0], [-1 / 2, -(3**0.5) / 2, 0]])
 
 
-def _blocks(rows: int, samples: int) -> Iterator[slice]:
+def blocks(rows: int, samples: int) -> Iterator[slice]:
     """Yield slices of some rows each, whose samples stay in the cache of a core."""
     step = max(_BLOCK // samples, 1)
     yield from (slice(begin, begin + step) for begin in range(0, rows, step))
@@ -385,7 +393,7 @@ def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
 def _highest(under: Singles, few: Singles, turned: Array, plane: Array) -> tuple[Ints, Singles]:
     """Return the sample that is highest above the plane in each row, and its height above it."""
     highest, above = np.empty(len(under), np.intp), np.empty(len(under), SINGLE)
-    for part in _blocks(*under.shape):
+    for part in blocks(*under.shape):
         over = _over(under[part], few[part], turned[:, :, part], plane[:, part])
         over.argmax(axis=1, out=highest[part])
         above[part] = over[np.arange(len(over)), highest[part]]
