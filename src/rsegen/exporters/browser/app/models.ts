@@ -35,13 +35,12 @@ export function pairs(points: Point[]): Point[] {
   return points.slice(1).flatMap((point, k) => [points[k], point]);
 }
 
-/* Free what an object and its parts hold on the graphics card, and take it out of its scene. */
+/* Free what an object and its parts hold on the graphics card, and take it out of its scene.
+   Materials stay: they hold programs, of which there are few, and linking them anew takes longer than a map. */
 export function drop(object: Object3D | null): void {
   object?.traverse((part) => {
-    if (part instanceof Sprite) part.material.map?.dispose();
-    if (!(part instanceof Mesh || part instanceof Sprite)) return;
-    if (part instanceof Mesh) part.geometry.dispose(); // that of sprites is one for all
-    [part.material].flat().forEach((material) => material.dispose());
+    if (part instanceof Sprite) part.material.map?.dispose(); // the geometry of sprites is one for all
+    if (part instanceof Mesh) part.geometry.dispose();
   });
   object?.removeFromParent();
 }
