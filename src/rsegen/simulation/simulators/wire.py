@@ -189,7 +189,7 @@ CLASSIC = MessageTypes(
         "Mesh": {"filename": (1, str)},
         "Geometry": {"mesh": (8, "Mesh")},
         "Visual": {"geometry": (9, "Geometry")},
-        "Link": {"visual": (10, ["Visual"])},
+        "Link": {"name": (2, str), "pose": (9, "Pose"), "visual": (10, ["Visual"])},
         "Model": {"name": (1, str), "id": (2, int), "is_static": (3, bool), "pose": (4, "Pose"), "link": (6, ["Link"])},
         "Model_V": {"models": (2, ["Model"])},
         "Factory": {"sdf": (1, str), "pose": (3, "Pose")},
