@@ -1,6 +1,6 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within a quarter of an hour on two cores
-# make test-all    the long tests, with more of everything, and then these, as CI runs them: within 25 minutes on two cores
+# make test-all    the long tests, with more of everything, and then these, as CI runs them: within 20 minutes on two cores
 # make test-fast   the tests without a simulator, a browser and all that is slow: within a minute on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
@@ -42,8 +42,8 @@ test-long: $(VENV)/developer gazebo screen browser npm compiler learners
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m long --hypothesis-profile=thorough $(LONG)
 
 test-all:
-	$(MAKE) test-long
-	$(MAKE) test
+	$(MAKE) --no-print-directory test-long
+	$(MAKE) --no-print-directory test
 
 test-fast: $(VENV)/tester
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST)
