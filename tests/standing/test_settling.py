@@ -7,11 +7,11 @@ from math import asin, degrees, hypot, pi
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks import rests
-from rsegen.field.stepfield import Ints
+from rsegen.field.stepfield import Array, Ints
 from rsegen.robots import ROBOTS
 from rsegen.standing.body import Body
 from rsegen.standing.pushing import below_samples
@@ -21,9 +21,6 @@ from tests.standing.stands import BODIES, field_of, settled
 
 KINDS = sorted(BODIES)
 HEADINGS = st.floats(-pi, pi)
-LENGTH = 12
-"""Blocks along each side of fields that are drawn."""
-
 EXACT = [kind for kind in KINDS if kind != "jackal"]
 """The Jackal's centre of mass is above both diagonals of its wheels, so it rests in either of two ways."""
 
@@ -65,49 +62,32 @@ def test_with_one_wheel_on_a_block_the_burger_rolls_as_its_track_says(height: fl
     assert degrees(abs(found.roll[0])) == pytest.approx(degrees(asin(height / between)), abs=0.3)
 
 
-@st.composite
-def fields(draw: st.DrawFn) -> Ints:
-    """Levels of random blocks."""
-    seed = draw(st.integers(0, 2**32 - 1))
-    return np.random.default_rng(seed).integers(0, 5, (LENGTH, LENGTH))
-
-
-PLACES = st.floats(-0.2, 0.2)
-
-
-def upright(rest: Settled) -> tuple[float, float, float]:
-    """Height of the centre of mass, and x and y of the robot's upright."""
-    return float(rest.z[0]), *map(float, rest.axes[0, :2, 2])  # type: ignore[return-value]  # three of them
-
-
 @pytest.mark.parametrize("kind", EXACT)
-@given(levels=fields(), x=PLACES, y=PLACES, yaw=HEADINGS)
-@settings(max_examples=25, deadline=None)
-def test_a_field_that_is_turned_moved_or_mirrored_turns_moves_or_mirrors_the_pose(
-    kind: str, levels: Ints, x: float, y: float, yaw: float
-) -> None:
-    body, unit = BODIES[kind], UNITS[kind]
-    rest = settled(field_of(levels, unit), body, x, y, yaw)
-    assume(has_stood(rest)[0] and is_certain(levels, unit, body, rest))
-    z, up_x, up_y = upright(rest)
-    turned = settled(field_of(np.rot90(levels), unit), body, -y, x, yaw + pi / 2)
-    assert upright(turned) == pytest.approx((z, -up_y, up_x), abs=2e-3)
-    mirrored = settled(field_of(levels[:, ::-1], unit), body, x, -y, -yaw)
-    assert upright(mirrored) == pytest.approx((z, up_x, -up_y), abs=2e-3)
-    moved = settled(field_of(np.pad(levels, ((6, 0), (0, 2))), unit), body, x + 0.3, y - 0.1, yaw)
-    assert upright(moved) == pytest.approx((z, up_x, up_y), abs=2e-3)
+def test_a_field_that_is_turned_moved_or_mirrored_turns_moves_or_mirrors_the_poses(kind: str) -> None:
+    body, unit, rng = BODIES[kind], UNITS[kind], np.random.default_rng(8)
+    levels, (x, y, yaw) = (
+        rng.integers(0, 5, (40, 40)),
+        rng.uniform([[-1.5], [-1.5], [-pi]], [[1.5], [1.5], [pi]], (3, 300)),
+    )
+    rest = poses_on(levels, unit, body, x, y, yaw)
+    up_x, up_y = rest.axes[:, :2, 2].T
+    still = has_stood(rest) & (rest.turn < 1e-4)
+    moved = np.pad(levels, ((6, 0), (0, 2)))
+    for other, expected in (
+        (poses_on(np.rot90(levels), unit, body, -y, x, yaw + pi / 2), (-up_y, up_x)),
+        (poses_on(levels[:, ::-1], unit, body, x, -y, -yaw), (up_x, -up_y)),
+        (poses_on(moved, unit, body, x + 0.3, y - 0.1, yaw), (up_x, up_y)),
+    ):
+        wanted = np.stack([rest.z, *expected], axis=1)
+        found = np.concatenate([other.z[:, None], other.axes[:, :2, 2]], axis=1)
+        # Here and there a robot can rest in two ways, or a sample is just at the edge of a block.
+        assert (np.abs(found - wanted)[still].max(axis=1) < 2e-3).mean() > 0.95
+        assert has_stood(other)[still].mean() > 0.99
 
 
-def is_certain(levels: Ints, unit: float, body: Body, rest: Settled) -> bool:
-    """Whether the pose is that of places and headings a little beside: no sample is just at the edge of a block."""
-    c, s = np.cos(rest.yaw[0]), np.sin(rest.yaw[0])
-    x = rest.x[0] - c * body.centre[0] + s * body.centre[1]
-    y = rest.y[0] - s * body.centre[0] - c * body.centre[1]
-    step = 2e-5
-    beside = np.array([(a, b, t) for a in (-step, step) for b in (-step, step) for t in (-step, step)]).T
-    ground = PaddedGround.of(field_of(levels, unit), reach_of(body))
-    near = settle(ground, body, x + beside[0], y + beside[1], rest.yaw[0] + beside[2])
-    return bool(np.ptp(near.z) < 5e-4 and np.ptp(near.axes[:, :, 2], axis=0).max() < 1e-3)
+def poses_on(levels: Ints, unit: float, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
+    """Robots at rest on a field."""
+    return settle(PaddedGround.of(field_of(levels, unit), reach_of(body)), body, x, y, yaw)
 
 
 @pytest.mark.parametrize("kind", KINDS)
