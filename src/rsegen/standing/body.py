@@ -30,7 +30,6 @@ _FLAT, _ROUND = 3, 4
 _HIDDEN = 0.02
 """Metres above another sample of the same place from which a sample is hidden by it, up to tilts of some 30 degrees."""
 
-
 _NEIGHBOURS = 8
 """Samples of a group: so many of a flat part are some 5 cm across, half a block of 10 cm."""
 

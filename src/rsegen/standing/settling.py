@@ -45,9 +45,6 @@ _NEAR, _AROUND = 20, 0.1
 _LOST = 2.5
 """Slope from which no robot comes back: it tips over."""
 
-_NEAR = 20
-"""Groups of neighbouring samples that are looked at between two looks at all samples."""
-
 _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
@@ -303,9 +300,14 @@ class _Settling:
         """Find the contacts of robots among all samples, from those that they have."""
         if not len(rows):
             return
-        every, turned, three = _of_each(self.points, len(rows)), self.axes(rows), self.three[:, rows]
-        a, b, c = _plane(self.under(every, rows, turned), every, turned, three)
+        three = self.three[:, rows]
+        a, b, c = self.plane_of_all(rows, self.axes(rows), three)
         self.three[:, rows], self.height[rows], self.turn[rows] = three, c, np.hypot(a, b)
+
+    def plane_of_all(self, rows: Ints, turned: Array, three: Ints) -> Array:
+        """Return the planes of all samples of some robots that have these axes, as `_plane` does."""
+        every = _of_each(self.points, len(rows))
+        return _plane(self.under(every, rows, turned), every, turned, three)
 
     def axes(self, rows: Ints) -> Array:
         """Return the axes of some robots, (3, 3, n)."""
@@ -322,9 +324,7 @@ class _Settling:
 
     def leaning(self, turned: Array) -> Array:
         """Return the slope by which each robot would be turned if it had these axes (3, 3, n), (n,)."""
-        rows = np.arange(len(self.turn))
-        every = _of_each(self.points, len(rows))
-        a, b, _ = _plane(self.under(every, rows, turned), every, turned, self.three)
+        a, b, _ = self.plane_of_all(np.arange(len(self.turn)), turned, self.three)
         return np.asarray(np.hypot(a, b))
 
 

@@ -8,7 +8,6 @@ A format is a file of this folder with a class: a frozen dataclass whose annotat
 
 from __future__ import annotations
 
-import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from pathlib import PurePosixPath
 from typing import ClassVar, Literal
 
 from rsegen.errors import ParameterError, UserError
+from rsegen.exporters.formats.encoded import as_json
 from rsegen.exporters.gazebo import Bundle
 from rsegen.exporters.scene import Scene
 from rsegen.params.extras import MAT, Extra, pip_install
@@ -135,7 +135,7 @@ def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
         for format_ in formats
         for path, content in format_.files(scene).items()
     }
-    listed = (json.dumps(recorded_options(formats), indent=2) + "\n").encode()
+    listed = as_json(recorded_options(formats))
     return {**files, **({PurePosixPath("formats.json"): [listed]} if formats else {})}
 
 
