@@ -16,10 +16,10 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# A process that has no more tests takes some of another's. Of the long ones many wait for servers and browsers, so there
-# is a process more than there are cores.
-ARGS ?= --numprocesses=auto --dist=worksteal
-LONG ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
+# A process that has no more tests takes some of another's. Many wait for servers and browsers, so there is a process more
+# than there are cores.
+ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
+LONG ?= $(ARGS)
 FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=

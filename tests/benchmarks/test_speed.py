@@ -28,6 +28,7 @@ def results(cpu: float) -> Results:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="a run of a benchmark")
 def test_a_quick_run_gives_every_row(tmp_path: Path) -> None:
     plan = ["--quick", "--sizes", "10", "--runs", "1", "--output", str(tmp_path)]
     subprocess.run([sys.executable, "-m", "benchmarks.speed", *plan], cwd=ROOT, check=True, capture_output=True)

@@ -103,6 +103,7 @@ def test_a_depth_image_is_enough(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="tests/scanning has holes")
 def test_holes_are_filled_on_request_and_listed_apart(tmp_path: Path) -> None:
     field = rsegen.build(RECIPE, 0)
     points = scanned(field, EYES, Flaws(), np.random.default_rng(1))

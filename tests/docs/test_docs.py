@@ -36,9 +36,14 @@ def blocks(page: Path, language: str) -> list[str]:
 ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md", "training.md"}
 """Pages whose programs have tests of their own below."""
 LONG = {
+    "constraints.md": "tests/recipe/constraints has its recipes",
+    "datasets.md": "tests/run has its commands",
+    "difficulty.md": "tests/recipe has its commands",
+    "formats.md": "tests/exporters/formats has every format",
     "README.md": "a robot looks for its ways over several maps",
     "metrics.md": "a robot looks for its ways over several maps",
     "scan.md": "tests/cli/test_scan.py has its commands",
+    "sheet.md": "tests/exporters/sheet has its commands",
     "tutorial.md": "a robot looks for its ways over several maps",
 }
 """Page -> why make test leaves it to make test-all."""

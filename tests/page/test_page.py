@@ -29,6 +29,7 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.run.single_files import save
 from tests.page.test_files import drive as recorded
 from tests.support.browser import BLURRED, chromium, complaints, resize
+from tests.support.long import long_unless
 from tests.support.patience import until
 
 if TYPE_CHECKING:
@@ -134,6 +135,7 @@ def page(chrome: Chrome, address: str) -> Page:
     return Page(chrome, address)
 
 
+@pytest.mark.long(reason="the course is made with the keyboard in make test, and random actions are undone")
 def test_the_course_of_the_paper_is_made_undone_and_made_again(page: Page) -> None:
     page.choose("Add", "Horizontal barrier")
     page.type("Height", "4")
@@ -524,6 +526,7 @@ _FRAMES = "let n = 30; const [done] = arguments; (function next() { n-- ? reques
 """Thirty pictures of the page: a clock that runs would have moved."""
 
 
+@pytest.mark.long(reason="another drive is played in make test")
 def test_a_drive_waits_for_a_map_that_is_slow_to_build_and_can_be_played_again(
     page: Page, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -585,6 +588,7 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     assert all("api/reach" in each for each in said), "the answer to the search that was stopped"
 
 
+@pytest.mark.long(reason="one drive is played in make test")
 def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Path) -> None:
     for name, speed, crossed in (("slow", 0.1, 1.8), ("fast", 0.4, 1.0)):
         poses = [[second, speed * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 0.5, 1.0, 1.5, 2.0)]
@@ -642,9 +646,15 @@ ZOOMED = (683, 384)
 """A screen of 1366 x 768 at 200 %."""
 
 
-@pytest.mark.parametrize("size", [(360, 640), ZOOMED, (1366, 768), (3840, 2160)], ids=lambda size: f"{size[0]}")
-def test_every_control_is_inside_the_window(chrome: Chrome, address: str, size: tuple[int, int]) -> None:
-    page = Page(chrome, address, "mixed-course", size, sharpness=min(1, 1920 / size[0]))
+SIZES = [(360, 640), ZOOMED, (1366, 768), (3840, 2160)]
+
+
+@pytest.mark.parametrize(
+    ("width", "height"),
+    long_unless(lambda size: size[0] in (360, 1366), SIZES, reason="a size between, and eight million points"),
+)
+def test_every_control_is_inside_the_window(chrome: Chrome, address: str, width: int, height: int) -> None:
+    page = Page(chrome, address, "mixed-course", (width, height), sharpness=min(1, 1920 / width))
     page.js("state.selected.value = 1; state.jobs.value = [arguments[0]]", _RUNS)
     for tab in ("obstacles", "map", "robot", "results"):
         page.js("state.tab.value = arguments[0]", tab)
@@ -652,7 +662,7 @@ def test_every_control_is_inside_the_window(chrome: Chrome, address: str, size: 
         assert page.js(_OUTSIDE) == []
         assert page.js(_SCROLLS_ASIDE) == []
     box = chrome.find_element(By.CSS_SELECTOR, ".solid").rect
-    assert box["width"] * box["height"] > 0.33 * size[0] * size[1]  # the map has the most room
+    assert box["width"] * box["height"] > 0.33 * width * height  # the map has the most room
     for dialog in ({"name": "open"}, {"name": "save"}, {"name": "help"}, {"name": "run", "command": "drive"}):
         page.js("state.dialog.value = arguments[0]", dialog)
         page.settled()
@@ -670,7 +680,10 @@ def axe() -> str:
     return _AXE.read_text("utf-8")
 
 
-@pytest.mark.parametrize(("size", "dark"), [((1366, 720), True), ((360, 720), False)])
+@pytest.mark.parametrize(
+    ("size", "dark"),
+    long_unless(lambda case: case[1], [((1366, 720), True), ((360, 720), False)], reason="the same page, narrow"),
+)
 def test_axe_finds_no_error(chrome: Chrome, address: str, axe: str, size: tuple[int, int], dark: bool) -> None:
     page = Page(chrome, address, "mixed-course")
     resize(chrome, *size, dark=dark)

@@ -261,6 +261,7 @@ def test_the_command_takes_a_metric_and_limits_of_steps(tmp_path: Path, capsys: 
     assert "difficulty       asked    measured     highest" in told
 
 
+@pytest.mark.long(reason="poses of a robot on map after map")
 def test_a_series_rises_by_the_tilt_of_a_robot(tmp_path: Path) -> None:
     small = replace(FINE, chunk_size=6, maps=2, obstacles=(Random(levels=5),))
     rows = series(small, tmp_path, by="reach.west_east.tilt", robot="jackal", from_=0.5, same_field=True).rows

@@ -176,6 +176,7 @@ def overhead(field: StepField) -> tuple[DepthCamera, ...]:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="a large scan")
 def test_a_field_of_three_metres_is_found_from_six_views() -> None:
     """Edges are more in some parts of it, so that two metres were its strongest period."""
     field = field_of(301, boundary="none", chunks=(5, 2), chunk_size=6)

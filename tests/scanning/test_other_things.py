@@ -16,6 +16,7 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import SURE, Scan, ScanSettings, find_field
 from rsegen.scanning.levels import board_below, units_per_level
 from tests.scanning.test_find_field import TWO_VIEWS, cloud_of, field_of, right_turn
+from tests.support.long import long_unless
 
 USUAL = Flaws(noise=0.005, missing=0.2, outliers=0.02)
 
@@ -34,7 +35,7 @@ def on_a_board(field: StepField, thickness: float) -> Array:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("thickness", [0.018, 0.05])
+@pytest.mark.parametrize("thickness", long_unless((0.018).__eq__, [0.018, 0.05], reason="a thicker board"))
 def test_a_board_below_the_blocks_is_found(thickness: float) -> None:
     field = field_of(2, boundary="outer")
     cloud = on_a_board(field, thickness)
@@ -97,6 +98,7 @@ def test_an_object_on_a_block_is_not_taken_for_a_level_that_is_sure() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="three scans of a large field")
 def test_sides_of_which_little_is_raised_are_named() -> None:
     field = field_of(5, boundary="outer")
     plain = find_field(cloud_of(field), ScanSettings(boundary="none"))

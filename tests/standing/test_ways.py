@@ -18,6 +18,7 @@ from rsegen.standing import ways
 from rsegen.standing.lanes import End, straight
 from rsegen.standing.ways import BEST, Lattice, crossing, events, no_way, reach
 from tests.standing.stands import BODIES, field_of
+from tests.support.long import long_unless
 
 KINDS = sorted(BODIES)
 BURGER = BODIES["burger"]
@@ -101,7 +102,7 @@ def test_a_tower_in_the_way_is_gone_around() -> None:
     assert np.abs(way.points[:, 1]).min() > 0.2
 
 
-@pytest.mark.parametrize("wall", [None, 2])
+@pytest.mark.parametrize("wall", long_unless(bool, [None, 2], reason="a frame without a wall"))
 def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) -> None:
     """Along frames as wide as these it would get around every block."""
     frame, levels = np.zeros((8, 9), bool), np.zeros((8, 9), int)
@@ -169,7 +170,7 @@ def test_a_mirrored_field_has_mirrored_lanes(seed: int) -> None:
         assert np.median(np.abs(lanes.poses.z - mirrored.poses.z)) < 1e-4
 
 
-@pytest.mark.parametrize("best", BEST)
+@pytest.mark.parametrize("best", long_unless("margin".__eq__, BEST, reason="another measure"))
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=3, deadline=None)
 def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_all_known(best: str, seed: int) -> None:

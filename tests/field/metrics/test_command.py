@@ -131,6 +131,7 @@ def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
         assert reach["west_east"]["crosses"] == found.west_east.crosses
 
 
+@pytest.mark.long(reason="tests/exporters/test_pose_plots.py draws poses")
 def test_poses_at_a_heading_are_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "poses.png"
     printed(capsys, PALLET, "--robot", "jackal", "--heading", "45", "-o", path)

@@ -27,6 +27,7 @@ from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
 from rsegen.simulation.experiment.trial import run_trial
 from rsegen.simulation.simulators import Installation
 from tests.simulation.real.conftest import missing
+from tests.support.long import long_unless
 
 HILL = Matrix.of(np.array([[1, 2, 2, 1]] * 12).T)
 """Four cells deep from west to east, and as wide as the map: steps of one unit up and down."""
@@ -118,7 +119,10 @@ def names(folder: Path) -> set[str]:
     return {str(path) for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("flags", [[], ["--route", "way", "--robots", "2"]])
+@pytest.mark.parametrize(
+    "flags",
+    long_unless(bool, [[], ["--route", "way", "--robots", "2"]], reason="the second has all that the first has"),
+)
 def test_a_dry_run_of_a_drive_names_its_files(
     gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str], flags: list[str]
 ) -> None:
@@ -288,6 +292,7 @@ def test_a_robot_of_a_file_is_in_a_plan(gazebo: Installation, tmp_path: Path) ->
     assert trial.outcome.impossible == 0
 
 
+@pytest.mark.long(reason="tests/simulation/driving has incidents")
 def test_links_of_a_gram_that_fly_away_are_told(gazebo_classic: Installation, tmp_path: Path) -> None:
     text = re.sub(r"<mass>[^<]*<", "<mass>0.001<", ROBOTS["burger"].file("light", "classic"))
     text = re.sub(r"<(i[xyz])([xyz])>[^<]*<", lambda at: f"<{at[1]}{at[2]}>{1e-9 * (at[1][1] == at[2])}<", text)

@@ -56,6 +56,7 @@ def test_a_drive_of_a_page_is_played_as_gazebo_recorded_it(host: Host) -> None:
     assert robot["robot"] == "burger"
 
 
+@pytest.mark.long(reason="tests/page/test_jobs.py cancels one")
 def test_a_drive_that_is_cancelled_leaves_no_server_and_no_folder(host: Host) -> None:
     doc = hosting.open(host, what="peak")["doc"]
     values = {"duration": 500, "simulator": "classic"}

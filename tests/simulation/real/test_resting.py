@@ -51,7 +51,9 @@ def test_bodies_rest_on_the_blocks_of_an_inventory(gazebo: Installation, tmp_pat
     (tmp_path / "blocks.csv").write_text("height_cm,count\n10,30\n20,20\n30,10\n40,5\n")
     asked = ["--inventory", str(tmp_path / "blocks.csv"), "--crossable-by", "crawler", "--max-step", "2"]
 
-    made = from_command(tmp_path / "worlds", "generate", "--obstacle", "random levels=5", *asked, "--seed", "1")
+    made = from_command(
+        tmp_path / "worlds", "generate", "--obstacle", "random levels=5", "--chunk-size", "6", *asked, "--seed", "1"
+    )
 
     counts = made.scene.field.level_counts()
     assert all(counts.get(level, 0) <= owned for level, owned in enumerate((30, 20, 10, 5), 1))

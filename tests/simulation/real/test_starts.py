@@ -11,10 +11,16 @@ from rsegen.simulation.driving.recording import record_drive
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.worlds import world_of
+from tests.support.long import long_unless
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("example", "kind"), [("framed-2x2", "jackal"), ("turtlebot", "burger")])
+@pytest.mark.parametrize(
+    ("example", "kind"),
+    long_unless(
+        lambda case: case[1] == "jackal", [("framed-2x2", "jackal"), ("turtlebot", "burger")], reason="a robot more"
+    ),
+)
 def test_robots_that_start_at_spots_stay_upright_in_a_random_drive(
     example: str, kind: str, gazebo: Installation
 ) -> None:

@@ -130,15 +130,19 @@ def _search_for(robot: Standing) -> str:
 def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
     """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
     body, search = robot.body, _search_for(robot)
-    # Lanes are driven some at a time, the first of which that is driven ends the search. Each axis is half of it: up to
-    # a half of that for the lanes as they are, the rest for lower and lower ones.
-    groups = np.array_split(middles := across(field, axis), -(-len(middles) // _LANES))
-    for k, group in enumerate(groups):
-        if straight_lane(field, body, axis, group) is not None:
-            return None
-        tell(search, (axis + (k + 1) / len(groups) / 2) / 2)
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
+    # Lanes are driven some at a time, the most even ones first, until one is driven to its end. Each axis is half of
+    # the search: up to a half of that for the lanes as they are, the rest for lower and lower ones.
+    steps = np.pad(np.abs(np.diff(turned.levels.astype(np.int64), axis=0)).sum(axis=0), aside)
+    unevenness = np.lib.stride_tricks.sliding_window_view(steps, 2 * aside + 1).sum(axis=1)[lines_along(field, axis)]
+    middles = across(field, axis)[np.argsort(unevenness, kind="stable")]
+    driven, count = 0, _FIRST_LANES
+    while driven < len(middles):
+        if straight_lane(field, body, axis, middles[driven : driven + count]) is not None:
+            return None
+        driven, count = min(driven + count, len(middles)), _LANES
+        tell(search, (axis + driven / len(middles) / 2) / 2)
     lines = [
         line for line in np.flatnonzero(lines_along(field, axis)).tolist() if aside <= line < turned.shape[1] - aside
     ]
@@ -209,8 +213,9 @@ def _tops(field: StepField, limits: StepLimits, axis: int, path: Ints) -> Ints:
     return np.asarray(tops // unit)
 
 
-_LANES = 8
-"""Straight lanes that are driven at a time: few enough to end early and to see it move, and enough for one call."""
+_FIRST_LANES, _LANES = 2, 8
+"""Straight lanes that are driven at a time, first and then: few enough to end early and to see it move, and enough for
+one call. Where one is driven to its end, it is mostly the most even one, such as one that was lowered before."""
 
 _TRIES = 16
 """Arrangements of blocks, around another way for the robot or with more empty cells, before the best one is lowered.
@@ -232,10 +237,10 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
     # The wish for blocks that are arranged anew: the limited levels, and of equal ones first those designed higher.
     like = field.levels + designed.levels / (1 + designed.levels.max(initial=0))
     if design.inventory is None:
-        return _with_all_counted(_lowered(field, design, None), designed, like, design, index)
+        return _with_all_counted(_lowered(field, design, None, _caps(field, design)), designed, like, design, index)
     levels, left = fitted_to_inventory(field, design.inventory, generator(design.seed, index, "inventory"))
     fitted = _with(field, levels)
-    met = _lowered(fitted, design, left.copy())
+    met = _lowered(fitted, design, left.copy(), _caps(fitted, design))
     if used(met) >= used(fitted):
         return met
     if design.max_step is not None:
@@ -299,18 +304,21 @@ def _arranged(wished: StepField, like: Array, design: MapDesign, index: int, inv
             caps, empty = None, empty + ceil(_FEWER * cells)
             continue
         field = _with(wished, levels)
-        met.append(_lowered(field, design, left_of(field, owned)))
-        on_its_way = crossing_caps(field, design.crosser) if design.crosser else None
+        on_its_way = _caps(field, design)
+        met.append(_lowered(field, design, left_of(field, owned), on_its_way))
         if on_its_way is None:
             break
         caps = envelope(on_its_way if caps is None else np.minimum(on_its_way, caps), field, stock.limit)
     return max(met, key=used)
 
 
-def _lowered(field: StepField, design: MapDesign, left: Blocks | None) -> StepField:
-    """Return a field with blocks lowered until it meets the constraints, from the blocks that are left."""
-    while (caps := _caps(field, design)) is not None:
+def _lowered(field: StepField, design: MapDesign, left: Blocks | None, caps: Ints | None) -> StepField:
+    """Return a field, of which `_caps` are known, with blocks lowered until it meets the constraints, from the blocks
+    that are left.
+    """
+    while caps is not None:
         field = _with(field, lowered_to(field.levels, caps, left))
+        caps = _caps(field, design)
     if isinstance(design.crosser, Standing):
         tell(_search_for(design.crosser), 1)
     return field
