@@ -39,6 +39,16 @@ def test_schema_accepts_every_recipe(recipe: Recipe) -> None:
     jsonschema.validate(json.loads(to_json(recipe)), schema())
 
 
+@pytest.mark.parametrize("difficulty", [[0.5], [0, 0.5, 1], [0.5, 1.5], -0.1, "hard"])
+def test_the_schema_refuses_a_difficulty_that_is_refused(difficulty: object) -> None:
+    content = {"difficulty": difficulty, "obstacles": []}
+    with pytest.raises(ParameterError, match="difficulty"):
+        decode(content)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(content, schema())
+    jsonschema.validate(content | {"difficulty": [0.2, 0.5]}, schema())
+
+
 def test_schema_is_a_schema() -> None:
     jsonschema.Draft202012Validator.check_schema(schema())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import replace
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
 from rsegen.cli import main
@@ -185,6 +188,30 @@ def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_
         assert searched.length == pytest.approx(expected.length)
         assert np.hypot(np.diff(searched.poses.x), np.diff(searched.poses.y)).max() < 0.1
         assert all(searched.poses.stands)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: int) -> None:
+    field, body = field_of(np.random.default_rng(seed).integers(0, 4, (7, 6)), 0.03), BODIES["jackal"]
+    lattice = Lattice(field, body)
+    region = lattice.region()
+    places, edges = np.arange(lattice.moves.size).reshape(lattice.moves.shape), dict[tuple[int, int], float]()
+    for i, j, k in np.argwhere(lattice.moves).tolist():
+        x, y = round(np.cos(k * np.pi / 4)), round(np.sin(k * np.pi / 4))
+        edges[places[i, j, k], places[i + x, j + y, k]] = field.block_width * np.hypot(x, y)
+    for i, j, k in np.argwhere(lattice.turns).tolist():
+        low, high = places[i, j, k], places[i, j, (k + 1) % 8]
+        edges[low, high] = edges[high, low] = body.width / 2 * np.pi / 4
+    graph = coo_array((list(edges.values()), np.array(list(edges)).T), (places.size, places.size)).tocsr()
+    _, group = connected_components(graph, connection="strong")
+    cells = [set((np.flatnonzero(group == name) // 8).tolist()) for name in np.unique(group)]
+    assert set(np.flatnonzero(region).tolist()) in [each for each in cells if len(each) == max(map(len, cells))]
+    ends = [(0, 0), (6, 0), (3, 2), (6, 5), (0, 5)]
+    for start, goal in itertools.pairwise(ends):
+        there = [(float(lattice.x[i]), float(lattice.y[j])) for i, j in (start, goal)]
+        found = lattice.between(there[0], there[1])
+        lengths = dijkstra(graph, indices=places[start], min_only=True)[places[goal]]
+        assert (found.length if found else np.inf) == pytest.approx(lengths.min())
 
 
 def test_on_flat_ground_a_way_between_places_is_straight_and_from_a_place_to_itself_none_is_driven() -> None:
