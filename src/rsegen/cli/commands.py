@@ -62,9 +62,16 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
 """Every command with its line of help."""
 
 
+_MODULES = {
+    "import": "import_",  # a word of Python
+    **{command: group for group in ("simulation", "information") for command in GROUPS[group]},
+}
+"""The modules of commands that are not named after their command: short commands share that of their group."""
+
+
 def module_of(command: str) -> str:
-    """The module of a command: `import` is a word of Python, so its module is `import_`."""
-    return f"rsegen.cli.{command}_" if command == "import" else f"rsegen.cli.{command}"
+    """Return the name of the module that has the functions `add_COMMAND` and `run_COMMAND`."""
+    return f"rsegen.cli.{_MODULES.get(command, command)}"
 
 
 class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argparse has no public name for it
@@ -79,12 +86,11 @@ class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argpar
         super().__call__(parser, namespace, values, option_string)
 
     def add(self, name: str) -> None:
-        """Add the parser of a command, and what runs it, if it is not there yet."""
+        """Add the parser of a command, and the function that runs it, if it is not there yet."""
         if name not in self._name_parser_map:
-            module = import_module(module_of(name))
-            module.add(self)
-            import_module("rsegen.cli.report").add_dry_run(self._name_parser_map[name])
-            self._name_parser_map[name].set_defaults(run=module.run)
+            module, command = import_module(module_of(name)), self.add_parser(name)
+            import_module("rsegen.cli.report").add_shared_flags(command, getattr(module, f"add_{name}"))
+            command.set_defaults(run=getattr(module, f"run_{name}"))
 
 
 def parser() -> Parser:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
 from rsegen.cli.targets import PictureName, map_of_flags, picture_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
@@ -38,10 +39,10 @@ class _Drawing:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_compare(command: Parser) -> None:
+    """Add the flags of `rsegen compare`."""
     epilog = "A scan may be turned and moved. Exit code 0: all blocks are right; 1: some differ, or were not seen."
-    command = add_command(commands, "compare", _Drawing, epilog=epilog)
+    command.explain(_Drawing.__doc__, epilog)
     command.add_argument(
         "paths",
         nargs="+",
@@ -55,7 +56,7 @@ def add(commands: Subparsers) -> None:
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_compare(arguments: argparse.Namespace) -> Report:
     """Compare and draw; the exit code is 1 if anything differs or was not seen."""
     from rsegen.exporters.pictures.measured import summary
     from rsegen.io.resources import refuse_too_large

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import RECIPE_HELP, add_input, add_recipe_flags, recipes_from
 from rsegen.cli.generate import run_options
-from rsegen.cli.report import Report, Subparsers, add_command, call, shards_bar
-from rsegen.commands.dataset import make_dataset
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, call, shards_bar
+from rsegen.commands.maps import make_dataset
 from rsegen.errors import ParameterError
 from rsegen.params.command import add_flags
 from rsegen.params.sorts import Integer
@@ -22,12 +23,10 @@ if TYPE_CHECKING:
 _REBUILT = Integer(0, 10**9)
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_dataset(command: Parser) -> None:
+    """Add the flags of `rsegen dataset`."""
     epilog = "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds. docs/datasets.md "
-    command = add_command(
-        commands, "dataset", make_dataset, epilog=f"{epilog}shows how to read it in Python, and how to train on it."
-    )
+    command.explain(make_dataset.__doc__, f"{epilog}shows how to read it in Python, and how to train on it.")
     text = f"{RECIPE_HELP}; flags apply to every recipe, so --maps N makes N maps of each"
     add_input(command.add_argument_group("input"), text, name="recipes", nargs="*")
     group = command.add_argument_group("output")
@@ -39,7 +38,7 @@ def add(commands: Subparsers) -> None:
     add_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_dataset(arguments: argparse.Namespace) -> Report:
     """Make or check it, and say what is there."""
     if arguments.verify is not None:
         dataset, words = _verified(arguments)

@@ -8,19 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.flags import add_format_rows, add_target_recipe_flags, listed
 from rsegen.cli.generate import SHOWN, going_on, run_options
-from rsegen.cli.report import Report, Subparsers, add_command, call, counting
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, call, counting
 from rsegen.cli.targets import add_target_flags, maps_of_flags
-from rsegen.commands.export import export_maps
+from rsegen.commands.maps import export_maps
 from rsegen.params.command import add_flags
 
 if TYPE_CHECKING:
     from rsegen.run.exports import ExportedMap
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_export(command: Parser) -> None:
+    """Add the flags of `rsegen export`."""
     epilog = "rsegen export --list explains each format; rsegen generate --formats adds the same files to worlds."
-    command = add_command(commands, "export", export_maps, epilog=epilog)
+    command.explain(export_maps.__doc__, epilog)
     add_target_flags(command, "all")
     command.add_argument("--list", action=_List, nargs=0, help="explain each format and its options")
     add_flags(command.add_argument_group("output"), export_maps)
@@ -28,7 +29,7 @@ def add(commands: Subparsers) -> None:
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_export(arguments: argparse.Namespace) -> Report:
     """Export, and say what was written."""
     options = run_options(export_maps, arguments)
     recipes = maps_of_flags(arguments)

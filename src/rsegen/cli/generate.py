@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import add_format_rows, add_input, add_recipe_flags, recipe_from
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, Subparsers, add_command, call, maps_bar
-from rsegen.commands.generate import generate
+from rsegen.cli.report import Report, call, maps_bar
+from rsegen.commands.maps import generate
 from rsegen.params.command import add_flags, given
 
 if TYPE_CHECKING:
@@ -25,10 +25,10 @@ SHOWN = 10
 """Maps that a report names one by one."""
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_generate(command: Parser) -> None:
+    """Add the flags of `rsegen generate`."""
     epilog = "rsegen obstacles lists the kinds of obstacles and their parameters."
-    command = add_command(commands, "generate", generate, epilog=epilog)
+    command.explain(generate.__doc__, epilog)
     add_input(command.add_argument_group("input"))
     add_output_flags(command)
     add_recipe_flags(command)
@@ -40,7 +40,7 @@ def add_output_flags(command: Parser) -> None:
     add_format_rows(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_generate(arguments: argparse.Namespace) -> Report:
     """Generate, and say what was made."""
     return produce(recipe_from(arguments), arguments)
 

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_input, add_target_recipe_flags, has_recipe_flags, recipe_from
 from rsegen.cli.generate import SHOWN
-from rsegen.cli.report import Subparsers, add_command, checked_flags
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import checked_flags
 from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import Flag, Integer, Text
 
@@ -39,16 +40,16 @@ class _Serving:
     keep: Annotated[bool, Flag(help="go on when the last page is closed")] = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
-    command = add_command(commands, "gui", _Serving)
+def add_gui(command: Parser) -> None:
+    """Add the flags of `rsegen gui`."""
+    command.explain(_Serving.__doc__)
     where = "YAML or JSON file, the name of an example, a folder, that of a drive, or DIR#17 of a data set"
     add_input(command, where, metavar="RECIPE-or-DIR")
     add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run_gui(arguments: argparse.Namespace) -> None:
     """Serve the page until it is closed, or the command is stopped."""
     from rsegen.page.host import Host
     from rsegen.page.service import Service

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_recipe_flags, recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
 from rsegen.cli.targets import picture_of
 from rsegen.errors import ParameterError
 from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
@@ -33,15 +34,15 @@ class _Errors:
     ] = None
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_import(command: Parser) -> None:
+    """Add the flags of `rsegen import`."""
     from rsegen.io.importers.base import IMPORTERS
 
     epilog = (
         "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS "
     )
     epilog += "(map.yaml). The folder of the world has its recipe, which can be opened on the page and generated again."
-    command = add_command(commands, "import", _Errors, epilog=epilog)
+    command.explain(_Errors.__doc__, epilog)
     command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
     add_output_flags(command)
@@ -49,7 +50,7 @@ def add(commands: Subparsers) -> None:
     add_recipe_flags(command, over="FILE")
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_import(arguments: argparse.Namespace) -> Report:
     """Import, generate, and say what was made and how far heights were rounded."""
     from rsegen.exporters.pictures.measured import rounding_plot
     from rsegen.exporters.scene import compose

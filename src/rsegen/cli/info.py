@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.generate import SHOWN
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
 from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of, which_map
 from rsegen.errors import ParameterError
 from rsegen.params.sorts import parameters
@@ -22,17 +23,17 @@ _LONGEST = 100
 """Letters of an obstacle: a matrix may have thousands."""
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_info(command: Parser) -> None:
+    """Add the flags of `rsegen info`."""
     text = "Print the size of a map, its obstacles, the blocks of each level, and its cost in faces and bytes."
-    command = add_command(commands, "info", text=text)
+    command.explain(text)
     add_target_flags(command)
     text = "compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded"
     command.add_argument_group("output").add_argument("--verify", action="store_true", help=text)
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_info(arguments: argparse.Namespace) -> Report:
     """Summarise the map, or verify a folder."""
     if arguments.verify:
         return _verified(arguments)

@@ -13,7 +13,8 @@ from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds, share_bar
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, robot_kinds, share_bar
 from rsegen.cli.targets import PictureName, add_target_flags, picture_of, scenes_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
@@ -53,15 +54,15 @@ class _Options:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_metrics(command: Parser) -> None:
+    """Add the flags of `rsegen metrics`."""
     text = (
         "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
     )
     text += (
         "crossed. With a robot, also where it gets, and its ways across, by its poses; with limits of steps, by cells."
     )
-    command = add_command(commands, "metrics", text=text, epilog=f"docs/metrics.md has every formula. {robot_kinds()}")
+    command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
     group = command.add_argument_group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
     add_flags(group, _Options, only=["robot"])
@@ -73,7 +74,7 @@ def add(commands: Subparsers) -> None:
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_metrics(arguments: argparse.Namespace) -> Report:
     """Measure and draw."""
     if arguments.json and arguments.csv:
         raise ParameterError("--csv", "--json and --csv exclude each other")

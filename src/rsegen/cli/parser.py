@@ -57,6 +57,10 @@ class Parser(argparse.ArgumentParser):
         text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
         self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
 
+    def explain(self, text: str | None, epilog: str = "") -> None:
+        """Set what the help says first, which is the first line of a docstring, and what it says last."""
+        self.description, self.epilog = (text or "").partition("\n")[0], epilog
+
     def add_rows(self, title: str, rows: Callable[[], Iterable[tuple[str, str]]]) -> None:
         """Add a group of names, each with its explanation, to the help; `rows` is called when the help is shown."""
         self._rows.append((title, rows))

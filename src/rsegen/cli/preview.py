@@ -9,7 +9,8 @@ from math import radians
 from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, checked_flags
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, checked_flags
 from rsegen.cli.targets import add_target_flags, picture_of, scene_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
@@ -48,16 +49,16 @@ class _Drawing:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_preview(command: Parser) -> None:
+    """Add the flags of `rsegen preview`."""
     epilog = "Needs no screen. The plan counts cells below and on the left, and metres above and on the right."
-    command = add_command(commands, "preview", _Drawing, epilog=epilog)
+    command.explain(_Drawing.__doc__, epilog)
     add_target_flags(command)
     add_flags(command.add_argument_group("output"), _Drawing)
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_preview(arguments: argparse.Namespace) -> Report:
     """Draw, and write the picture."""
     from rsegen.exporters.pictures.preview import preview
     from rsegen.robots import robot_of

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from rsegen.cli.parser import Parser
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from rsegen.run.worlds import GeneratedMap
     from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
 
-
-Subparsers: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 R = TypeVar("R")
 
@@ -77,12 +75,6 @@ class _Shared:
     ] = False
 
 
-def add_dry_run(parser: Parser) -> None:
-    """Add --dry-run to the parser of a command that writes files: it has --force."""
-    if "--force" in parser._option_string_actions:
-        add_flags(parser, _Shared, only=["dry_run"])
-
-
 def planned(arguments: argparse.Namespace) -> Report | None:
     """Run a command dry, and return the files that it would write."""
     from rsegen.run.dry import dry_run
@@ -92,16 +84,14 @@ def planned(arguments: argparse.Namespace) -> Report | None:
     return Report(lines=notes.lines(), content=notes.by_fate)
 
 
-def add_command(
-    commands: Subparsers, name: str, function: Callable[..., object] | None = None, *, text: str = "", epilog: str = ""
-) -> Parser:
-    """Add the parser of a command, with the flags that all have; its text is the first line of its function."""
-    description = text or ((function.__doc__ or "").partition("\n")[0] if function else "")
-    parser = commands.add_parser(name, description=description.replace("%", "%%"), epilog=epilog)
-    parser.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
-    add_flags(parser, _Shared, only=["progress"])
-    return parser
+def add_shared_flags(command: Parser, add: Callable[[Parser], None]) -> None:
+    """Add the flags that all commands have, and by `add` those of this one."""
+    command.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
+    command.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
+    add_flags(command, _Shared, only=["progress"])
+    add(command)
+    if "--force" in command._option_string_actions:  # it writes files
+        add_flags(command, _Shared, only=["dry_run"])
 
 
 def robot_kinds() -> str:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_recipe_flags, with_flags
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
 from rsegen.cli.targets import picture_of
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.io.scan_options import CLOUDS, ScanOptions
@@ -40,11 +41,11 @@ class _Fit:
     ] = None
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_scan(command: Parser) -> None:
+    """Add the flags of `rsegen scan`."""
     epilog = "The cloud has some floor around the field; ground, grid and the level of every block are found. "
     epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
-    command = add_command(commands, "scan", _Fit, epilog=epilog)
+    command.explain(_Fit.__doc__, epilog)
     command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {', '.join('*' + name for name in CLOUDS)}")
     group = command.add_argument_group("reading", "what is not given is found from the cloud")
     add_flags(group, ScanOptions, without=parameters(Recipe))
@@ -53,7 +54,7 @@ def add(commands: Subparsers) -> None:
     add_recipe_flags(command, over="CLOUD")
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_scan(arguments: argparse.Namespace) -> Report:
     """Find the field, write the picture of the fit and the world, and say what was found."""
     from rsegen.io.scans import scan
 

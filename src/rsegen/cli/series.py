@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from rsegen.cli.flags import add_format_rows, add_input, add_recipe_flags, recipe_from
 from rsegen.cli.generate import going_on, run_options
-from rsegen.cli.report import Report, Subparsers, add_command, call, counting
-from rsegen.commands.generate import generate
-from rsegen.commands.series import series
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, call, counting
+from rsegen.commands.maps import generate, series
 from rsegen.params.command import add_flags, declared
 
 if TYPE_CHECKING:
@@ -22,10 +22,10 @@ _LINES = 12
 """Rows of a series that are printed."""
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_series(command: Parser) -> None:
+    """Add the flags of `rsegen series`."""
     epilog = "docs/difficulty.md defines difficulty, and shows how near the maps come to it."
-    command = add_command(commands, "series", series, epilog=epilog)
+    command.explain(series.__doc__, epilog)
     add_input(command.add_argument_group("input"))
     add_flags(command.add_argument_group("output"), series, only=declared(generate))
     add_format_rows(command)
@@ -33,7 +33,7 @@ def add(commands: Subparsers) -> None:
     add_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_series(arguments: argparse.Namespace) -> Report:
     """Make the series, and say how it rises."""
     recipe = recipe_from(arguments)
     options = run_options(series, arguments)

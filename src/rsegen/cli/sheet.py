@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
 from rsegen.cli.targets import add_target_flags, map_of_flags, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
@@ -34,19 +35,19 @@ class _Files:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_sheet(command: Parser) -> None:
+    """Add the flags of `rsegen sheet`."""
     epilog = (
         "A pallet's page has the height of every block and the order of placing. rsegen import reads the CSV again."
     )
-    command = add_command(commands, "sheet", _Files, epilog=epilog)
+    command.explain(_Files.__doc__, epilog)
     add_target_flags(command)
     add_flags(command.add_argument_group("output"), _Files)
     add_flags(command.add_argument_group("cutting"), CutSettings)
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_sheet(arguments: argparse.Namespace) -> Report:
     """Make the sheets, and write them."""
     from rsegen.run.single_files import write_sheets
 

@@ -10,10 +10,11 @@ from math import degrees
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, robot_kinds
 from rsegen.cli.targets import PictureName, add_target_flags, picture_of, target_of, which_map
 from rsegen.commands.parameters import Force
-from rsegen.commands.spots import spots
+from rsegen.commands.simulation import spots
 from rsegen.params.command import Shell, add_flags, default, flags_in_errors, given
 
 if TYPE_CHECKING:
@@ -30,17 +31,17 @@ class _Drawing:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_spots(command: Parser) -> None:
+    """Add the flags of `rsegen spots`."""
     epilog = "rsegen drive --route random with the same seed starts there."
-    command = add_command(commands, "spots", spots, epilog=f"{epilog} {robot_kinds()}")
+    command.explain(spots.__doc__, f"{epilog} {robot_kinds()}")
     add_target_flags(command)
     add_flags(command.add_argument_group("spots"), spots, without=["map"])
     add_flags(command.add_argument_group("output"), _Drawing)
     add_target_recipe_flags(command, ("seed",))
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_spots(arguments: argparse.Namespace) -> Report:
     """Find and draw them."""
     from rsegen.exporters.pictures.robot_plots import spots_plot
     from rsegen.params.streams import fresh_seed

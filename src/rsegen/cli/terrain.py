@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from rsegen.cli.flags import add_input
 from rsegen.cli.generate import add_output_flags, produce
-from rsegen.cli.report import Report, Subparsers, add_command, checked_flags, counting
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, checked_flags, counting
 from rsegen.commands.parameters import By, ByRobot
 from rsegen.field.limits import SIDE
 from rsegen.params.command import Shell, add_flags
@@ -35,12 +36,10 @@ class _Tiles:
     robot: ByRobot = None
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_terrain(command: Parser) -> None:
+    """Add the flags of `rsegen terrain`."""
     epilog = "Columns along y are of one recipe each. NAME_0000.json has the difficulty, kind and origin of each tile. "
-    command = add_command(
-        commands, "terrain", _Tiles, epilog=f"{epilog}docs/learning.md shows how to use it for training."
-    )
+    command.explain(_Tiles.__doc__, f"{epilog}docs/learning.md shows how to use it for training.")
     text = "YAML or JSON file, or the name of an example; each recipe has the same number of columns"
     add_input(command.add_argument_group("input"), text, name="recipes", nargs="+")
     group = command.add_argument_group("terrain")
@@ -49,7 +48,7 @@ def add(commands: Subparsers) -> None:
     add_output_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_terrain(arguments: argparse.Namespace) -> Report:
     """Write it, and say what was made."""
     from rsegen.recipe.terrain import Terrain
     from rsegen.run.single_files import tiles_json

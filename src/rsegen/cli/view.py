@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
 from rsegen.cli.targets import add_target_flags, maps_of_flags
 from rsegen.commands.parameters import Force
 from rsegen.params.command import Shell, add_flags
@@ -22,15 +23,15 @@ class _Page:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
-    command = add_command(commands, "view", _Page)
+def add_view(command: Parser) -> None:
+    """Add the flags of `rsegen view`."""
+    command.explain(_Page.__doc__)
     add_target_flags(command, "all, to choose from on the page")
     add_flags(command.add_argument_group("output"), _Page)
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_view(arguments: argparse.Namespace) -> Report:
     """Make the page, and write it."""
     from rsegen.run.single_files import html_path, view_all
     from rsegen.run.store import refuse_taken_file
