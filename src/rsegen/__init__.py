@@ -78,8 +78,8 @@ if TYPE_CHECKING:
     from rsegen.learning.curriculum import next_rows as next_rows
     from rsegen.learning.ground import Ground as Ground
     from rsegen.learning.ground import scan_points as scan_points
-    from rsegen.page.notebook import Gui as Gui
-    from rsegen.page.notebook import gui as gui
+    from rsegen.page.service import Gui as Gui
+    from rsegen.page.service import gui as gui
     from rsegen.params.plugins import load_plugin as load_plugin
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
@@ -144,7 +144,7 @@ _HOMES = {
     "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
     "rsegen.learning.curriculum": ("next_rows",),
     "rsegen.learning.ground": ("Ground", "scan_points"),
-    "rsegen.page.notebook": ("Gui", "gui"),
+    "rsegen.page.service": ("Gui", "gui"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),

@@ -11,8 +11,8 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError
-from rsegen.page import files, playback, variants
 from rsegen.page import host as hosting
+from rsegen.page import places, playback, variants
 from rsegen.page.host import Host
 
 
@@ -30,14 +30,14 @@ def test_a_folder_is_listed_with_what_each_thing_is(host: Host, tmp_path: Path) 
     (tmp_path / ".hidden").write_text("")
     (tmp_path / "out").symlink_to(tmp_path.parent)
     (tmp_path / "note.txt").write_text("")
-    assert {each["path"]: each["kind"] for each in files.files(host)["entries"]} == {
+    assert {each["path"]: each["kind"] for each in hosting.files(host)["entries"]} == {
         "data": "dataset",
         "drive": "drive",
         "mine.yaml": "recipe",
         "note.txt": "other",
         "worlds": "folder",
     }
-    assert files.files(host, folder="worlds") == {
+    assert hosting.files(host, folder="worlds") == {
         "folder": "worlds",
         "entries": [{"name": "rse_0000", "path": "worlds/rse_0000", "kind": "recipe"}],
     }
@@ -47,14 +47,14 @@ def test_a_folder_is_listed_with_what_each_thing_is(host: Host, tmp_path: Path) 
 def test_no_other_folder_is_listed(folder: str, host: Host, tmp_path: Path) -> None:
     (tmp_path / "out").symlink_to(tmp_path.parent)
     with pytest.raises(FileError):
-        files.files(host, folder=folder)
+        hosting.files(host, folder=folder)
 
 
 def test_a_listing_is_bounded(host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(files, "MOST", 5)
+    monkeypatch.setattr(places, "MOST", 5)
     for number in range(9):
         (tmp_path / f"{number}.yaml").write_text("")
-    assert [each["name"] for each in files.files(host)["entries"]] == [f"{number}.yaml" for number in range(5)]
+    assert [each["name"] for each in hosting.files(host)["entries"]] == [f"{number}.yaml" for number in range(5)]
 
 
 def drive(folder: Path, rows: Any, **robot: Any) -> None:

@@ -89,20 +89,9 @@ def _kinds() -> Iterator[str]:
     yield from rows(PLACING)
 
 
-_OF_PYTHON = [
-    "generate",
-    "series",
-    "dataset",
-    "export",
-    "drive",
-    "spots",
-    "experiment",
-    "open",
-    "spawn",
-    "respawn",
-    "remove",
-]
-FUNCTIONS = dict(zip(_OF_PYTHON, _OF_PYTHON, strict=True)) | {"dataset": "make_dataset", "export": "export_maps"}
+FUNCTIONS = {"generate": "generate", "series": "series", "dataset": "make_dataset", "export": "export_maps"} | {
+    name: name for name in ("drive", "spots", "experiment", "open", "spawn", "respawn", "remove")
+}
 """The function of `rsegen` that each command is."""
 
 

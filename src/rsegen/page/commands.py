@@ -15,7 +15,6 @@ from rsegen.page.calls import Question, call_of_host
 from rsegen.page.forms import CommandForm, command_form
 from rsegen.page.host import Host
 from rsegen.page.jobs import Job, Jobs, Run
-from rsegen.page.model.document import Document
 from rsegen.page.places import Places
 from rsegen.run.journal import read_journal, refuse_loss, refuse_loss_below
 from rsegen.run.store import refuse_taken_file
@@ -39,7 +38,10 @@ def run(
     flags += [f"--output={place}"] if place else []
     flags += ["--force"] if replace and form.can_replace else []
     recipe = document.session.recipe if form.takes_recipe else None
-    words = [*others, *([_file_of(document, host.places)] if recipe else [])]
+    file = str(host.places.seen(document.path)) if document.path else ""
+    if document.session.unsaved or not file:  # a name for it, as the file, if there is one, is not up to date
+        file = f"{document.session.recipe.name}.yaml"
+    words = [*others, file] if recipe else others
     # None of the words is taken for another flag.
     after = ["--"] if any(word.startswith("-") for word in words) else []
     job = Job(
@@ -57,13 +59,6 @@ def run(
     if not made.is_told:
         _refuse_if_taken(host.jobs, made)
     return asdict(job)
-
-
-def _file_of(document: Document, places: Places) -> str:
-    """Return the file of a document for a shell in the folder; a name for it if it has none that is up to date."""
-    if document.path is None or document.session.unsaved:
-        return f"{document.session.recipe.name}.yaml"
-    return str(places.seen(document.path))
 
 
 def _output(form: CommandForm, output: str, folder: Path) -> Path | None:

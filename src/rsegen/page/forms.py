@@ -26,12 +26,11 @@ from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.io.recipe_file import load
 from rsegen.page.calls import call_of_host
-from rsegen.page.files import names_in
 from rsegen.page.host import Host
-from rsegen.page.places import Places
+from rsegen.page.places import Places, names_in
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary
-from rsegen.params.sorts import FilePath, Json, Text, plain
+from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
@@ -107,19 +106,16 @@ def metric_title(key: str) -> str:
 
 def field(parameter: Declared, *, basic: bool = True) -> dict[str, Json]:
     """Return a declared parameter as a field of a form."""
+    default = None if parameter.default is Argument.empty else parameter.default
     return {
         "name": parameter.name,
         "title": title_of(parameter.name),
         "help": parameter.shell.help or parameter.sort.help or parameter.sort.describe(),
         "schema": _with_words(parameter.name, _without_const(parameter.sort.schema())),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
-        "default": None if parameter.default is Argument.empty else _json(parameter.default),
+        "default": str(default) if isinstance(default, Path) else plain(default),
         "basic": basic,
     }
-
-
-def _json(default: object) -> Json:
-    return str(default) if isinstance(default, Path) else plain(default)
 
 
 def _without_const(schema: Any) -> Any:
@@ -251,7 +247,7 @@ class CommandForm:
 
     def _described(self, action: argparse.Action) -> dict[str, Json]:
         """Return an action of the parser as a field; one that is not declared is a text or a switch of its help."""
-        parameter: Declared = getattr(action, "declared", None) or _undeclared(action)
+        parameter = _declaration(action)
         basic = action.dest not in _RARE and (action.dest not in declared(Recipe) or action.dest in BASIC)
         made = field(parameter, basic=basic)
         if action.nargs == 0:
@@ -277,8 +273,8 @@ class CommandForm:
                 if action.required:
                     raise ParameterError(name, "is missing")
             elif action.nargs == 0:
-                is_on = getattr(action, "declared", _undeclared(action)).default is True
-                flags += [action.option_strings[-1]] if _switched(name, value) != is_on else []
+                is_on = _declaration(action).default is True
+                flags += [action.option_strings[-1]] if Flag().check(name, value) != is_on else []
             elif action.option_strings:
                 flags += [f"{action.option_strings[-1]}={text}" for text in _texts(action, value, places)]
             else:
@@ -286,16 +282,11 @@ class CommandForm:
         return flags, others
 
 
-def _undeclared(action: argparse.Action) -> Declared:
-    """Return a declaration for an action that has none: any text."""
+def _declaration(action: argparse.Action) -> Declared:
+    """Return the declaration of an action; of one that has none, any text."""
     text = (action.help or "").replace("%%", "%")
-    return Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
-
-
-def _switched(name: str, value: Json) -> bool:
-    if not isinstance(value, bool):
-        raise ParameterError(name, f"{value!r} is neither yes nor no")
-    return value
+    undeclared = Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
+    return getattr(action, "declared", undeclared)
 
 
 def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str]:
@@ -303,7 +294,7 @@ def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str
     parameter: Declared | None = getattr(action, "declared", None)
     name = action.dest
     if parameter is None or hasattr(parameter.sort, "repeats"):
-        texts = [str(each) for each in (value if isinstance(value, list) else [value])]
+        texts = [str(text) for text in (value if isinstance(value, list) else [value])]
         for text in texts:
             _refuse_unusable(name, text)
         if parameter:
@@ -358,26 +349,19 @@ def command_form(name: str) -> CommandForm:
     return command_forms()[name]
 
 
-def _robot_files(host: Host) -> list[dict[str, Json]]:
-    """Return the files in the folder of pages that may hold a robot."""
-    names = [each.name for each in names_in(host.folder) if each.name.endswith(_ROBOT_FILES)]
-    return [{"name": name, "title": name} for name in names]
-
-
-_ROBOT_FILES = (".sdf", ".urdf", ".xacro")
-
-
 @call_of_host
 def hello(host: Host) -> dict[str, Any]:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
+    robots = {name: robot.title for name, robot in ROBOTS.items()}
+    robots |= {name: name for name in names_in(host.folder) if name.endswith((".sdf", ".urdf", ".xacro"))}
     return {
         "version": __version__,
         "folder": str(host.folder.resolve()),
         "globals": global_groups(),
         "kinds": kinds(),
         "examples": [{"name": name, "description": load(path).description} for name, path in EXAMPLES.items()],
-        "robots": [*({"name": name, "title": robot.title} for name, robot in ROBOTS.items()), *_robot_files(host)],
+        "robots": [{"name": name, "title": title} for name, title in robots.items()],
         "commands": [form.described() for form in command_forms().values()],
         "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
         "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],

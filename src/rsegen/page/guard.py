@@ -1,4 +1,4 @@
-"""Lets requests through that the page of this server sent, and no other, with bodies of bounded size and depth.
+"""Let requests through that the page of this server sent, and no other, with bodies of bounded size and depth.
 
 A web page that somebody else made can send requests to this machine too: it has no token, and of the answers it can
 read none, as no other origin is allowed. A name that was made to lead here ("DNS rebinding") is not among the hosts
@@ -36,9 +36,7 @@ class Answer(JSONResponse):
 
 
 class Guard:
-    """Lets requests for this machine through that no other web page has sent, and forbids browsers all that is not
-    needed.
-    """
+    """Filter that lets requests through that no other web page has sent; browsers are forbidden what is not needed."""
 
     def __init__(self, app: ASGIApp, names: frozenset[str], *, any_address: bool) -> None:
         self.app, self._names, self._any_address = app, names, any_address

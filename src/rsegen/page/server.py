@@ -197,18 +197,6 @@ class Desk:
 
 def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:
     """Return what a call gives; the pages of a document hear of it if it has changed."""
-    page = arguments.get("page", "")
-    doc = arguments.get("doc", "")
-    opened = host.documents.get(doc) if isinstance(doc, str) else None
-    before = opened.stamp if opened else None
-    try:
-        return _called(host, name, arguments)
-    finally:
-        if opened and opened.stamp != before and opened.id in host.documents:
-            opened.tell_state(page if isinstance(page, str) else "")
-
-
-def _called(host: Host, name: str, arguments: dict[str, Any]) -> Any:
     function = calls.OF_HOST.get(name) or calls.OF_DOCUMENT.get(name)
     if function is None:
         raise ParameterError("", f"unknown call {shown(name)}")
@@ -216,14 +204,19 @@ def _called(host: Host, name: str, arguments: dict[str, Any]) -> Any:
     named = {"page"} if name in calls.OF_HOST else {"page", "doc"}
     own = {key: value for key, value in arguments.items() if key not in named - {*calls.keywords(function)[0]}}
     known = calls.checked(function, own)
-    if name in calls.OF_HOST:
-        return function(host, **known)
-    doc = arguments.get("doc", "")
+    doc, page = arguments.get("doc", ""), arguments.get("page", "")
     if not isinstance(doc, str):
         raise ParameterError("doc", f"{shown(doc)} is not a text")
-    opened = host.opened(doc)
-    with contextlib.nullcontext() if name in calls.AT_ONCE else opened.lock:
-        return function(opened, **known)
+    opened = host.documents.get(doc) if name in calls.OF_HOST else host.opened(doc)
+    before = opened.stamp if opened else None
+    try:
+        if opened is None or name in calls.OF_HOST:
+            return function(host, **known)
+        with contextlib.nullcontext() if name in calls.AT_ONCE else opened.lock:
+            return function(opened, **known)
+    finally:
+        if opened and opened.stamp != before and opened.id in host.documents:
+            opened.tell_state(page if isinstance(page, str) else "")
 
 
 def _heard(*, doc: str, page: str = "") -> None:

@@ -21,7 +21,6 @@ from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.session import short_seed
 from rsegen.page.scenes import kept
-from rsegen.page.turns import newest_turn
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
@@ -40,8 +39,9 @@ _SIDE = 100
 def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
     """Return the first map of a document's recipe at fresh seeds."""
     count = _COUNT.check("count", count)
-    with newest_turn(doc, "variants"):
-        recipe = host.opened(doc).session.recipe
+    opened = host.opened(doc)
+    with opened.newest_turn("variants"):
+        recipe = opened.session.recipe
         seeds = dict.fromkeys([recipe.seed])
         while len(seeds) <= count:
             seeds[short_seed()] = None
@@ -57,9 +57,10 @@ def maps(host: Host, *, doc: str, first: int, count: int, by: str = "") -> list[
     """
     count = _COUNT.check("count", count)
     metric = metric_by(by) if by else None
-    with newest_turn(doc, "variants") as check:
-        recipe = host.opened(doc).session.recipe
-        indices = _sorted(host.opened(doc), recipe, metric, check) if metric else recipe.indices
+    opened = host.opened(doc)
+    with opened.newest_turn("variants") as check:
+        recipe = opened.session.recipe
+        indices = _sorted(opened, recipe, metric, check) if metric else recipe.indices
         if not 0 <= first < len(indices):
             raise ParameterError("first", f"{first} is outside 0..{len(indices) - 1}")
         return [_variant(recipe, index, metric) for index in indices[first : first + count]]
