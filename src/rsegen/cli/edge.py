@@ -16,6 +16,7 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
+from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -124,12 +125,10 @@ def _of_plugin(error: BaseException) -> str:
     """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
     from rsegen.params.plugins import failure, plugins
 
-    files = {each.module.__file__: each.source for each in plugins() if each.module.__file__}
-    step, last = error.__traceback__, ""
-    while step:
-        file = step.tb_frame.f_code.co_filename
-        last, step = (file if file in files else last), step.tb_next
-    return f"plug-in {files[last]}: {failure(error, last)}" if last else ""
+    sources = {plugin.module.__file__: plugin.source for plugin in plugins()}
+    files = [frame.f_code.co_filename for frame, _ in walk_tb(error.__traceback__)]
+    last = next((file for file in reversed(files) if file in sources), "")
+    return f"plug-in {sources[last]}: {failure(error, last)}" if last else ""
 
 
 _ONE_STOP = 1.0

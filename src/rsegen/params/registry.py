@@ -4,12 +4,11 @@ A name is looked for in rsegen's own files first, then in the plug-in files that
 the entry points of installed packages (`entry_points`). Only a list of all of them imports them all.
 
 A `Contract` says what an object of a plug-in must be to enter a registry; anything else is refused with the reason, or
-left out of lists with a warning. Entry points are found without importing anything:
+left out of lists with a warning. Entry points are found without importing anything but `importlib.metadata`, and that,
+as it takes half as long to import as numpy, only if a package has such entry points:
 
     [project.entry-points."rsegen.obstacles"]
     ramp = "rsegen_ramps:Ramp"
-
-`importlib.metadata` takes half as long to import as numpy, so only packages with such entry points are read by it.
 """
 
 from __future__ import annotations
@@ -117,52 +116,48 @@ class EntryPoint:
         return f"plug-in {self.name!r} of {self.source} ({self.value})"
 
     def load(self) -> Any:
-        """Return the object that it offers; raises whatever its module raises."""
+        """Return the object that it offers; PluginError for whatever its module raises."""
         module, _, place = self.value.partition(":")
-        offered: Any = import_module(module.strip())
-        for part in filter(None, place.strip().split(".")):
-            offered = getattr(offered, part)
+        try:
+            offered: Any = import_module(module.strip())
+            for part in filter(None, place.strip().split(".")):
+                offered = getattr(offered, part)
+        except (Exception, SystemExit) as error:
+            raise PluginError(f"{self}: {failure(error)}") from None
         return offered
 
 
 @cache
 def entry_points() -> tuple[EntryPoint, ...]:
-    """Return the entry points of all installed packages for rsegen, sorted by their names."""
-    offers = (offer for folder in _packages() for offer in _of(folder))
+    """Return the entry points of all installed packages for rsegen, sorted by their names.
+
+    Of two folders of metadata of one package the first on the path counts.
+    """
+    seen, offers = set[str](), list[EntryPoint]()
+    for place in dict.fromkeys(sys.path):
+        for folder in _metadata(place or "."):
+            package = re.sub(r"[-_.]+", "-", folder.stem.partition("-")[0]).lower()
+            offers += _offers_of(folder) if package not in seen else ()
+            seen.add(package)
     return tuple(sorted(offers, key=lambda offer: (offer.group, offer.name, str(offer.source))))
 
 
-def _packages() -> Iterator[Path]:
-    """Yield the folders of metadata with entry points for rsegen; of two of one package the first on the path
-    counts.
-    """
-    seen = set()
-    for place in dict.fromkeys(sys.path):
-        for entry in _metadata(place or "."):
-            package = re.sub(r"[-_.]+", "-", os.path.splitext(entry.name)[0].partition("-")[0]).lower()
-            if package not in seen and _speaks(entry.path):
-                yield Path(entry.path)
-            seen.add(package)
-
-
-def _metadata(place: str) -> list[os.DirEntry[str]]:
+def _metadata(place: str) -> list[Path]:
+    """Return the folders of metadata of the packages at a place on the path."""
     try:
-        with os.scandir(place) as entries:
-            folders = [entry for entry in entries if entry.name.endswith((".dist-info", ".egg-info"))]
+        names = sorted(os.listdir(place))
     except OSError:  # most paths hold no packages, and some are not there
         return []
-    return sorted(folders, key=lambda folder: folder.name)
+    return [Path(place, name) for name in names if name.endswith((".dist-info", ".egg-info"))]
 
 
-def _speaks(folder: str) -> bool:
+def _offers_of(folder: Path) -> Iterator[EntryPoint]:
+    """Yield what a package offers to rsegen; `importlib.metadata` is imported only if its file names rsegen."""
     try:
-        with open(os.path.join(folder, "entry_points.txt"), "rb") as file:
-            return b"[rsegen." in file.read()
+        if b"[rsegen." not in (folder / "entry_points.txt").read_bytes():
+            return
     except OSError:
-        return False
-
-
-def _of(folder: Path) -> Iterator[EntryPoint]:
+        return
     from importlib.metadata import Distribution
 
     package = Distribution.at(folder)
@@ -239,7 +234,7 @@ class Registry(Mapping[str, Thing]):
 
     def source(self, name: str) -> Source | None:
         """Return the package or file that a thing comes from; None for rsegen's own."""
-        if name in self and name not in self._sources and not self._is_own(self[name]):
+        if name in self and name not in self._sources and not _is_own(self[name]):
             with self._lock:  # its module may have added it by itself
                 self._find_in_modules()
                 self._find_offered(name)
@@ -251,14 +246,12 @@ class Registry(Mapping[str, Thing]):
             self._import_all_own()
             return tuple(thing for name, thing in self._things.items() if name not in self._sources)
 
-    def _is_own(self, thing: Thing) -> bool:
-        cls = thing if isinstance(thing, type) else type(thing)
-        return cls.__module__.startswith("rsegen.")
-
     def _find(self, name: str) -> None:
         with self._lock:
-            if isinstance(name, str) and name.isidentifier():
-                self._import_own(name)
+            file = f"{self._package}.{name}"
+            # The file with the name of the thing, if there is one, as for many things.
+            if isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
+                import_module(file)
             for find in (self._import_all_own, self._find_in_modules, lambda: self._find_offered(name)):
                 if name not in self._things:
                     find()
@@ -276,11 +269,6 @@ class Registry(Mapping[str, Thing]):
         except PluginError as error:
             warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
 
-    def _import_own(self, name: str) -> None:
-        """Import the file with the name of the thing, if there is one, as for many things."""
-        if not self._own_imported and find_spec(f"{self._package}.{name}"):
-            import_module(f"{self._package}.{name}")
-
     def _import_all_own(self) -> None:
         if self._own_imported:
             return
@@ -293,13 +281,10 @@ class Registry(Mapping[str, Thing]):
         fresh = plugins()[self._modules_seen :]
         self._modules_seen += len(fresh)
         for plugin in fresh:
-            for name, value in self._held(plugin):
-                self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
-
-    def _held(self, plugin: Plugin) -> Iterable[tuple[str, Any]]:
-        known = set(map(id, self._things.values()))
-        held = ((name, value) for name, value in vars(plugin.module).items() if self._contract.is_held(value, plugin))
-        return [(name, value) for name, value in held if isinstance(value, type) or id(value) not in known]
+            known = set(map(id, self._things.values()))
+            for name, value in [*vars(plugin.module).items()]:
+                if self._contract.is_held(value, plugin) and (isinstance(value, type) or id(value) not in known):
+                    self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
 
     def _offered(self) -> tuple[EntryPoint, ...]:
         if self._offers is None:
@@ -316,7 +301,7 @@ class Registry(Mapping[str, Thing]):
         """Import and enter what a package offers; PluginError if that is not possible."""
         self._offers = [other for other in self._offered() if other is not offer]  # its module may ask for others
         try:
-            self._enter(_loaded(offer), offer.source, str(offer), offer.name)
+            self._enter(offer.load(), offer.source, str(offer), offer.name)
         except PluginError:
             self._offers.append(offer)
             raise
@@ -334,19 +319,16 @@ class Registry(Mapping[str, Thing]):
         """Return the problem of the names of a plug-in's object; an empty text if there is none."""
         if wanted is not None and wanted not in names:
             return f"is named {', '.join(names)}; its entry point must have the same name"
-        taken = [name for name in names if name in self._things and not self._is_kept(name, offered)]
-        return f"the name {taken[0]!r} is taken by {self._sources.get(taken[0], 'rsegen')}" if taken else ""
+        for name in names:
+            kept = self._things.get(name, offered)
+            if kept is not offered and type(kept) is not offered:
+                return f"the name {name!r} is taken by {self._sources.get(name, 'rsegen')}"
+        return ""
 
-    def _is_kept(self, name: str, offered: Any) -> bool:
-        kept = self._things[name]
-        return kept is offered or type(kept) is offered
 
-
-def _loaded(offer: EntryPoint) -> Any:
-    try:
-        return offer.load()
-    except (Exception, SystemExit) as error:
-        raise PluginError(f"{offer}: {failure(error)}") from None
+def _is_own(thing: object) -> bool:
+    cls = thing if isinstance(thing, type) else type(thing)
+    return cls.__module__.startswith("rsegen.")
 
 
 def offered_names(package: str, group: str) -> list[str]:

@@ -91,7 +91,9 @@ class Streams:
         """Return the streams of the obstacle `key` in these maps."""
         import numpy as np
 
-        words = _generated(_pooled(_digests(seed, indices, key))).astype("<u4").view("<u8").astype(np.int64)
+        digests = b"".join(digest(seed, index, key) for index in indices)
+        entropy = np.frombuffer(digests, "<u4").reshape(-1, _WORDS).astype(np.uint32)
+        words = _generated(_pooled(entropy)).astype("<u4").view("<u8").astype(np.int64)
         state_high, state_low, inc_high, inc_low = np.ascontiguousarray(words.T)
         # pcg_setseq_128_srandom: the increment is odd; one step from 0, the initial state added, one more step.
         increment = (inc_high << 1 | inc_low >> 63 & 1, inc_low << 1 | 1)
@@ -210,14 +212,6 @@ def _jumps(count: int) -> tuple[Wide, Wide]:
         terms.append(_wide(term))
     (a, b), (c, d) = (np.array(rows, dtype=np.int64).T for rows in (factors, terms))
     return (a, b), (c, d)
-
-
-def _digests(seed: int, indices: Iterable[int], key: str) -> Words:
-    """Return the words (maps, 4) with which `generator` seeds each generator."""
-    import numpy as np
-
-    digests = b"".join(digest(seed, index, key) for index in indices)
-    return np.frombuffer(digests, "<u4").reshape(-1, _WORDS).astype(np.uint32)
 
 
 def _pooled(entropy: Words) -> list[Words]:
