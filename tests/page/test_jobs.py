@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import commands, jobs
+from rsegen.page import forms, jobs
 from rsegen.page import host as hosting
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
@@ -47,7 +47,7 @@ Start = Callable[..., dict[str, Any]]
 @pytest.fixture
 def start(host: Host, doc: str) -> Start:
     def started(command: str, output: str = "", *, replace: bool = False, **values: Any) -> dict[str, Any]:
-        return commands.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
+        return forms.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
 
     return started
 
@@ -121,7 +121,7 @@ def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, 
     session.set("maps", 5000)
     job = start("generate", "worlds", workers=1)
     until(lambda: any(each["done"] for each in host.jobs.listed()))
-    commands.cancel(host, job=job["id"])
+    forms.cancel(host, job=job["id"])
     found = ended(host, job)
     assert found["state"] == "cancelled"
     assert found["lines"][0].startswith("stopped; ")
@@ -130,7 +130,7 @@ def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, 
     for path in made:
         assert read_journal(path), "every map is complete"
     with pytest.raises(UserError, match="job 99 is not known"):
-        commands.cancel(host, job=99)
+        forms.cancel(host, job=99)
 
 
 def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, start: Start, doc: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
@@ -62,16 +62,20 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
 """Every command with its line of help."""
 
 
-_MODULES = {
-    "import": "import_",  # a word of Python
-    **{command: group for group in ("simulation", "information") for command in GROUPS[group]},
+_TOGETHER: Mapping[str, Iterable[str]] = {
+    "worlds": ("generate", "series", "terrain"),
+    "measured": ("import", "scan"),
+    "pictures": ("spots", "preview", "view"),
+    "files": GROUPS["files for other programs"],
+    "simulation": GROUPS["simulation"],
+    "information": GROUPS["information"],
 }
-"""The modules of commands that are not named after their command: short commands share that of their group."""
+"""The modules that have several commands, which are alike; any other has the name of its command."""
 
 
 def module_of(command: str) -> str:
     """Return the name of the module that has the functions `add_COMMAND` and `run_COMMAND`."""
-    return f"rsegen.cli.{_MODULES.get(command, command)}"
+    return f"rsegen.cli.{next((module for module, names in _TOGETHER.items() if command in names), command)}"
 
 
 class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argparse has no public name for it

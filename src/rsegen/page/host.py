@@ -22,10 +22,8 @@ from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
 from rsegen.page.jobs import Jobs
-from rsegen.page.model.actions import act
-from rsegen.page.model.document import Document
-from rsegen.page.model.ends import ends_of
-from rsegen.page.model.journal import Journal
+from rsegen.page.model.actions import act, ends_of
+from rsegen.page.model.document import Document, Journal
 from rsegen.page.model.session import Session, is_enabled
 from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Places, kind_of, names_in

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 
 from rsegen import Recipe, build
-from rsegen.page.model.ends import aligned
+from rsegen.page.model.actions import aligned
 from rsegen.page.model.session import Session, draft_of
 from tests.support.samples import FULL
 from tests.support.strategies import recipes

@@ -1,4 +1,4 @@
-"""The actions by which pages change a recipe, each a function of this file called by its name.
+"""The actions by which pages change a recipe, each a function of this file called by its name; and ends of obstacles.
 
     {"do": "move_end", "row": 2, "end": "last", "cell": [4, 9], "gesture": "g7"} --> a change of the session
 
@@ -9,18 +9,21 @@ those that are painted by hand become a matrix obstacle.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
+from rsegen.field.obstacles import Obstacle
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Ints, Mask
 from rsegen.page.calls import checked
-from rsegen.page.model.ends import End, aligned, fixed, with_end_at
 from rsegen.page.model.session import Entry, Session
 from rsegen.params.sorts import MOST_LEVELS, Cell, Json, parameters
+from rsegen.params.streams import generator
+from rsegen.recipe.building import ends_by
 from rsegen.recipe.codec import MOST_OBSTACLES, decode_obstacle
+from rsegen.recipe.map_design import MapDesign
 from rsegen.recipe.recipe import Recipe
 
 Action = Mapping[str, Json]
@@ -223,3 +226,72 @@ def _span(covered: Mask, axis: int) -> tuple[int, int]:
     """Return the range of painted cells along an axis; the first cell if none is painted."""
     there = np.flatnonzero(covered.any(axis=1 - axis))
     return (int(there[0]), int(there[-1]) + 1) if len(there) else (0, 1)
+
+
+End = Literal["first", "last", "both"]
+"""Which end is moved; both: the middle of the two, and them with it."""
+
+
+def ends_of(entry: Entry, design: MapDesign, index: int) -> Entry | None:
+    """Return where an obstacle lies in map `index`, first and last, also if that is random; None if it does not fit."""
+    obstacle = _obstacle(entry)
+    if obstacle is None:
+        return None
+    try:
+        obstacle.check_size(design.grid)
+        ends = ends_by(design.grid, obstacle, generator(design.seed, index, obstacle.key or ""))
+    except ParameterError:
+        return None
+    on_map = all(0 <= at < cells for end in ends for at, cells in zip(end, design.grid.shape, strict=True))
+    return dict(zip(("first", "last"), map(list, ends), strict=True)) if on_map else None
+
+
+def fixed(entry: Entry, design: MapDesign, index: int) -> Entry:
+    """Return an entry with both ends fixed where they are in map `index`, for instance where they were drawn at random.
+
+    The entry as it is if it is invalid, or does not fit into the map.
+    """
+    return {**entry, **(ends_of(entry, design, index) or {})}
+
+
+def with_end_at(entry: Entry, end: End, cell: Cell, design: MapDesign, index: int) -> Entry:
+    """Return an entry with an end moved to a cell, or both with their middle, as far as the map reaches.
+
+    The other end stays where it is in map `index`, in line with the moved one if the kind must be axis-aligned.
+    """
+    placed = fixed(entry, design, index)
+    if end != "both":
+        return aligned({**placed, end: list(cell)}, "last" if end == "first" else "first")
+    ends = _cell(placed.get("first")), _cell(placed.get("last"))
+    if not all(ends):
+        return entry
+    by = [
+        min(max(to - sum(pair) // 2, -min(pair)), cells - 1 - max(pair))
+        for to, pair, cells in zip(cell, zip(*ends, strict=True), design.grid.shape, strict=True)
+    ]
+    first, last = ([at + step for at, step in zip(place, by, strict=True)] for place in ends)
+    return {**placed, "first": first, "last": last}
+
+
+def aligned(entry: Entry, end: str) -> Entry:
+    """Return an entry with one end moved in line with the other if its kind must be axis-aligned, else as it is."""
+    ends = [_cell(entry.get(name)) for name in (end, "last" if end == "first" else "first")]
+    if _obstacle(entry) or not all(ends):
+        return entry
+    (x, y), (other_x, other_y) = ends
+    in_line = {**entry, end: [x, other_y] if abs(x - other_x) >= abs(y - other_y) else [other_x, y]}
+    return in_line if _obstacle(in_line) else entry
+
+
+def _obstacle(entry: Entry) -> Obstacle | None:
+    """Return the obstacle of an entry; None if it is invalid."""
+    try:
+        return decode_obstacle(entry)
+    except ParameterError:
+        return None
+
+
+def _cell(place: Json) -> tuple[int, ...]:
+    """Return a place of two numbers; empty for any other, such as a random one."""
+    known = isinstance(place, (list, tuple)) and len(place) == 2 and all(isinstance(at, int) for at in place)
+    return tuple(place) if known else ()
