@@ -12,7 +12,6 @@ declares, so a new parameter is translated without a word here. What breaks it: 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 from rsegen.cli.commands import COMMANDS, parser_of
 from rsegen.cli.parser import FLAG
@@ -41,7 +40,8 @@ def _command_line(call: re.Match[str]) -> str:
 def _with_flags(text: str, command: str) -> str:
     if not _ARGUMENT.search(text):
         return text  # most messages have no advice, and no parser is made for them
-    flags = _flags(command)
+    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command)._actions)
+    flags = {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
 
     def flag(argument: re.Match[str]) -> str:
         name, value = argument[1], argument[2]
@@ -50,13 +50,6 @@ def _with_flags(text: str, command: str) -> str:
         return flags[name] if value == "True" else f"{flags[name]} {_text(value)}"
 
     return _ARGUMENT.sub(flag, text)
-
-
-def _flags(command: str) -> Mapping[str, str]:
-    """Return the flag of each parameter that the parser of a command declares."""
-    actions = (action for action in parser_of(command)._actions if action.option_strings)
-    declared = ((getattr(action, "declared", None), action.option_strings[-1]) for action in actions)
-    return {parameter.name.strip("_"): flag for parameter, flag in declared if parameter}
 
 
 def _text(value: str) -> str:

@@ -153,10 +153,9 @@ class Signals:
 
         Python drops one that comes in some callbacks, and would print where: a run looks for it by itself.
         """
-        names = ("SIGINT", "SIGTERM", "SIGHUP")
+        can_stop = threading.current_thread() is threading.main_thread()  # no other one may set handlers
+        names = ("SIGINT", "SIGTERM", "SIGHUP") if can_stop else ()
         known = [getattr(signal, name) for name in names if hasattr(signal, name)]
-        if threading.current_thread() is not threading.main_thread():
-            known = []
         before = {each: signal.getsignal(each) for each in known if signal.getsignal(each) is not signal.SIG_IGN}
         stop.STATE.asked, unraisable = False, sys.unraisablehook
         for each in before:
@@ -199,29 +198,25 @@ def how_to_go_on(*recipes: Recipe, resume: bool = False, then: str = "goes on") 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, and return the exit code."""
-    signals = Signals()
+    words, signals = sys.argv[1:] if arguments is None else arguments, Signals()
     with short_warnings(), printable_output():
         try:
-            return _run(arguments, signals)
+            return _run(words, signals)
         except (KeyboardInterrupt, Exception) as error:
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
             # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
             stopped = ours and signals.came
-            return failed(KeyboardInterrupt() if stopped else error, signals.number, _command_in(arguments))
+            command = next((word for word in words if word in COMMANDS), None)
+            return failed(KeyboardInterrupt() if stopped else error, signals.number, command)
 
 
-def _command_in(arguments: Sequence[str] | None) -> str | None:
-    """Return the command that a command line names, if any."""
-    return next((word for word in (sys.argv[1:] if arguments is None else arguments) if word in COMMANDS), None)
-
-
-def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
+def _run(words: Sequence[str], signals: Signals) -> int:
     try:
         top = parser()
         complete(top)
-        parsed = top.parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
+        parsed = top.parse_args(load_plugins(words))
         if not hasattr(parsed, "run"):
             print(OVERVIEW, end="")
             return 0

@@ -49,7 +49,7 @@ def add_export(command: Parser) -> None:
 def run_export(arguments: argparse.Namespace) -> Report:
     """Export, and say what was written."""
     options = run_options(export_maps, arguments)
-    recipes = maps_of_flags(arguments)
+    recipes = [*maps_of_flags(arguments)]
     maps = sum(recipe.maps for recipe in recipes)
     with going_on(arguments, *recipes), counting(maps) as progress:
         made = call(export_maps, arguments, recipes, **options, progress=progress)

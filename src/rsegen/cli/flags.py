@@ -95,42 +95,33 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     from dataclasses import replace
 
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
-    said = _with_blocks_of_file(recipe_flags(arguments), start.unit_cm)
-    return replace(start, **said, obstacles=(*start.obstacles, *added))
-
-
-def _with_blocks_of_file(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
-    """Put a file's blocks in place of the file."""
+    said = recipe_flags(arguments)
     match said:
         case {"inventory": [str(name)]} if name:
             from rsegen.io.inventory import inventory_in
 
-            unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", unit_cm))
+            unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", start.unit_cm))
             said["inventory"] = inventory_in(Path(name), unit)
-    return said
+    return replace(start, **said, obstacles=(*start.obstacles, *added))
 
 
 def obstacle_in(text: str) -> Obstacle:
     """Return the obstacle that a text such as `peak levels=5 first=2,2` stands for."""
+    from rsegen.field.obstacles import kind
     from rsegen.recipe.codec import decode_obstacle
 
-    try:
-        return decode_obstacle(_entry(text))
-    except ParameterError as error:
-        raise error.of(f"--obstacle {shown(text)}") from None
-
-
-def _entry(text: str) -> dict[str, object]:
-    from rsegen.field.obstacles import kind
-
+    where = f"--obstacle {shown(text)}"
     try:
         name, *pairs = shlex.split(text)
     except ValueError:
-        raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
-    values = key_values(pairs, parameters(kind(name, "")))
-    if "kind" in values:
-        raise ParameterError("kind", "is given twice")
-    return {"kind": name, **values}
+        raise ParameterError(where, "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
+    try:
+        values = key_values(pairs, parameters(kind(name, "")))
+        if "kind" in values:
+            raise ParameterError("kind", "is given twice")
+        return decode_obstacle({"kind": name, **values})
+    except ParameterError as error:
+        raise error.of(where) from None
 
 
 def _file(text: str) -> Path:

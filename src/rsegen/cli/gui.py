@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import getpass
 import json
 import os
 import shlex
+import socket
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,7 +22,6 @@ from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import Flag, Integer, Text
 
 if TYPE_CHECKING:
-    from rsegen.page.host import Host
     from rsegen.page.service import Service
 
 
@@ -52,12 +53,17 @@ def add_gui(command: Parser) -> None:
 def run_gui(arguments: argparse.Namespace) -> None:
     """Serve the page until it is closed, or the command is stopped."""
     from rsegen.page.host import Host
+    from rsegen.page.host import open as open_document
+    from rsegen.page.model.session import Session
     from rsegen.page.service import Service
 
     serving = _Serving(**checked_flags(_Serving, arguments))
     folder, what = _place(arguments.recipe)
     host = Host(folder=folder)
-    doc = _opened(host, what, arguments)
+    if has_recipe_flags(arguments):
+        doc = host.open(Session.of(recipe_from(arguments))).id
+    else:
+        doc = open_document(host, what=what)["doc"]
     with flags_in_errors(_Serving):
         service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
     drive = what if what and (folder / what / "drive.json").is_file() else ""
@@ -81,16 +87,6 @@ def _place(given: str | None) -> tuple[Path, str]:
     return own.parent, own.name + (f"#{number}" if file != path else "")
 
 
-def _opened(host: Host, what: str, arguments: argparse.Namespace) -> str:
-    """Open the recipe, with the flags over it if there are any; return the id of its document."""
-    from rsegen.page.host import open as open_document
-    from rsegen.page.model.session import Session
-
-    if has_recipe_flags(arguments):
-        return host.open(Session.of(recipe_from(arguments))).id
-    return str(open_document(host, what=what)["doc"])
-
-
 def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
     """Print the address, and open the browser if there is one that a person sees."""
     from rsegen.simulation.simulators.server import has_screen
@@ -106,10 +102,9 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
             "warning: others can read what is sent, with the token in it; better: ssh -L", file=sys.stderr, flush=True
         )
     if os.environ.get("SSH_CONNECTION"):
-        port = service.listening_port
+        port, login = service.listening_port, f"{getpass.getuser()}@{socket.gethostname()}"
         print(
-            f"From your own machine: ssh -L {port}:localhost:{port} {_login()}, then open the address there.",
-            flush=True,
+            f"From your own machine: ssh -L {port}:localhost:{port} {login}, then open the address there.", flush=True
         )
     elif not arguments.no_browser and has_screen():
         import webbrowser
@@ -127,11 +122,3 @@ def _maps_in(given: str | None) -> Iterator[str]:
     yield from (f"  rsegen gui {shlex.quote(str(folder))}\n" for folder in maps[:SHOWN])
     if len(maps) > SHOWN:
         yield f"  and {len(maps) - SHOWN} more\n"
-
-
-def _login() -> str:
-    """Return the name of this machine as ssh takes it."""
-    import getpass
-    import socket
-
-    return f"{getpass.getuser()}@{socket.gethostname()}"

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rsegen.cli.flags import add_target_recipe_flags
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, robot_kinds, share_bar
-from rsegen.cli.targets import PictureName, add_target_flags, picture_of, scenes_of
+from rsegen.cli.targets import PictureName, add_target_flags, maps_of_flags, picture_of
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, lengths_in, whole_degrees
@@ -25,7 +25,7 @@ from rsegen.params.sorts import Float, Reference
 
 if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
-    from rsegen.field.metrics import Crossing, Metrics, Plane, Scale, Spectrum, Spread, Steps, Traversability
+    from rsegen.field.metrics import Crossing, Metrics, Scale, Spectrum, Steps, Traversability
     from rsegen.field.metrics.catalogue import Crosser
     from rsegen.standing.resting import PoseStatistics
     from rsegen.standing.ways import Reach, Way
@@ -85,7 +85,7 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
     heading = given(_Options, arguments).get("heading")
     if heading is not None and picture is None:
         raise ParameterError("--heading", "is for a picture; give -o too")
-    scenes = scenes_of(arguments, "measure")
+    scenes = _scenes(arguments)
     first = next(scenes)
     measured = _measured(first, robot)
     if picture and robot:
@@ -95,6 +95,16 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
         rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too
     lines = _csv(rows) if arguments.csv else _report(rows, _title(robot, first.units))
     return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
+
+
+def _scenes(arguments: argparse.Namespace) -> Iterator[Scene]:
+    """Yield the maps to measure, each when it is asked for."""
+    from rsegen.exporters.scene import compose
+    from rsegen.io.resources import refuse_too_large
+
+    for recipe in maps_of_flags(arguments):
+        refuse_too_large(recipe, "measure")
+        yield from (compose(recipe, index) for index in recipe.indices)
 
 
 def _crosser(arguments: argparse.Namespace) -> Crosser | None:
@@ -248,9 +258,14 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
-    yield from _spread(found.spread, written)
+    spread, plane = found.spread, found.plane
+    of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
+    heights = f"{written.measured(spread.lowest)}..{written.said(spread.highest)}"
+    yield f"heights  {heights}, mean {written.said(spread.mean)}"
+    yield f"         standard deviation {written.said(spread.deviation)}{of_mean}, entropy {spread.entropy:.2f} bits"
     yield from _steps(found.steps, written)
-    yield _plane(found.plane, written)
+    off = f"heights deviate by {written.said(plane.residual)} (rms) from their plane of least squares"
+    yield f"plane    {off}, which rises by {plane.slope:.1%}"
     yield _scale(found.scale, written)
     yield _spectrum(found.spectrum)
     rugged, opens = found.ruggedness, found.opening
@@ -269,12 +284,6 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
         yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
 
 
-def _spread(found: Spread, written: Lengths) -> Iterator[str]:
-    of_mean = "" if found.variation is None else f" ({found.variation:.3f} of the mean)"
-    yield f"heights  {written.measured(found.lowest)}..{written.said(found.highest)}, mean {written.said(found.mean)}"
-    yield f"         standard deviation {written.said(found.deviation)}{of_mean}, entropy {found.entropy:.2f} bits"
-
-
 def _steps(found: Steps, written: Lengths) -> Iterator[str]:
     pairs = sum(found.counts.values())
     mean, rms, highest = map(written.said, (found.mean, found.rms, found.highest))
@@ -284,11 +293,6 @@ def _steps(found: Steps, written: Lengths) -> Iterator[str]:
         return
     for size, count in found.counts.items():
         yield f"         {written.measured(size * found.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
-
-
-def _plane(found: Plane, written: Lengths) -> str:
-    off = f"heights deviate by {written.said(found.residual)} (rms) from their plane of least squares"
-    return f"plane    {off}, which rises by {found.slope:.1%}"
 
 
 def _scale(found: Scale, written: Lengths) -> str:

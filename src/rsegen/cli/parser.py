@@ -10,6 +10,7 @@ import os
 import re
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import takewhile
 from typing import Any, NoReturn
 
@@ -48,11 +49,15 @@ def _parted(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return rest, named
 
 
+_HELP = partial(argparse.HelpFormatter, max_help_position=26)
+"""The layout of help: `argparse` leaves two columns less for flags, and breaks the line of more of them."""
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(allow_abbrev=False, formatter_class=_Help, **options)
+        super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         self._rows: list[tuple[str, Callable[[], Iterable[tuple[str, str]]]]] = []
         text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
         self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
@@ -72,7 +77,15 @@ class Parser(argparse.ArgumentParser):
         formatter.add_text(self.description)
         positionals, options, *groups = self._action_groups
         flags = [(group.title, group.description, group._group_actions) for group in (positionals, *groups)]
-        names = [(title, None, [_action(*row) for row in rows()]) for title, rows in self._rows]
+        # Rows are laid out as arguments are.
+        names = [
+            (
+                title,
+                None,
+                [argparse.Action([], name, metavar=name, help=text.replace("%", "%%")) for name, text in rows()],
+            )
+            for title, rows in self._rows
+        ]
         for title, text, actions in [*flags, *names, (options.title, None, options._group_actions)]:
             formatter.start_section(title)
             formatter.add_text(text)
@@ -111,29 +124,18 @@ class Parser(argparse.ArgumentParser):
             self.error(str(UnknownName.among("", "command", value, action.choices)))
 
 
-def _unquoted(arguments: Sequence[str]) -> Iterator[str]:
-    """Yield, in quotes, each obstacle that a shell split into words, as in `--obstacle peak levels=5`."""
-    words = [part for word in arguments for part in _FLAG_AND_VALUE.split(word, maxsplit=1)]
-    for place, word in enumerate(words):
-        if word == "--obstacle":
-            pairs = [*takewhile(_is_pair, words[place + 2 :])]
-            if pairs:
-                yield shlex.quote(" ".join([words[place + 1], *pairs]))
-
-
-_FLAG_AND_VALUE = re.compile("(?<=^--obstacle)=")
-
-
-def _is_pair(word: str) -> bool:
-    """Return whether a word is a parameter of an obstacle, and no file of that name."""
-    return bool(re.match("[a-z_]+=", word)) and not os.path.lexists(word)
-
-
-def _action(name: str, text: str) -> argparse.Action:
+def _row(name: str, text: str) -> argparse.Action:
     """Return a row of the help as argparse lays it out, though it is no argument."""
     return argparse.Action([], name, metavar=name, help=text.replace("%", "%%"))
 
 
-class _Help(argparse.HelpFormatter):
-    def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=26)
+def _unquoted(arguments: Sequence[str]) -> Iterator[str]:
+    """Yield, in quotes, each obstacle that a shell split into words, as in `--obstacle peak levels=5`."""
+
+    def is_pair(word: str) -> bool:  # a parameter of an obstacle, and no file of that name
+        return bool(re.match("[a-z_]+=", word)) and not os.path.lexists(word)
+
+    words = [part for word in arguments for part in re.split("(?<=^--obstacle)=", word, maxsplit=1)]
+    for place, word in enumerate(words):
+        if word == "--obstacle" and (pairs := [*takewhile(is_pair, words[place + 2 :])]):
+            yield shlex.quote(" ".join([words[place + 1], *pairs]))

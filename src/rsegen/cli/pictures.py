@@ -159,7 +159,7 @@ def run_view(arguments: argparse.Namespace) -> Report:
 
     path = html_path(arguments.output)
     refuse_taken_file(path, force=bool(arguments.force))
-    recipes = maps_of_flags(arguments)
+    recipes = [*maps_of_flags(arguments)]
     page = view_all(recipes)
     page.save(path, force=bool(arguments.force))
     maps, size = sum(recipe.maps for recipe in recipes), len(page.html)

@@ -121,33 +121,27 @@ def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
     shown = _Shared(**checked_flags(_Shared, arguments))
     token = _PROGRESS.set("none" if arguments.quiet else shown.progress)
     try:
-        with _long_work():
+        with ExitStack() as all_bars, watched(_bars_of_work(all_bars)):
             yield
     finally:
         _PROGRESS.reset(token)
 
 
-@contextmanager
-def _long_work() -> Iterator[None]:
-    """Show all work inside that tells how far it is as a bar; a search may be within a measuring."""
-    with ExitStack() as shown:
-        bars: dict[str, tuple[ExitStack, Callable[[float], None]]] = {}
-        most: dict[str, float] = {}
+def _bars_of_work(all_bars: ExitStack) -> Callable[[str, float], None]:
+    """Return what shows all work that tells how far it is as a bar; a search may be within a measuring."""
+    bars: dict[str, tuple[ExitStack, Callable[[float], None]]] = {}
 
-        def tell(what: str, share: float) -> None:
-            if share >= 1:
-                most.pop(what, None)
-                if what in bars:
-                    bars.pop(what)[0].close()
-                return
-            most[what] = max(most.get(what, 0.0), share)  # a way that was lowered is looked at once more
-            if what not in bars:
-                own = shown.enter_context(ExitStack())
-                bars[what] = own, own.enter_context(share_bar(what))
-            bars[what][1](most[what])
+    def tell(what: str, share: float) -> None:
+        if share >= 1:
+            if what in bars:
+                bars.pop(what)[0].close()
+            return
+        if what not in bars:
+            own = all_bars.enter_context(ExitStack())
+            bars[what] = own, own.enter_context(share_bar(what))
+        bars[what][1](share)
 
-        with watched(tell):
-            yield
+    return tell
 
 
 class _Silent:
@@ -256,7 +250,7 @@ def share_bar(what: str) -> Iterator[Callable[[float], None]]:
     """Yield a function for the share of some work that is done, 0..1."""
     shape = "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]"
     with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5, miniters=0) as bar:
-        yield lambda share: bar.update(100 * share - bar.n)
+        yield lambda share: bar.update(max(100 * share - bar.n, 0))  # a way that was lowered is looked at once more
 
 
 @contextmanager

@@ -15,7 +15,6 @@ from rsegen.params.sorts import FilePath
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rsegen.exporters.formats import Step
     from rsegen.exporters.scene import Scene
     from rsegen.io.targets import ChosenMap
 
@@ -56,12 +55,13 @@ def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
 
 
-def maps_of_flags(arguments: argparse.Namespace) -> list[Recipe]:
-    """Return the recipes of all their maps, or of the one that --map names."""
+def maps_of_flags(arguments: argparse.Namespace) -> Iterator[Recipe]:
+    """Yield the recipes of all their maps, or of the one that --map names."""
     if arguments.map is None:
-        return [recipe for _, recipe in recipes_of(arguments)]
+        yield from (recipe for _, recipe in recipes_of(arguments))
+        return
     _, recipe, index = map_of_flags(arguments)
-    return [recipe.alone(index)]
+    yield recipe.alone(index)
 
 
 def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe | str:
@@ -73,27 +73,14 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
     return recipe.alone(index)
 
 
-def scene_of(arguments: argparse.Namespace, step: Step = "build") -> Scene:
-    """Return the scene of that map; `step` is the one that needs the most memory."""
+def scene_of(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of that map."""
     from rsegen.exporters.scene import compose
     from rsegen.io.resources import refuse_too_large
 
     _, recipe, index = map_of_flags(arguments)
-    refuse_too_large(recipe, step)
+    refuse_too_large(recipe)
     return compose(recipe, index)
-
-
-def scenes_of(arguments: argparse.Namespace, step: Step) -> Iterator[Scene]:
-    """Yield the scenes of all of them, or of the one that --map names."""
-    from rsegen.exporters.scene import compose
-    from rsegen.io.resources import refuse_too_large
-
-    if arguments.map is not None:
-        yield scene_of(arguments, step)
-        return
-    for _, recipe in recipes_of(arguments):
-        refuse_too_large(recipe, step)
-        yield from (compose(recipe, index) for index in recipe.indices)
 
 
 def which_map(target: str | None, which: str | None) -> Iterator[str]:

@@ -185,7 +185,8 @@ def _series_lines(made: Series) -> Iterator[str]:
     yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", *names, "highest"))
     for row in _some(rows):
         values = (row.asked, unit), (row.measured, unit), (row.highest_step, "m")
-        lengths = (_shown(*value, written.per_metre) for value in values)
+        factors = ((value, written.per_metre if of == "m" else 1.0) for value, of in values)
+        lengths = ("-" if value is None else f"{value * factor:.2f}" for value, factor in factors)
         yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
     if len(rows) > _ROWS:
         yield f"  ({len(rows) - len(_some(rows))} rows between them are left out)"
@@ -199,11 +200,6 @@ def _some(rows: tuple[SeriesRow, ...]) -> list[SeriesRow]:
     """Return all rows, or some that are evenly spaced, with the last."""
     apart = -(-len(rows) // _ROWS)
     return [*rows[:-1:apart], rows[-1]]
-
-
-def _shown(value: float | None, unit: str, per_metre: float) -> str:
-    """Lengths in the units of the recipe."""
-    return "-" if value is None else f"{value * per_metre if unit == 'm' else value:.2f}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -234,22 +230,19 @@ def add_terrain(command: Parser) -> None:
 
 def run_terrain(arguments: argparse.Namespace) -> Report:
     """Write it, and say what was made."""
+    from rsegen.io.recipe_file import load
+    from rsegen.recipe.examples import or_example
     from rsegen.recipe.terrain import Terrain
     from rsegen.run.single_files import tiles_json
 
     values = checked_flags(TerrainDesign, arguments) | checked_flags(_Tiles, arguments)
     seed, size = values.pop("seed", None), values.pop("spots", None)
-    terrain = Terrain(recipes=[_recipe(name, seed) for name in arguments.recipes], **values)
+    recipes = [load(or_example(name)) for name in arguments.recipes]
+    if seed is not None:
+        recipes = [replace(recipe, seed=seed) for recipe in recipes]
+    terrain = Terrain(recipes=recipes, **values)
     path = Path(arguments.folder) / f"{terrain.name}_0000.json"
     with counting(terrain.rows * terrain.columns * (1 if size is None else 2), "tile") as progress:
         terrain = replace(terrain, progress=progress)
         report = produce(terrain.recipe, arguments, {path.name: lambda: tiles_json(terrain, size)})
     return report if arguments.json else replace(report, notes=[f"its tiles: {path}"])
-
-
-def _recipe(name: str, seed: int | None) -> Recipe:
-    from rsegen.io.recipe_file import load
-    from rsegen.recipe.examples import or_example
-
-    recipe = load(or_example(name))
-    return recipe if seed is None else replace(recipe, seed=seed)
