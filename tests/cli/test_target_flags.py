@@ -17,7 +17,7 @@ import rsegen
 import rsegen.cli.simulation
 from rsegen.cli import main
 from rsegen.cli.commands import parser
-from rsegen.cli.targets import target_of
+from rsegen.cli.flags import target_of
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.open_world import OpenedWorld, OpenResult
 from rsegen.simulation.simulators.live_world import Pose

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.flags import PictureName, add_target_recipe_flags, map_of_flags, picture_of, which_map
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.cli.targets import PictureName, map_of_flags, picture_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, lengths_in

@@ -15,13 +15,16 @@ from rsegen.cli.flags import (
     add_format_rows,
     add_input,
     add_recipe_flags,
+    add_target_flags,
     add_target_recipe_flags,
     listed,
+    map_of_flags,
+    maps_of_flags,
     recipes_from,
+    which_map,
 )
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counting, shards_bar
-from rsegen.cli.targets import add_target_flags, map_of_flags, maps_of_flags, which_map
 from rsegen.cli.worlds import SHOWN, going_on, run_options
 from rsegen.commands.maps import export_maps, make_dataset
 from rsegen.commands.parameters import Force

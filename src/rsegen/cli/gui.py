@@ -98,14 +98,12 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
         print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
         print(*_maps_in(arguments.recipe), sep="", end="", flush=True)
     if service.is_open_to_others:
-        print(
-            "warning: others can read what is sent, with the token in it; better: ssh -L", file=sys.stderr, flush=True
-        )
+        text = "warning: others can read what is sent, with the token in it; better: ssh -L"
+        print(text, file=sys.stderr, flush=True)
     if os.environ.get("SSH_CONNECTION"):
-        port, login = service.listening_port, f"{getpass.getuser()}@{socket.gethostname()}"
-        print(
-            f"From your own machine: ssh -L {port}:localhost:{port} {login}, then open the address there.", flush=True
-        )
+        port = service.listening_port
+        tunnel = f"ssh -L {port}:localhost:{port} {getpass.getuser()}@{socket.gethostname()}"
+        print(f"From your own machine: {tunnel}, then open the address there.", flush=True)
     elif not arguments.no_browser and has_screen():
         import webbrowser
 

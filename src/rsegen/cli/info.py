@@ -6,10 +6,9 @@ import argparse
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.flags import add_target_flags, add_target_recipe_flags, is_of_flags, scene_of, which_map
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.cli.targets import add_target_flags, is_of_flags, scene_of, which_map
 from rsegen.cli.worlds import SHOWN
 from rsegen.errors import ParameterError
 from rsegen.params.sorts import parameters

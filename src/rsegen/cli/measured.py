@@ -9,10 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.cli.flags import add_recipe_flags, recipe_flags, with_flags
+from rsegen.cli.flags import add_recipe_flags, picture_of, recipe_flags, with_flags
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.cli.targets import picture_of
 from rsegen.cli.worlds import add_output_flags, produce
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in

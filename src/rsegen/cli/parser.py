@@ -78,14 +78,7 @@ class Parser(argparse.ArgumentParser):
         positionals, options, *groups = self._action_groups
         flags = [(group.title, group.description, group._group_actions) for group in (positionals, *groups)]
         # Rows are laid out as arguments are.
-        names = [
-            (
-                title,
-                None,
-                [argparse.Action([], name, metavar=name, help=text.replace("%", "%%")) for name, text in rows()],
-            )
-            for title, rows in self._rows
-        ]
+        names = [(title, None, [_row(*row) for row in rows()]) for title, rows in self._rows]
         for title, text, actions in [*flags, *names, (options.title, None, options._group_actions)]:
             formatter.start_section(title)
             formatter.add_text(text)

@@ -9,10 +9,18 @@ from functools import partial
 from math import degrees, radians
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import add_target_recipe_flags
+from rsegen.cli.flags import (
+    PictureName,
+    add_target_flags,
+    add_target_recipe_flags,
+    maps_of_flags,
+    picture_of,
+    scene_of,
+    target_of,
+    which_map,
+)
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, checked_flags, robot_kinds
-from rsegen.cli.targets import PictureName, add_target_flags, maps_of_flags, picture_of, scene_of, target_of, which_map
 from rsegen.commands.parameters import Force
 from rsegen.commands.simulation import spots
 from rsegen.errors import ParameterError

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 
 from rsegen.cli.advice import in_flags
 from rsegen.cli.edge import how_to_go_on
-from rsegen.cli.flags import add_input, add_target_recipe_flags
+from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, checked_flags, robot_kinds, seconds_bar, trials_bar
-from rsegen.cli.targets import target_of, which_map
 from rsegen.commands.simulation import drive, experiment, remove, respawn, spawn
 from rsegen.commands.simulation import open as open_world
 from rsegen.errors import printable

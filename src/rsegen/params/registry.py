@@ -21,7 +21,7 @@ import sys
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -62,7 +62,8 @@ class Contract:
             return f"is not a subclass of {base}"
         if missing := sorted(getattr(offered, "__abstractmethods__", ())):
             return f"does not define {', '.join(missing)}"
-        if not has_summary(offered):
+        doc = (offered.__doc__ or "").strip()
+        if not doc or doc.startswith(f"{offered.__name__}("):  # dataclasses make one up from the signature
             return "has no docstring; its first line is shown in lists"
         return self._unsound(offered)
 
@@ -95,12 +96,6 @@ def clash(cls: type, reserved: Collection[str], base: type = object, others: Ite
             if known and (type(known) is not type(parameter) or known.describe() != parameter.describe()):
                 return f"the parameter {name!r} is there already, with other values ({known.describe()})"
     return ""
-
-
-def has_summary(cls: type) -> bool:
-    """Return whether a class has a docstring of its own; dataclasses make one up from the signature."""
-    doc = (cls.__doc__ or "").strip()
-    return bool(doc) and not doc.startswith(f"{cls.__name__}(")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -197,7 +192,6 @@ class Registry(Mapping[str, Thing]):
         self._sources: dict[str, Source] = {}
         self._own_imported = not package
         self._modules_seen = 0
-        self._offers: list[EntryPoint] | None = None
         self._lock = RLock()
 
     def __getitem__(self, name: str) -> Thing:
@@ -260,7 +254,7 @@ class Registry(Mapping[str, Thing]):
         with self._lock:
             self._import_all_own()
             self._find_in_modules()
-            for offer in self._offered():
+            for offer in [*self._offers]:
                 self._take_or_warn(offer)
 
     def _take_or_warn(self, offer: EntryPoint) -> None:
@@ -286,20 +280,18 @@ class Registry(Mapping[str, Thing]):
                 if self._contract.is_held(value, plugin) and (isinstance(value, type) or id(value) not in known):
                     self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
 
-    def _offered(self) -> tuple[EntryPoint, ...]:
-        if self._offers is None:
-            self._offers = [offer for offer in entry_points() if offer.group == self._group]
-        return tuple(self._offers)
+    @cached_property
+    def _offers(self) -> list[EntryPoint]:
+        """The entry points that have not been imported yet, or could not be."""
+        return [offer for offer in entry_points() if offer.group == self._group]
 
     def _find_offered(self, name: str) -> None:
-        for offer in self._offered():
-            if offer.name == name:
-                self._take(offer)
-                return
+        if offer := next((offer for offer in self._offers if offer.name == name), None):
+            self._take(offer)
 
     def _take(self, offer: EntryPoint) -> None:
         """Import and enter what a package offers; PluginError if that is not possible."""
-        self._offers = [other for other in self._offered() if other is not offer]  # its module may ask for others
+        self._offers.remove(offer)  # its module may ask for others
         try:
             self._enter(offer.load(), offer.source, str(offer), offer.name)
         except PluginError:

@@ -155,7 +155,7 @@ class Document:
         name = self.session.draft.values.get("name", _DEFAULT_NAME)
         if name in (_DEFAULT_NAME, self.path.stem if self.path else _DEFAULT_NAME):
             with suppress(ParameterError):
-                self.session.set("name", parameters(Recipe)["name"].check("name", target.stem))
+                self.session.set(name="name", value=parameters(Recipe)["name"].check("name", target.stem))
 
 
 _DEFAULT_NAME = next(each.default for each in fields(Recipe) if each.name == "name")
