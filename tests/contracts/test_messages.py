@@ -13,8 +13,8 @@ import pytest
 
 import rsegen
 from rsegen.cli import COMMANDS
-from rsegen.cli.advice import in_flags
 from rsegen.cli.commands import parser_of
+from rsegen.cli.edge import in_flags
 from rsegen.errors import UserError
 from rsegen.params.command import declared
 

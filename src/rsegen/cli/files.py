@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import (
     RECIPE_HELP,
@@ -23,7 +24,6 @@ from rsegen.cli.flags import (
     recipes_from,
     which_map,
 )
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counting, shards_bar
 from rsegen.cli.worlds import SHOWN, going_on, run_options
 from rsegen.commands.maps import export_maps, make_dataset

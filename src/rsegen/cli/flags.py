@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from rsegen.cli.parser import Parser
+from rsegen.cli.commands import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.params.command import Declared, Shell, add_flag, declared, given
 from rsegen.params.registry import offered_names

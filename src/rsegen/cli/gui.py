@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.flags import add_input, add_target_recipe_flags, has_recipe_flags, recipe_from
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import checked_flags
 from rsegen.cli.worlds import SHOWN
 from rsegen.params.command import Shell, add_flags, flags_in_errors

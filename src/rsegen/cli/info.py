@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.flags import add_target_flags, add_target_recipe_flags, is_of_flags, scene_of, which_map
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.cli.worlds import SHOWN
 from rsegen.errors import ParameterError

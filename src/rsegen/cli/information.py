@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen import __version__
-from rsegen.cli.parser import Parser
+from rsegen.cli.commands import Parser
 from rsegen.cli.report import Report
 from rsegen.commands.parameters import Force
 from rsegen.errors import RsegenError, UnknownName, line_of

@@ -12,8 +12,8 @@ from itertools import chain
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.flags import PictureName, add_target_flags, add_target_recipe_flags, maps_of_flags, picture_of
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, robot_kinds, share_bar
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError

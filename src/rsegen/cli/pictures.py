@@ -9,6 +9,7 @@ from functools import partial
 from math import degrees, radians
 from typing import TYPE_CHECKING, Annotated
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.flags import (
     PictureName,
     add_target_flags,
@@ -19,7 +20,6 @@ from rsegen.cli.flags import (
     target_of,
     which_map,
 )
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, checked_flags, robot_kinds
 from rsegen.commands.parameters import Force
 from rsegen.commands.simulation import spots

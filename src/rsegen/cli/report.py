@@ -16,7 +16,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from rsegen.cli.parser import Parser
+from rsegen.cli.commands import Parser
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
 from rsegen.params.registry import offered_names
 from rsegen.params.sorts import Choice, Flag, plain

@@ -10,10 +10,9 @@ from dataclasses import asdict, astuple
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from rsegen.cli.advice import in_flags
-from rsegen.cli.edge import how_to_go_on
+from rsegen.cli.commands import Parser
+from rsegen.cli.edge import how_to_go_on, in_flags
 from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, checked_flags, robot_kinds, seconds_bar, trials_bar
 from rsegen.commands.simulation import drive, experiment, remove, respawn, spawn
 from rsegen.commands.simulation import open as open_world

@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.edge import how_to_go_on
 from rsegen.cli.flags import add_format_rows, add_input, add_recipe_flags, recipe_from
-from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, checked_flags, counting, maps_bar
 from rsegen.commands.maps import generate, series
 from rsegen.commands.parameters import By, ByRobot

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from rsegen.commands.parameters import (
     AnyRobot,
@@ -15,16 +15,17 @@ from rsegen.commands.parameters import (
     MapsFolder,
     ModelName,
     OutputFolder,
+    Place,
     RobotModel,
     RunningSimulator,
     Seed,
     SimulatorName,
     Timeout,
 )
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError
 from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, command
-from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, Json, ListOf, Reference, parameters
+from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference, parameters
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Run
 
@@ -237,36 +238,6 @@ def spots(  # noqa: PLR0913  # each is a flag
     body = robot_of(robot).body_or_box if size is None else body_of_size(*size)
     rng = spot_generator(fresh_seed() if seed is None else seed)
     return spots_on_map(world_of(target, map).scene().field, body, count, rng, most_tilt=radians(max_tilt))
-
-
-class Place:
-    """A pose on the ground: x and y, then perhaps z, then perhaps yaw, in metres and radians."""
-
-    help = "pose in metres and radians, as in --at=-2,0"
-    _metres = Float(-1e6, 1e6)
-
-    def check(self, where: str, value: object) -> tuple[float, ...]:
-        """Return two to four numbers, or raise a ParameterError."""
-        if not isinstance(value, Sequence) or isinstance(value, str) or not 2 <= len(value) <= 4:
-            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
-        return tuple(self._metres.check(f"{where}[{axis}]", length) for axis, length in enumerate(value))
-
-    def parse(self, text: str) -> object:
-        """Return the numbers of a text, or the text if they are not two to four."""
-        parts = text.split(",")
-        return [self._metres.parse(part) for part in parts] if 2 <= len(parts) <= 4 else text
-
-    def format(self, value: Any) -> str:
-        """Return the numbers separated by commas."""
-        return ",".join(map(str, value))
-
-    def schema(self) -> dict[str, Json]:
-        """Return the JSON Schema of a list of two to four numbers."""
-        return {"type": "array", "items": self._metres.schema(), "minItems": 2, "maxItems": 4}
-
-    def describe(self) -> str:
-        """Return what may be given."""
-        return "X,Y or X,Y,Z or X,Y,Z,YAW"
 
 
 @command
