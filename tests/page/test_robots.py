@@ -254,7 +254,7 @@ def test_a_robot_of_a_file_outside_the_folder_is_refused(host: Host, robot: str,
 def test_bad_arguments_are_one_line(host: Host, doc: str) -> None:
     with pytest.raises(UnknownName, match="robot"):
         robots.robot(host, robot="burgr")
-    with pytest.raises(ParameterError, match="index: 2 is not a map of this recipe"):
+    with pytest.raises(ParameterError, match=r"index: 2 is outside 0\.\.1"):
         robots.pose(host, doc=doc, index=2, robot="burger", x=0.0, y=0.0, heading=0.0)
     for x in (float("nan"), 1e9):
         with pytest.raises(ParameterError, match="x: "):

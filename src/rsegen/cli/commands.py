@@ -97,12 +97,14 @@ class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argpar
         self.add(values[0])
         super().__call__(parser, namespace, values, option_string)
 
-    def add(self, name: str) -> None:
-        """Add the parser of a command, and the function that runs it, if it is not there yet."""
+    def add(self, name: str) -> Parser:
+        """Return the parser of a command, with the function that runs it; add it if it is not there yet."""
         if name not in self._name_parser_map:
             module, command = import_module(module_of(name)), self.add_parser(name)
             import_module("rsegen.cli.report").add_shared_flags(command, getattr(module, f"add_{name}"))
             command.set_defaults(run=getattr(module, f"run_{name}"))
+        made: Parser = self._name_parser_map[name]
+        return made
 
 
 def parser() -> Parser:
@@ -114,7 +116,9 @@ def parser() -> Parser:
         epilog="Start with: rsegen generate --obstacle 'random levels=5' -o worlds",
     )
     top.add_argument("-V", "--version", action="version", version=f"rsegen {__version__}")
-    top.add_subparsers(action=_Commands, prog="rsegen", metavar="COMMAND", help=argparse.SUPPRESS)
+    top.commands = top.add_subparsers(  # type: ignore[assignment]  # typeshed gives its base
+        action=_Commands, prog="rsegen", metavar="COMMAND", help=argparse.SUPPRESS
+    )
     for title, commands in GROUPS.items():
         top.add_rows(title, commands.items)
     return top
@@ -122,10 +126,7 @@ def parser() -> Parser:
 
 def parser_of(command: str) -> Parser:
     """Return the parser of one command."""
-    (commands,) = (action for action in parser()._actions if isinstance(action, _Commands))
-    commands.add(command)
-    made: Parser = commands._name_parser_map[command]
-    return made
+    return parser().commands.add(command)
 
 
 OVERVIEW = """\
@@ -146,7 +147,7 @@ def complete(top: Parser) -> None:
         return
     import argcomplete
 
-    (commands,) = (action for action in top._actions if isinstance(action, _Commands))
+    commands = top.commands
     words = os.environ.get("COMP_LINE", "").split()[1:]
     named = next((word for word in words if word in COMMANDS), None)
     if named:
@@ -197,6 +198,8 @@ _HELP = partial(argparse.HelpFormatter, max_help_position=26)
 
 class Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
+
+    commands: _Commands
 
     def __init__(self, **options: Any) -> None:
         super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)

@@ -119,9 +119,15 @@ def add_sheet(command: Parser) -> None:
 
 def run_sheet(arguments: argparse.Namespace) -> Report:
     """Make the sheets, and write them."""
+    from rsegen.exporters.sheet import sheet_format
     from rsegen.run.single_files import write_sheets
 
-    paths = _paths(arguments)
+    paths = [Path(arguments.output)]
+    if arguments.csv is not None:
+        paths.append(Path(arguments.csv))
+        if [sheet_format(path) == "csv" for path in paths] != [False, True]:
+            given_names = f"{paths[1]} beside {paths[0]}"
+            raise ParameterError("--csv", f"{given_names}; give one name of .csv, and -o one of .pdf")
     settings = given(CutSettings, arguments, arguments.units)
     _, recipe, index = map_of_flags(arguments)
     saw = replace(CutSettings.default(recipe.units), **settings)
@@ -129,19 +135,6 @@ def run_sheet(arguments: argparse.Namespace) -> Report:
     content = {"files": [str(path) for path in paths], "map": scene.name, "seed": scene.recipe.seed}
     lines = [f"{path}: {scene.name}, seed {scene.recipe.seed}" for path in paths]
     return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))
-
-
-def _paths(arguments: argparse.Namespace) -> list[Path]:
-    """The files to write."""
-    from rsegen.exporters.sheet import sheet_format
-
-    path = Path(arguments.output)
-    if arguments.csv is None:
-        return [path]
-    other = Path(arguments.csv)
-    if sheet_format(other) != "csv" or sheet_format(path) == "csv":
-        raise ParameterError("--csv", f"{other} beside {path}; give one name of .csv, and -o one of .pdf")
-    return [path, other]
 
 
 _REBUILT = Integer(0, 10**9)

@@ -9,6 +9,7 @@ import argparse
 import os.path
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
 
 RECIPE = "recipe"
 """The title of the flags that change a recipe."""
-
-OBSTACLE = "'KIND KEY=VALUE ...'"
-OBSTACLE_HELP = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
 
 RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, or DIR#17: a map of a data set"
 
@@ -58,18 +56,19 @@ def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
 
 
 def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
-    """Add the same for commands that look at maps; the help shows two, and says where the others are."""
+    """Add these flags to a command that looks at maps; the help shows two, and says where the others are."""
     text = "each overrides what RECIPE-or-DIR says; rsegen generate --help lists all the others of a recipe"
     known = [parameter for name, parameter in declared(Recipe).items() if name not in without]
-    helps = {each: each.sort.help if each.name == "seed" else argparse.SUPPRESS for each in known}
+    helps = {parameter: parameter.sort.help if parameter.name == "seed" else argparse.SUPPRESS for parameter in known}
     _add_recipe_group(command, text, helps)
 
 
 def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
     group = command.add_argument_group(RECIPE, text)
-    group.add_argument("--obstacle", action="append", default=[], metavar=OBSTACLE, help=OBSTACLE_HELP)
-    for each, said in helps.items():
-        add_flag(group, each, said, metavar=each.metavar)
+    example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
+    group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
+    for parameter, said in helps.items():
+        add_flag(group, parameter, said, metavar=parameter.metavar)
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
@@ -97,8 +96,6 @@ def recipe_flags(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     """Return a recipe with the flags over it and their obstacles after its own."""
-    from dataclasses import replace
-
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
     said = recipe_flags(arguments)
     match said:

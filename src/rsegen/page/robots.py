@@ -50,10 +50,7 @@ def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
     """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
     opened = host.opened(doc)
     recipe = opened.session.recipe
-    if index not in recipe.indices:
-        last = recipe.indices[-1]
-        raise ParameterError("index", f"{index} is not a map of this recipe; give {recipe.first_map}..{last}")
-    return opened, recipe, scene_of(opened, recipe, index).field
+    return opened, recipe, scene_of(opened, recipe, opened.index_of("", index)).field
 
 
 def _robot(host: Host, robot: str) -> DrivableRobot:

@@ -63,48 +63,36 @@ class _Server(uvicorn.Server):
 
 @dataclass(kw_only=True)
 class Service:
-    """A server with its address; run: serve until it ends, in this thread."""
+    """A server with its address; is_open_to_others: whether other machines may reach it."""
 
     host: Host
     address: str = "127.0.0.1"
     port: int | None = None
     keep: bool = False
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
+    listening_port: int = field(init=False)
+    is_open_to_others: bool = field(init=False)
+    _ip: ipaddress.IPv4Address | ipaddress.IPv6Address = field(init=False)
     _socket: socket.socket = field(init=False)
     _server: _Server = field(init=False)
     _thread: Thread | None = None
 
     def __post_init__(self) -> None:
         self._socket = _listening(self.address, self.port)
-        ip = self._socket.getsockname()[0]
-        everywhere = ipaddress.ip_address(ip).is_unspecified
-        names = [self.address.lower(), *([socket.gethostname().lower()] if everywhere else [])]
+        ip, self.listening_port = self._socket.getsockname()[:2]
+        self._ip = ipaddress.ip_address(ip)
+        self.is_open_to_others = not self._ip.is_loopback
+        names = [self.address.lower(), *([socket.gethostname().lower()] if self._ip.is_unspecified else [])]
         desk = Desk(host=self.host, token=self.token)
-        app = desk.application(frozenset(names), any_address=not ipaddress.ip_address(ip).is_loopback)
+        app = desk.application(frozenset(names), any_address=self.is_open_to_others)
         self._server = _Server(app, desk, keep=self.keep)
 
     def url(self, doc: str = "", play: str = "") -> str:
         """Return the address of the page, with its token, of a document on it, and of a drive that plays over it."""
-        ip, port = self._socket.getsockname()[:2]
-        if ipaddress.ip_address(ip).is_unspecified:
-            name = socket.gethostname()
-        elif ip == "127.0.0.1":
-            name = "localhost"
-        else:
-            name = f"[{ip}]" if ":" in ip else ip
+        name = f"[{self._ip}]" if self._ip.version == 6 else str(self._ip)
+        name = socket.gethostname() if self._ip.is_unspecified else "localhost" if name == "127.0.0.1" else name
         shown = "".join(f"&{key}={quote(value)}" for key, value in (("doc", doc), ("play", play)) if value)
-        return f"http://{name}:{port}/?token={self.token}{shown}"
-
-    @property
-    def is_open_to_others(self) -> bool:
-        """Return whether other machines may reach it."""
-        return not ipaddress.ip_address(self._socket.getsockname()[0]).is_loopback
-
-    @property
-    def listening_port(self) -> int:
-        """The port of the address."""
-        port: int = self._socket.getsockname()[1]
-        return port
+        return f"http://{name}:{self.listening_port}/?token={self.token}{shown}"
 
     def run(self) -> None:
         """Serve until a signal, or the end of the last page."""
