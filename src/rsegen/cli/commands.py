@@ -73,7 +73,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
 _TOGETHER: Mapping[str, Iterable[str]] = {
     "worlds": ("generate", "series", "terrain"),
     "measured": ("import", "scan", "compare"),
-    "pictures": ("spots", "preview", "view"),
+    "maps": ("info", "spots", "preview", "view"),
     "files": GROUPS["files for other programs"],
     "simulation": GROUPS["simulation"],
     "information": GROUPS["information"],
@@ -175,7 +175,7 @@ def load_plugins(arguments: Sequence[str]) -> list[str]:
 
 
 def _parted(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The arguments without `--plugin MODULE`, and the modules; what follows `--` is left alone."""
+    """Return the arguments without `--plugin MODULE`, and the modules; what follows `--` is left alone."""
     rest: list[str] = []
     named: list[str] = []
     waiting = list(arguments)

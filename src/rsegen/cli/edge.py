@@ -112,7 +112,7 @@ def failed(error: BaseException, signal: int, command: str | None = None) -> int
 
 
 def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
-    """The exit code, and what to say; nothing to whoever has stopped listening."""
+    """Return the exit code, and what to say; nothing to whoever has stopped listening."""
     match error:
         case RsegenError():
             return 2 if isinstance(error, UserError) else 1, str(error)

@@ -166,7 +166,7 @@ def run_dataset(arguments: argparse.Namespace) -> Report:
 
 
 def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
-    """The data set, and what it was compared with."""
+    """Return the data set that was checked, and what it was compared with."""
     from rsegen.io.dataset.reading import Dataset
 
     if arguments.recipes:

@@ -85,7 +85,7 @@ def run_import(arguments: argparse.Namespace) -> Report:
 
 
 def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
-    """The importer with the options that were given; one that it does not have is an error."""
+    """Return the importer with the options that were given; one that it does not have is an error."""
     for name, option in _options().items():
         if name not in parameters(cls) and getattr(arguments, name) is not None:
             flags = ", ".join(known.flags[-1] for known in declared(cls).values())
@@ -110,7 +110,7 @@ def _add_reading_flags(command: argparse.ArgumentParser) -> None:
 
 
 def _meanings(name: str) -> Mapping[str, Collection[str]]:
-    """The help texts of an option, and the formats that have it."""
+    """Return the help texts of an option, each with the formats that have it."""
     from rsegen.io.importers.base import IMPORTERS
 
     formats: dict[str, dict[str, None]] = {}
@@ -123,7 +123,7 @@ def _meanings(name: str) -> Mapping[str, Collection[str]]:
 
 
 def _options() -> Mapping[str, Declared]:
-    """The options of all formats by name."""
+    """Return the options of all formats by name."""
     from rsegen.io.importers.base import IMPORTERS
 
     return {name: option for cls in IMPORTERS.values() for name, option in declared(cls).items()}

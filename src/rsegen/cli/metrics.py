@@ -107,7 +107,7 @@ def _scenes(arguments: argparse.Namespace) -> Iterator[Scene]:
 
 
 def _crosser(arguments: argparse.Namespace) -> Crosser | None:
-    """The robot or the limits of steps that the flags give."""
+    """Return the robot or the limits of steps that the flags give, if any."""
     said = given(StepLimits, arguments)
     if arguments.robot is not None:
         from rsegen.robots import robot_of
@@ -121,7 +121,7 @@ def _crosser(arguments: argparse.Namespace) -> Crosser | None:
 
 
 def _measured(scene: Scene, crosser: Crosser | None) -> Metrics:
-    """The metrics of a map; the search of a robot, which may take a minute, is a bar."""
+    """Return the metrics of a map; the search of a robot, which may take a minute, is shown as a bar."""
     from rsegen.field.metrics import metrics
     from rsegen.standing.kinds import Standing, Watched
 
@@ -132,7 +132,7 @@ def _measured(scene: Scene, crosser: Crosser | None) -> Metrics:
 
 
 def _picture(scene: Scene, crosser: Crosser, measured: Metrics, heading: float | None, form: str) -> bytes:
-    """The ways across a map, or maps of a robot's poses at a heading in degrees."""
+    """Draw the ways across a map, or maps of a robot's poses at a heading in degrees."""
     from rsegen.exporters.pictures.pose_plots import pose_maps
     from rsegen.exporters.pictures.robot_plots import path_plot
     from rsegen.standing.kinds import Standing
@@ -161,7 +161,7 @@ def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:
 
 
 def _csv(measured: Iterable[Measured]) -> Iterator[str]:
-    """The lines of a table with a column for each metric; those of the first map."""
+    """Yield the lines of a table with a column for each metric of the first map."""
     from rsegen.field.metrics.catalogue import flattened
 
     columns: list[str] = []
@@ -177,7 +177,7 @@ def _csv(measured: Iterable[Measured]) -> Iterator[str]:
 
 
 def _report(measured: Iterable[Measured], crosser: str) -> Iterator[str]:
-    """The lines of a page for one map, of a table for more of them."""
+    """Yield the lines of a page for one map, of a table for more of them."""
     maps = iter(measured)
     first, second = next(maps), next(maps, None)
     yield from _table(chain([first, second], maps)) if second else _page(*first, crosser)

@@ -134,7 +134,7 @@ def _count(maps: int) -> str:
 
 
 def _how_to_open(first: GeneratedMap, folder: Path, simulator: str) -> Iterator[str]:
-    """Lines to copy. Worlds name meshes relative to themselves; Gazebo Classic before 11.3 looks in `.` for them."""
+    """Yield lines to copy. Worlds name meshes relative to themselves; Gazebo Classic before 11.3 looks in `.` for them."""
     if simulator == "both":
         yield f"Gazebo Sim:     gz sim {shlex.quote(str(first.world))}"
     yield f"Gazebo Classic: cd {shlex.quote(str(first.folder))} && gazebo {shlex.quote(first.world.name)}"

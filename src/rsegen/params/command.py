@@ -235,7 +235,7 @@ def _default_of_row(parameter: Declared) -> str:
 
 
 def _shown_default(value: object) -> str:
-    """A default as a person gives it; nothing if there is none, or none that says anything."""
+    """Return a default as a person gives it; nothing if there is none, or none that says anything."""
     if value is None or value is Argument.empty or value in ("", ()):
         return ""
     if isinstance(value, bool):

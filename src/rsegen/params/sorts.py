@@ -464,7 +464,7 @@ def _number(text: str, unit: str, where: str, units: str | None) -> str:
 
 
 def key_values(words: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, object]:
-    """The values by key, each as its parameter reads it; not yet checked, and neither are the keys."""
+    """Return the values by key, each as its parameter reads it; not yet checked, and neither are the keys."""
     values: dict[str, object] = {}
     for word in words:
         key, equals, value = word.partition("=")
