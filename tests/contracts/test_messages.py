@@ -30,7 +30,7 @@ ARGUMENTS = [(function, name) for function in FUNCTIONS for name in declared(fun
 COMMAND_LINES = {
     "exporters/formats/heightmap.py": "a command line that reads the image again, to be copied",
     "exporters/sheet/overview.py": "a printed page",
-    "page/commands.py": "command lines that the page runs",
+    "page/forms.py": "command lines that the page runs",
     "page/model/as_code.py": "the command line of a recipe, to be copied",
     "simulation/experiment/run.py": "the command line of an experiment, in its report",
 }

@@ -196,6 +196,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         f"({written.measured(scan.measured_width)} measured), unit {unit} "
         f"({written.measured(scan.measured_unit)} measured), {frames}"
     )
+    # Then what was assumed and what is doubtful, each with the flag that settles it.
     if options.block_width_cm is None:
         yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
     if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:

@@ -144,27 +144,20 @@ def _bars_of_work(all_bars: ExitStack) -> Callable[[str, float], None]:
     return tell
 
 
-class _Silent:
-    """Progress that is not shown, with the part of tqdm's interface that is used here."""
-
-    n = initial = 0.0
-
-    def update(self, steps: float = 1) -> None:
-        """Go on by some steps."""
-
-    def set_description(self, step: str) -> None:
-        """Say what is done now."""
-
-
 _LINES_APART = 0.05
 """Seconds between two lines of progress: of a thousand maps in a second nobody reads each."""
 
 
-class _JsonLines(_Silent):
-    """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`."""
+class _Lines:
+    """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`, or not shown.
 
-    def __init__(self, total: float, unit: str, step: str) -> None:
-        self._total, self._unit, self._step, self._said = total, unit, step, float("-inf")
+    It has the part of tqdm's interface that is used here.
+    """
+
+    n = initial = 0.0
+
+    def __init__(self, total: float, unit: str, step: str, *, is_shown: bool) -> None:
+        self._total, self._unit, self._step, self.is_shown = total, unit, step, is_shown
         self._say()
 
     def update(self, steps: float = 1) -> None:
@@ -180,17 +173,16 @@ class _JsonLines(_Silent):
 
     def _say(self) -> None:
         self._said = time.monotonic()
-        state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
-        print(json.dumps(state), file=sys.stderr, flush=True)
+        if self.is_shown:
+            state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
+            print(json.dumps(state), file=sys.stderr, flush=True)
 
 
 @contextmanager
 def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
     """Yield what shows the progress: a bar, with a style of tqdm's, lines of JSON, or nothing."""
     how = _PROGRESS.get()
-    if how == "json" and sys.stderr:
-        yield _JsonLines(total, unit, style.get("desc", ""))
-    elif how == "bar" and sys.stderr and sys.stderr.isatty():
+    if how == "bar" and sys.stderr and sys.stderr.isatty():
         from tqdm import tqdm
 
         # A terminal that does not know its size, as that of `script` or of a container, says 0: no bar would be drawn.
@@ -200,7 +192,7 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
         with tqdm(total=total, unit=unit, **style) as bar:
             yield bar
     else:
-        yield _Silent()
+        yield _Lines(total, unit, style.get("desc", ""), is_shown=how == "json" and bool(sys.stderr))
 
 
 @contextmanager
@@ -260,7 +252,7 @@ def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
     with _watched(trials, "trial") as bar:
 
         def progress(done: int, cell: Cell) -> None:
-            if type(bar) is _Silent and _PROGRESS.get() != "none":
+            if isinstance(bar, _Lines) and not bar.is_shown and _PROGRESS.get() != "none":
                 print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
             bar.update(done - bar.n)
             bar.set_description(cell.name)

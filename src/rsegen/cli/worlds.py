@@ -72,9 +72,9 @@ def run_options(function: Callable[..., object], arguments: argparse.Namespace) 
     from rsegen.run.execute import cores
 
     said = {"workers": cores()} | given(function, arguments)
-    for each in said.get("formats", ()):
-        if each.left_out and not arguments.quiet:
-            print(f"rsegen: {each.left_out}", file=sys.stderr)
+    for format_ in said.get("formats", ()):
+        if format_.left_out and not arguments.quiet:
+            print(f"rsegen: {format_.left_out}", file=sys.stderr)
     return said
 
 
@@ -91,18 +91,18 @@ def _content(made: Generated) -> dict[str, object]:
         "seed": made.recipe.seed,
         "maps": [
             {
-                "name": each.name,
-                "index": each.index,
-                "folder": str(each.folder),
-                "world": str(each.world),
-                "size": list(each.cells),
-                "size_m": list(each.extent),
-                "levels": list(each.level_counts),
-                "level_counts": each.level_counts,
-                "files": [str(path) for path in each.files],
-                "warnings": list(each.warnings),
+                "name": generated.name,
+                "index": generated.index,
+                "folder": str(generated.folder),
+                "world": str(generated.world),
+                "size": list(generated.cells),
+                "size_m": list(generated.extent),
+                "levels": list(generated.level_counts),
+                "level_counts": generated.level_counts,
+                "files": [str(path) for path in generated.files],
+                "warnings": list(generated.warnings),
             }
-            for each in made.maps
+            for generated in made.maps
         ],
     } | ({"already": [made.recipe.map_name(index) for index in made.already]} if made.already else {})
 
@@ -116,15 +116,15 @@ def _lines(made: Generated) -> Iterator[str]:
 
     size = size_in_words(made.recipe.grid.shape, made.maps[0].cells)
     yield f"{_count(len(made.maps))} of {size}, seed {made.recipe.seed}:"
-    for each in made.maps[:SHOWN]:
-        yield f"  {each.world}"
+    for generated in made.maps[:SHOWN]:
+        yield f"  {generated.world}"
     if len(made.maps) > SHOWN:
         yield f"  and {len(made.maps) - SHOWN} more in {made.folder}"
     if made.recipe.is_constrained and (scene := made.maps[0].scene):
         from rsegen.exporters.constraint_report import describe_constraints
 
         yield from describe_constraints(scene)
-    for text in dict.fromkeys(text for each in made.maps for text in each.warnings):
+    for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)
 
@@ -134,7 +134,7 @@ def _count(maps: int) -> str:
 
 
 def _how_to_open(first: GeneratedMap, folder: Path, simulator: str) -> Iterator[str]:
-    """Yield lines to copy. Worlds name meshes relative to themselves; Gazebo Classic before 11.3 looks in `.` for them."""
+    """Yield lines to copy. Worlds name meshes relative to them; Gazebo Classic before 11.3 looks in `.` for them."""
     if simulator == "both":
         yield f"Gazebo Sim:     gz sim {shlex.quote(str(first.world))}"
     yield f"Gazebo Classic: cd {shlex.quote(str(first.folder))} && gazebo {shlex.quote(first.world.name)}"
@@ -190,7 +190,7 @@ def _series_lines(made: Series) -> Iterator[str]:
         yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
     if len(rows) > _ROWS:
         yield f"  ({len(rows) - len(_some(rows))} rows between them are left out)"
-    for text in dict.fromkeys(text for each in made.maps for text in each.warnings):
+    for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
         yield f"warning: {text}"
     yield f"all of it: {made.table}"
     yield f"a picture: {made.picture}"

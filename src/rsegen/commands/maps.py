@@ -70,6 +70,7 @@ def generate(  # noqa: PLR0913  # each is a flag
     plan = plan_worlds(
         recipe, Path(folder), sidecars, OnExisting.of(force=force, resume=resume), execution, beside=beside or ()
     )
+    # What lies beside the maps may take long to make, so it is made once nothing refuses the run.
     files = {name: make() for name, make in (beside or {}).items()}
     return make_worlds(recipe, plan, progress, files)
 

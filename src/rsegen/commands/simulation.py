@@ -172,6 +172,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.simulation.simulators.server import choose_installation
     from rsegen.simulation.worlds import world_of
 
+    # All that can be wrong is refused before a server is started, which takes seconds.
     if best is not None and route != AlongWay.name:
         raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
     model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)

@@ -296,6 +296,7 @@ def way(  # noqa: PLR0913  # each is named by the page
     with host.opened(doc).newest_turn("way") as watch:
         opened, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
+        # A lattice takes seconds, and answers for every start and goal on the map.
         lattice = kept(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
         lattice.watch = watch
         found = lattice.between(start, goal)

@@ -139,6 +139,7 @@ def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
     if not rows:
         rows = tree["obstacles"] = CommentedSeq()
     numbers = {obstacle.key: number for number, obstacle in enumerate(before.obstacles)}
+    # A row that stays keeps its node, in which most of its comments are; those between rows are moved with it.
     nodes, comments = [], {}
     block = not any(row.fa.flow_style() for row in rows)
     for place, obstacle in enumerate(recipe.obstacles):
