@@ -31,7 +31,7 @@ COMMAND_LINES = {
     "exporters/formats/heightmap.py": "a command line that reads the image again, to be copied",
     "exporters/sheet/overview.py": "a printed page",
     "page/forms.py": "command lines that the page runs",
-    "page/model/as_code.py": "the command line of a recipe, to be copied",
+    "page/model/texts.py": "the command line of a recipe, to be copied",
     "simulation/experiment/run.py": "the command line of an experiment, in its report",
 }
 """Files of the library that write flags of rsegen on purpose."""
