@@ -145,16 +145,12 @@ _ONE_STOP = 1.0
 
 
 class Signals:
-    """The signals that stop a command, while this is entered; `number` is that of the one that came."""
+    """The signals that stop a command: whether one came, and its number."""
 
     def __init__(self) -> None:
         self.number: int = signal.SIGINT
-        self._first: float | None = None
-
-    @property
-    def came(self) -> bool:
-        """Return whether one came."""
-        return self._first is not None
+        self.came = False
+        self._first = 0.0
 
     @contextmanager
     def stop_it(self) -> Iterator[None]:
@@ -179,8 +175,8 @@ class Signals:
                 signal.signal(each, handler)
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
-        if self._first is None:
-            self._first, self.number = time.monotonic(), number
+        if not self.came:
+            self.came, self._first, self.number = True, time.monotonic(), number
             stop.ask()
         elif time.monotonic() - self._first > _ONE_STOP:
             if sys.stderr:

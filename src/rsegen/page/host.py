@@ -28,7 +28,6 @@ from rsegen.page.model.session import Session, is_enabled
 from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Places, kind_of, names_in
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe import Recipe
 
 Event = Mapping[str, Any]
 
@@ -320,7 +319,15 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
         "values": dict(session.draft.values),
-        "rows": [_row(entry, recipe, index) for entry in session.draft.rows],
+        # Whether a row is switched on stands beside its entry.
+        "rows": [
+            {
+                "entry": {name: value for name, value in entry.items() if name != "enabled"},
+                "enabled": is_enabled(entry),
+                "ends": ends_of(entry, recipe, index),
+            }
+            for entry in session.draft.rows
+        ],
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
         "maps": recipe.maps,
         "first_map": recipe.first_map,
@@ -329,13 +336,4 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "recovered": document.recovered,
         "journal": document.journal.failed,
         "pages": opened.pages,
-    }
-
-
-def _row(entry: Mapping[str, Any], recipe: Recipe, index: int) -> dict[str, Any]:
-    """Return a row of the list; whether it is switched on stands beside its entry."""
-    return {
-        "entry": {name: value for name, value in entry.items() if name != "enabled"},
-        "enabled": is_enabled(entry),
-        "ends": ends_of(entry, recipe, index),
     }

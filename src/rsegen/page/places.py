@@ -10,14 +10,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError
+from rsegen.page.model.document import SUFFIXES
 
 HOLDS = {"drive.json": "drive", "manifest.json": "dataset", "recipe.json": "recipe"}
 """The files by which a page knows what a folder holds."""
 
 MOST = 1000
 """Entries of a folder that are listed: a page shows a list of some hundred."""
-
-_RECIPES = (".yaml", ".yml", ".json")
 
 _MADE = ("drive.json", "manifest.json", "summary.json")
 """Files of ours that are no recipes though their names end as those of recipes do."""
@@ -85,5 +84,5 @@ def names_in(folder: Path) -> Iterator[str]:
 def kind_of(path: Path) -> str:
     """Return what a file or folder is for a page: a recipe, a data set, a drive, another folder, or anything else."""
     if not path.is_dir():
-        return "recipe" if path.suffix.lower() in _RECIPES and path.name not in _MADE else "other"
+        return "recipe" if path.suffix.lower() in SUFFIXES and path.name not in _MADE else "other"
     return next((kind for name, kind in HOLDS.items() if (path / name).is_file()), "folder")
