@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import platform
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -180,6 +179,7 @@ def run_doctor(_: argparse.Namespace) -> Report:
 
 def _environment() -> dict[str, Any]:
     """Return versions, simulators, extras and plug-ins; the version of a library or package that is missing is None."""
+    import platform
     from importlib.metadata import PackageNotFoundError, version
 
     from rsegen.params.extras import EXTRAS, requirements

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.params.command import Shell
 from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Parameter, Reference, Text, key_values, parameters
-from rsegen.params.streams import SEEDS
 
 if TYPE_CHECKING:
     from rsegen.exporters.formats import Format
@@ -86,10 +85,6 @@ MapsFolder = Annotated[
     str | Path,
     FilePath(help="folder for maps that are made of recipes, which are kept there"),
     Shell(("-o", "--output"), "DIR"),
-]
-
-Seed = Annotated[
-    int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
 ]
 
 _ROBOT = Reference(

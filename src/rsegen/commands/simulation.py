@@ -18,7 +18,6 @@ from rsegen.commands.parameters import (
     Place,
     RobotModel,
     RunningSimulator,
-    Seed,
     SimulatorName,
     Timeout,
 )
@@ -132,7 +131,9 @@ def drive(  # noqa: PLR0913  # each is a flag
         Shell(default="length"),
     ] = None,
     duration: Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")] = 30.0,
-    seed: Seed = None,
+    seed: Annotated[
+        int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
+    ] = None,
     output: Annotated[
         str | Path | None,
         FilePath(help="folder for trajectories, metrics and a picture"),

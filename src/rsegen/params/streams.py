@@ -19,7 +19,6 @@ BLAKE2b remains, one hash at a time, a microsecond each. A test compares all of 
 from __future__ import annotations
 
 import hashlib
-import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import cycle
@@ -39,6 +38,8 @@ SEEDS = 2**63
 
 def fresh_seed() -> int:
     """Return a seed that the operating system draws."""
+    import secrets  # which imports `random`, of no use for a help
+
     return secrets.randbelow(SEEDS)
 
 
