@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from rsegen import KINDS, Obstacle, Recipe
-from rsegen.page.model.as_code import command_line
+from rsegen.page.model.texts import command_line
 
 _STAIRS = ("0 0 1 1 2 2 3 3 4 4",) * 5 + ("4 4 3 3 2 2 1 1 0 0",) * 5
 

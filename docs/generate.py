@@ -40,7 +40,7 @@ from rsegen import (
     series,
 )
 from rsegen.cli.commands import COMMANDS, GROUPS, parser_of
-from rsegen.cli.schema import FUNCTIONS
+from rsegen.cli.information import FUNCTIONS
 from rsegen.exporters.pictures.pose_plots import pose_maps
 from rsegen.exporters.pictures.preview import encoded, preview
 from rsegen.exporters.pictures.robot_plots import describe_limits, path_plot

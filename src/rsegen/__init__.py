@@ -22,18 +22,18 @@ TYPE_CHECKING = False
 """As in `typing`, which takes longer to import than all of this."""
 
 if TYPE_CHECKING:
-    from rsegen.commands.dataset import make_dataset as make_dataset
-    from rsegen.commands.drive import drive as drive
-    from rsegen.commands.experiment import experiment as experiment
-    from rsegen.commands.export import export as export
-    from rsegen.commands.export import export_maps as export_maps
-    from rsegen.commands.generate import generate as generate
-    from rsegen.commands.open import open as open
-    from rsegen.commands.series import series as series
-    from rsegen.commands.spawn import remove as remove
-    from rsegen.commands.spawn import respawn as respawn
-    from rsegen.commands.spawn import spawn as spawn
-    from rsegen.commands.spots import spots as spots
+    from rsegen.commands.maps import export as export
+    from rsegen.commands.maps import export_maps as export_maps
+    from rsegen.commands.maps import generate as generate
+    from rsegen.commands.maps import make_dataset as make_dataset
+    from rsegen.commands.maps import series as series
+    from rsegen.commands.simulation import drive as drive
+    from rsegen.commands.simulation import experiment as experiment
+    from rsegen.commands.simulation import open as open
+    from rsegen.commands.simulation import remove as remove
+    from rsegen.commands.simulation import respawn as respawn
+    from rsegen.commands.simulation import spawn as spawn
+    from rsegen.commands.simulation import spots as spots
     from rsegen.errors import RsegenError as RsegenError
     from rsegen.errors import UserError as UserError
     from rsegen.exporters.cut_settings import CutSettings as CutSettings
@@ -78,8 +78,8 @@ if TYPE_CHECKING:
     from rsegen.learning.curriculum import next_rows as next_rows
     from rsegen.learning.ground import Ground as Ground
     from rsegen.learning.ground import scan_points as scan_points
-    from rsegen.page.notebook import Gui as Gui
-    from rsegen.page.notebook import gui as gui
+    from rsegen.page.service import Gui as Gui
+    from rsegen.page.service import gui as gui
     from rsegen.params.plugins import load_plugin as load_plugin
     from rsegen.recipe.batch import build_many as build_many
     from rsegen.recipe.building import build as build
@@ -110,15 +110,8 @@ if TYPE_CHECKING:
 __version__ = "1.0.0"
 
 _HOMES = {
-    "rsegen.commands.dataset": ("make_dataset",),
-    "rsegen.commands.drive": ("drive",),
-    "rsegen.commands.experiment": ("experiment",),
-    "rsegen.commands.export": ("export", "export_maps"),
-    "rsegen.commands.generate": ("generate",),
-    "rsegen.commands.open": ("open",),
-    "rsegen.commands.series": ("series",),
-    "rsegen.commands.spawn": ("remove", "respawn", "spawn"),
-    "rsegen.commands.spots": ("spots",),
+    "rsegen.commands.maps": ("export", "export_maps", "generate", "make_dataset", "series"),
+    "rsegen.commands.simulation": ("drive", "experiment", "open", "remove", "respawn", "spawn", "spots"),
     "rsegen.errors": ("RsegenError", "UserError"),
     "rsegen.exporters.formats": ("FORMATS",),
     "rsegen.exporters.pictures.preview": ("preview",),
@@ -151,7 +144,7 @@ _HOMES = {
     "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
     "rsegen.learning.curriculum": ("next_rows",),
     "rsegen.learning.ground": ("Ground", "scan_points"),
-    "rsegen.page.notebook": ("Gui", "gui"),
+    "rsegen.page.service": ("Gui", "gui"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
     "rsegen.recipe.building": ("build",),

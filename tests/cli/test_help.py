@@ -129,8 +129,9 @@ def test_a_small_world_takes_no_module_that_it_does_not_use(module: str, importe
 
 def test_every_module_that_adds_a_command_is_in_the_table() -> None:
     texts = {file.stem: file.read_text("utf-8") for file in Path(rsegen.cli.__file__).parent.glob("*.py")}
-    found = {f"rsegen.cli.{name}" for name, text in texts.items() if "\ndef add(commands: Subparsers)" in text}
-    assert found == {module_of(command) for command in COMMANDS}
+    running = re.compile(r"^def run_(\w+)\(\w+: argparse\.Namespace\)", re.MULTILINE)
+    found = {(name, f"rsegen.cli.{file}") for file, text in texts.items() for name in running.findall(text)}
+    assert found == {(command, module_of(command)) for command in COMMANDS}
 
 
 def test_the_help_lists_the_commands_in_their_groups(capsys: pytest.CaptureFixture[str]) -> None:

@@ -133,11 +133,12 @@ def test_a_command_that_writes_nothing_says_stopped_and_no_more(
     from importlib import import_module
 
     from rsegen.cli import main
+    from rsegen.cli.commands import module_of
 
     def stopped(_: object) -> None:
         signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(import_module(f"rsegen.cli.{command[0]}"), "run", stopped)
+    monkeypatch.setattr(import_module(module_of(command[0])), f"run_{command[0]}", stopped)
     assert main(command) == 130
     assert capsys.readouterr() == ("", "rsegen: stopped\n")
 
@@ -154,6 +155,6 @@ def test_an_import_that_a_signal_breaks_is_a_stop(
                 signal.raise_signal(signal.SIGINT)
         raise ImportError("PyCapsule_Import could not import module")
 
-    monkeypatch.setattr("rsegen.cli.examples.run", importing)
+    monkeypatch.setattr("rsegen.cli.information.run_examples", importing)
     assert main(["examples"]) == code
     assert capsys.readouterr().err.startswith(said)

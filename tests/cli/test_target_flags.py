@@ -14,12 +14,10 @@ from types import SimpleNamespace
 import pytest
 
 import rsegen
-import rsegen.cli.drive
-import rsegen.cli.open
-import rsegen.cli.spawn
+import rsegen.cli.simulation
 from rsegen.cli import main
 from rsegen.cli.commands import parser
-from rsegen.cli.targets import target_of
+from rsegen.cli.flags import target_of
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.open_world import OpenedWorld, OpenResult
 from rsegen.simulation.simulators.live_world import Pose
@@ -101,9 +99,9 @@ def without_a_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
     def spawn(*_: object, **__: object) -> SpawnResult:
         return SpawnResult(name="model", simulator="sim", at=Pose(x=0, y=0, z=0))
 
-    monkeypatch.setattr(rsegen.cli.drive, "drive", drive)
-    monkeypatch.setattr(rsegen.cli.open, "open_world", open_world)
-    monkeypatch.setattr(rsegen.cli.spawn, "spawn", spawn)
+    monkeypatch.setattr(rsegen.cli.simulation, "drive", drive)
+    monkeypatch.setattr(rsegen.cli.simulation, "open_world", open_world)
+    monkeypatch.setattr(rsegen.cli.simulation, "spawn", spawn)
 
 
 @pytest.mark.parametrize("command", ["info", "preview", "sheet", "spots", "compare", "open", "drive", "spawn"])
@@ -160,7 +158,7 @@ def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytes
         asked.append((target, seed))
         raise rsegen.UserError("that is enough")
 
-    monkeypatch.setattr(rsegen.cli.drive, "drive", drive)
+    monkeypatch.setattr(rsegen.cli.simulation, "drive", drive)
     assert main(["drive", "peak", "--seed", "5"]) == 2
     assert main(["drive", *RANDOM]) == 2
     assert asked == [("peak", 5), (RECIPE, 3)]
@@ -174,7 +172,7 @@ def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monk
         asked.extend([target, name, simulator])
         raise rsegen.UserError("that is enough")
 
-    monkeypatch.setattr(rsegen.cli.spawn, "spawn", spawn)
+    monkeypatch.setattr(rsegen.cli.simulation, "spawn", spawn)
     assert main(["spawn", *RANDOM, "--name", "field", "--simulator", "classic"]) == 2
     assert asked == [RECIPE, "field", "classic"]
 

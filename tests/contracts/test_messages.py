@@ -13,8 +13,8 @@ import pytest
 
 import rsegen
 from rsegen.cli import COMMANDS
-from rsegen.cli.advice import in_flags
 from rsegen.cli.commands import parser_of
+from rsegen.cli.edge import in_flags
 from rsegen.errors import UserError
 from rsegen.params.command import declared
 
@@ -30,8 +30,8 @@ ARGUMENTS = [(function, name) for function in FUNCTIONS for name in declared(fun
 COMMAND_LINES = {
     "exporters/formats/heightmap.py": "a command line that reads the image again, to be copied",
     "exporters/sheet/overview.py": "a printed page",
-    "page/commands.py": "command lines that the page runs",
-    "page/model/as_code.py": "the command line of a recipe, to be copied",
+    "page/forms.py": "command lines that the page runs",
+    "page/model/texts.py": "the command line of a recipe, to be copied",
     "simulation/experiment/run.py": "the command line of an experiment, in its report",
 }
 """Files of the library that write flags of rsegen on purpose."""

@@ -11,8 +11,8 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError
-from rsegen.page import files, playback, variants
 from rsegen.page import host as hosting
+from rsegen.page import places, playback, scenes
 from rsegen.page.host import Host
 
 
@@ -30,14 +30,14 @@ def test_a_folder_is_listed_with_what_each_thing_is(host: Host, tmp_path: Path) 
     (tmp_path / ".hidden").write_text("")
     (tmp_path / "out").symlink_to(tmp_path.parent)
     (tmp_path / "note.txt").write_text("")
-    assert {each["path"]: each["kind"] for each in files.files(host)["entries"]} == {
+    assert {each["path"]: each["kind"] for each in hosting.files(host)["entries"]} == {
         "data": "dataset",
         "drive": "drive",
         "mine.yaml": "recipe",
         "note.txt": "other",
         "worlds": "folder",
     }
-    assert files.files(host, folder="worlds") == {
+    assert hosting.files(host, folder="worlds") == {
         "folder": "worlds",
         "entries": [{"name": "rse_0000", "path": "worlds/rse_0000", "kind": "recipe"}],
     }
@@ -47,14 +47,14 @@ def test_a_folder_is_listed_with_what_each_thing_is(host: Host, tmp_path: Path) 
 def test_no_other_folder_is_listed(folder: str, host: Host, tmp_path: Path) -> None:
     (tmp_path / "out").symlink_to(tmp_path.parent)
     with pytest.raises(FileError):
-        files.files(host, folder=folder)
+        hosting.files(host, folder=folder)
 
 
 def test_a_listing_is_bounded(host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(files, "MOST", 5)
+    monkeypatch.setattr(places, "MOST", 5)
     for number in range(9):
         (tmp_path / f"{number}.yaml").write_text("")
-    assert [each["name"] for each in files.files(host)["entries"]] == [f"{number}.yaml" for number in range(5)]
+    assert [each["name"] for each in hosting.files(host)["entries"]] == [f"{number}.yaml" for number in range(5)]
 
 
 def drive(folder: Path, rows: Any, **robot: Any) -> None:
@@ -177,30 +177,30 @@ def test_variants_are_the_recipe_at_other_seeds(host: Host, tmp_path: Path) -> N
     recipe = rsegen.Recipe(name="field", seed=5, maps=3, obstacles=[rsegen.Random(levels=4)])
     rsegen.save(recipe, tmp_path / "field.yaml")
     doc = hosting.open(host, what=str(tmp_path / "field.yaml"))["doc"]
-    shown = variants.variants(host, doc=doc, count=6)
+    shown = scenes.variants(host, doc=doc, count=6)
     assert len({each["seed"] for each in shown} | {recipe.seed}) == 7
     assert len({each["scene"]["content"] for each in shown}) == 6
-    own = variants.maps(host, doc=doc, first=1, count=6)
+    own = scenes.maps(host, doc=doc, first=1, count=6)
     assert [(each["seed"], each["index"]) for each in own] == [(5, 1), (5, 2)]
     steps = rsegen.metrics(rsegen.build(recipe, 1)).steps.mean or 0
     assert dict(map(tuple, own[0]["difficulty"]))["mean step"] == f"{100 * steps:.3g} cm"
     mean = {index: rsegen.metrics(rsegen.build(recipe, index)).steps.mean or 0 for index in recipe.indices}
-    by_step = variants.maps(host, doc=doc, first=0, count=6, by="steps.mean")
+    by_step = scenes.maps(host, doc=doc, first=0, count=6, by="steps.mean")
     assert by_step[0]["difficulty"][0][0] == "steps mean"
     assert [each["index"] for each in by_step] == sorted(mean, key=lambda index: mean[index])
     with pytest.raises(rsegen.UserError, match="'size'"):
-        variants.maps(host, doc=doc, first=0, count=6, by="size")
+        scenes.maps(host, doc=doc, first=0, count=6, by="size")
     for count in (0, 25):
         with pytest.raises(rsegen.UserError, match="count: "):
-            variants.variants(host, doc=doc, count=count)
+            scenes.variants(host, doc=doc, count=count)
 
 
 def test_a_large_map_is_shown_coarser(host: Host, tmp_path: Path) -> None:
     recipe = rsegen.Recipe(seed=5, chunk_size=250, obstacles=[rsegen.Random(levels=4)])
     rsegen.save(recipe, tmp_path / "large.yaml")
     doc = hosting.open(host, what=str(tmp_path / "large.yaml"))["doc"]
-    (shown,) = variants.variants(host, doc=doc, count=1)
+    (shown,) = scenes.variants(host, doc=doc, count=1)
     assert max(shown["scene"]["cells"]) <= 100
     with pytest.raises(rsegen.UserError, match="too long to be sorted"):
-        variants.maps(host, doc=doc, first=0, count=1, by="ruggedness.tri")
+        scenes.maps(host, doc=doc, first=0, count=1, by="ruggedness.tri")
     assert [name for name, _ in shown["difficulty"]] == ["mean step", "TRI"]

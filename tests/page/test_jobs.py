@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import commands, jobs
+from rsegen.page import forms, jobs
 from rsegen.page import host as hosting
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
@@ -47,7 +47,7 @@ Start = Callable[..., dict[str, Any]]
 @pytest.fixture
 def start(host: Host, doc: str) -> Start:
     def started(command: str, output: str = "", *, replace: bool = False, **values: Any) -> dict[str, Any]:
-        return commands.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
+        return forms.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
 
     return started
 
@@ -118,10 +118,10 @@ def test_what_exists_is_a_question_if_it_may_be_replaced(host: Host, start: Star
 
 def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, start: Start, doc: str) -> None:
     session = host.opened(doc).document.session
-    session.set("maps", 5000)
+    session.set(name="maps", value=5000)
     job = start("generate", "worlds", workers=1)
     until(lambda: any(each["done"] for each in host.jobs.listed()))
-    commands.cancel(host, job=job["id"])
+    forms.cancel(host, job=job["id"])
     found = ended(host, job)
     assert found["state"] == "cancelled"
     assert found["lines"][0].startswith("stopped; ")
@@ -130,11 +130,11 @@ def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, 
     for path in made:
         assert read_journal(path), "every map is complete"
     with pytest.raises(UserError, match="job 99 is not known"):
-        commands.cancel(host, job=99)
+        forms.cancel(host, job=99)
 
 
 def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, start: Start, doc: str) -> None:
-    host.opened(doc).document.session.set("maps", 10**6)
+    host.opened(doc).document.session.set(name="maps", value=10**6)
     before = set(psutil.Process().children(recursive=True))
     jobs = [start("dataset", f"data{number}", workers=1) for number in range(6)]
     until(lambda: sum(each["step"] == "" for each in host.jobs.listed()) == 4)
@@ -155,10 +155,10 @@ def test_nothing_is_written_outside_the_folder(output: str, host: Host, start: S
 
 
 def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> None:
-    host.opened(doc).document.session.set("chunk_size", 0)
+    host.opened(doc).document.session.set(name="chunk_size", value=0)
     with pytest.raises(ParameterError, match="chunk_size: 0"):
         start("generate", "worlds")
-    host.opened(doc).document.session.set("chunk_size", 10)
+    host.opened(doc).document.session.set(name="chunk_size", value=10)
     with pytest.raises(ParameterError, match="output: is missing"):
         start("generate")
 

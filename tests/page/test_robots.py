@@ -17,7 +17,7 @@ from rsegen.page import host as hosting
 from rsegen.page import robots
 from rsegen.page.forms import hello
 from rsegen.page.host import Host, Listener
-from rsegen.page.turns import newest_turn
+from rsegen.page.model.session import Session
 from rsegen.robots import ROBOTS
 from rsegen.standing import ways
 from rsegen.standing.resting import REASONS
@@ -133,7 +133,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
 
 
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(robots, "_SECONDS", 0.0)
+    monkeypatch.setattr(hosting, "_TOLD_EVERY", 0.0)
     monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 50)
     heard: list[Any] = []
     listener = Listener(page="p", send=heard.append)
@@ -153,7 +153,7 @@ def test_a_search_ends_soon_by(by: str, of: str, host: Host, monkeypatch: pytest
     rsegen.save(large, host.folder / "large.yaml", force=True)
     doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
     begun, ended = threading.Event(), list[str]()
-    monkeypatch.setattr(robots, "_SECONDS", 0.0)
+    monkeypatch.setattr(hosting, "_TOLD_EVERY", 0.0)
     monkeypatch.setattr(robots, "_AT_ONCE", 1)
     listener = Listener(page="p", send=lambda event: begun.set() if event["event"] == "progress" else None)
     host.opened(doc).add(listener)
@@ -175,7 +175,7 @@ def test_a_search_ends_soon_by(by: str, of: str, host: Host, monkeypatch: pytest
     elif by == "the end of its page":
         host.opened(doc).remove(listener)
     else:
-        with newest_turn(doc, of):
+        with host.opened(doc).newest_turn(of):
             pass
     first.join(30)  # all of it takes minutes
     host.opened(doc).remove(listener)
@@ -254,20 +254,21 @@ def test_a_robot_of_a_file_outside_the_folder_is_refused(host: Host, robot: str,
 def test_bad_arguments_are_one_line(host: Host, doc: str) -> None:
     with pytest.raises(UnknownName, match="robot"):
         robots.robot(host, robot="burgr")
-    with pytest.raises(ParameterError, match="index: 2 is not a map of this recipe"):
+    with pytest.raises(ParameterError, match=r"index: 2 is outside 0\.\.1"):
         robots.pose(host, doc=doc, index=2, robot="burger", x=0.0, y=0.0, heading=0.0)
     for x in (float("nan"), 1e9):
         with pytest.raises(ParameterError, match="x: "):
             robots.pose(host, doc=doc, index=0, robot="burger", x=x, y=0.0, heading=0.0)
 
 
-def test_of_requests_that_wait_the_newest_alone_gets_its_turn() -> None:
+def test_of_requests_that_wait_the_newest_alone_gets_its_turn(tmp_path: Path) -> None:
     begun, may_end = threading.Event(), threading.Event()
     answers: list[str] = []
+    opened = Host(folder=tmp_path).open(Session.of())
 
     def ask(name: str) -> None:
         try:
-            with newest_turn("d", "tilt"):
+            with opened.newest_turn("tilt"):
                 begun.set()
                 may_end.wait(10)
                 answers.append(name)
@@ -277,19 +278,12 @@ def test_of_requests_that_wait_the_newest_alone_gets_its_turn() -> None:
     threads = [threading.Thread(target=ask, args=(name,)) for name in ("first", "second", "third")]
     threads[0].start()
     begun.wait(10)
-    threads[1].start()
-    while newest_number() < 2:
-        pass
-    threads[2].start()
-    while newest_number() < 3:
-        pass
+    for thread in threads[1:]:
+        before = opened.searches["tilt"]
+        thread.start()
+        while opened.searches["tilt"] is before:
+            pass
     may_end.set()
     for thread in threads:
         thread.join(10)
     assert sorted(answers) == ["first", "second is dropped", "third"]
-
-
-def newest_number() -> int:
-    from rsegen.page.turns import _QUEUES
-
-    return _QUEUES["d", "tilt"].asked

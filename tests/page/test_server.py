@@ -22,9 +22,8 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen.page import calls
-from rsegen.page.guard import file_name
 from rsegen.page.host import Host
-from rsegen.page.server import MOST_CALL, MOST_UPLOAD
+from rsegen.page.server import MOST_CALL, MOST_UPLOAD, file_name
 from rsegen.page.service import Service
 from tests.page.client import TOKEN, Client
 

@@ -2,6 +2,16 @@
 
 The first Ctrl-C, polite kill or closed terminal stops a command in one line. A later one ends it at once, which is
 safe, as nothing half written is ever at its place. All that is shown is printable.
+
+Advice in messages is translated, as what Python writes as `force=True` is `--force` in a shell:
+
+    force=True                         --force
+    tracks='LEFT,RIGHT'                --tracks LEFT,RIGHT
+    at=[X, Y, Z]                       --at X,Y,Z
+    rsegen.open('DIR', shared=True)    rsegen open DIR --shared
+
+Every message recommends arguments of Python, in one of these forms. The flags are those that the parser of the command
+declares, so a new parameter is translated without a word here. What breaks it: a text of a user's that has such a form.
 """
 
 from __future__ import annotations
@@ -9,6 +19,7 @@ from __future__ import annotations
 import io
 import logging
 import os
+import re
 import signal
 import sys
 import threading
@@ -16,12 +27,11 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
+from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.advice import in_flags
-from rsegen.cli.commands import COMMANDS, OVERVIEW, complete, parser
-from rsegen.cli.parser import load_plugins
+from rsegen.cli.commands import COMMANDS, FLAG, OVERVIEW, complete, load_plugins, parser, parser_of
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
 from rsegen.run import stop
 
@@ -102,7 +112,7 @@ def failed(error: BaseException, signal: int, command: str | None = None) -> int
 
 
 def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
-    """The exit code, and what to say; nothing to whoever has stopped listening."""
+    """Return the exit code, and what to say; nothing to whoever has stopped listening."""
     match error:
         case RsegenError():
             return 2 if isinstance(error, UserError) else 1, str(error)
@@ -124,12 +134,10 @@ def _of_plugin(error: BaseException) -> str:
     """Return what went wrong in the code of a plug-in, which others wrote; an empty text if it was elsewhere."""
     from rsegen.params.plugins import failure, plugins
 
-    files = {each.module.__file__: each.source for each in plugins() if each.module.__file__}
-    step, last = error.__traceback__, ""
-    while step:
-        file = step.tb_frame.f_code.co_filename
-        last, step = (file if file in files else last), step.tb_next
-    return f"plug-in {files[last]}: {failure(error, last)}" if last else ""
+    sources = {plugin.module.__file__: plugin.source for plugin in plugins()}
+    files = [frame.f_code.co_filename for frame, _ in walk_tb(error.__traceback__)]
+    last = next((file for file in reversed(files) if file in sources), "")
+    return f"plug-in {sources[last]}: {failure(error, last)}" if last else ""
 
 
 _ONE_STOP = 1.0
@@ -137,16 +145,12 @@ _ONE_STOP = 1.0
 
 
 class Signals:
-    """The signals that stop a command, while this is entered; `number` is that of the one that came."""
+    """The signals that stop a command: whether one came, and its number."""
 
     def __init__(self) -> None:
         self.number: int = signal.SIGINT
-        self._first: float | None = None
-
-    @property
-    def came(self) -> bool:
-        """Return whether one came."""
-        return self._first is not None
+        self.came = False
+        self._first = 0.0
 
     @contextmanager
     def stop_it(self) -> Iterator[None]:
@@ -154,10 +158,9 @@ class Signals:
 
         Python drops one that comes in some callbacks, and would print where: a run looks for it by itself.
         """
-        names = ("SIGINT", "SIGTERM", "SIGHUP")
+        can_stop = threading.current_thread() is threading.main_thread()  # no other one may set handlers
+        names = ("SIGINT", "SIGTERM", "SIGHUP") if can_stop else ()
         known = [getattr(signal, name) for name in names if hasattr(signal, name)]
-        if threading.current_thread() is not threading.main_thread():
-            known = []
         before = {each: signal.getsignal(each) for each in known if signal.getsignal(each) is not signal.SIG_IGN}
         stop.STATE.asked, unraisable = False, sys.unraisablehook
         for each in before:
@@ -172,8 +175,8 @@ class Signals:
                 signal.signal(each, handler)
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
-        if self._first is None:
-            self._first, self.number = time.monotonic(), number
+        if not self.came:
+            self.came, self._first, self.number = True, time.monotonic(), number
             stop.ask()
         elif time.monotonic() - self._first > _ONE_STOP:
             if sys.stderr:
@@ -200,29 +203,25 @@ def how_to_go_on(*recipes: Recipe, resume: bool = False, then: str = "goes on") 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, and return the exit code."""
-    signals = Signals()
+    words, signals = sys.argv[1:] if arguments is None else arguments, Signals()
     with short_warnings(), printable_output():
         try:
-            return _run(arguments, signals)
+            return _run(words, signals)
         except (KeyboardInterrupt, Exception) as error:
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
             # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
             stopped = ours and signals.came
-            return failed(KeyboardInterrupt() if stopped else error, signals.number, _command_in(arguments))
+            command = next((word for word in words if word in COMMANDS), None)
+            return failed(KeyboardInterrupt() if stopped else error, signals.number, command)
 
 
-def _command_in(arguments: Sequence[str] | None) -> str | None:
-    """Return the command that a command line names, if any."""
-    return next((word for word in (sys.argv[1:] if arguments is None else arguments) if word in COMMANDS), None)
-
-
-def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
+def _run(words: Sequence[str], signals: Signals) -> int:
     try:
         top = parser()
         complete(top)
-        parsed = top.parse_args(load_plugins(sys.argv[1:] if arguments is None else arguments))
+        parsed = top.parse_args(load_plugins(words))
         if not hasattr(parsed, "run"):
             print(OVERVIEW, end="")
             return 0
@@ -234,3 +233,44 @@ def _run(arguments: Sequence[str] | None, signals: Signals) -> int:
     finally:
         if sys.stdout:
             sys.stdout.flush()
+
+
+_ARGUMENT = re.compile(r"\b(\w+)=(True\b|'[^']*'|\[[^]]*\])")
+_CALL = re.compile(r"\brsegen\.(\w+)\(([^()]*)\)")
+
+
+def in_flags(message: str, command: str | None = None) -> str:
+    """Return a message with the flags of `command` in place of arguments, and command lines in place of calls."""
+    called = _CALL.sub(_command_line, message)
+    return _with_flags(called, command) if command and command in COMMANDS else called
+
+
+def _command_line(call: re.Match[str]) -> str:
+    """Return the command line of a call; a call of what is no command stays."""
+    name, arguments = call[1], call[2]
+    if name == "load_plugin":
+        return f"{FLAG} {_text(arguments)}"
+    if name not in COMMANDS:
+        return call[0]
+    words = (_with_flags(argument.strip(), name) for argument in arguments.split(","))
+    return " ".join(["rsegen", name, *map(_text, words)])
+
+
+def _with_flags(text: str, command: str) -> str:
+    if not _ARGUMENT.search(text):
+        return text  # most messages have no advice, and no parser is made for them
+    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command)._actions)
+    flags = {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
+
+    def flag(argument: re.Match[str]) -> str:
+        name, value = argument[1], argument[2]
+        if name not in flags:
+            return argument[0]
+        return flags[name] if value == "True" else f"{flags[name]} {_text(value)}"
+
+    return _ARGUMENT.sub(flag, text)
+
+
+def _text(value: str) -> str:
+    """Return a text, or a list, as a shell has it."""
+    return value.strip("'[]").replace(", ", ",")

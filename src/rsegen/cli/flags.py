@@ -1,30 +1,33 @@
-"""From flags to recipes: one flag for every global parameter, named after it, and --obstacle; formats in the help."""
+"""From flags to recipes and maps: one flag for every global parameter, named after it, and --obstacle.
+
+Commands that look at maps take where these are, or a recipe of them, and flags over it.
+"""
 
 from __future__ import annotations
 
 import argparse
 import os.path
 import shlex
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from rsegen.cli.parser import Parser
+from rsegen.cli.commands import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.params.command import Declared, Shell, add_flag, declared, given
 from rsegen.params.registry import offered_names
-from rsegen.params.sorts import key_values, parameters
+from rsegen.params.sorts import FilePath, key_values, parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
+    from rsegen.exporters.scene import Scene
     from rsegen.field.obstacles import Obstacle
+    from rsegen.io.targets import ChosenMap
 
 
 RECIPE = "recipe"
 """The title of the flags that change a recipe."""
-
-OBSTACLE = "'KIND KEY=VALUE ...'"
-OBSTACLE_HELP = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
 
 RECIPE_HELP = "YAML or JSON file, the folder of a map, the name of an example, or DIR#17: a map of a data set"
 
@@ -53,18 +56,19 @@ def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
 
 
 def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
-    """Add the same for commands that look at maps; the help shows two, and says where the others are."""
+    """Add these flags to a command that looks at maps; the help shows two, and says where the others are."""
     text = "each overrides what RECIPE-or-DIR says; rsegen generate --help lists all the others of a recipe"
     known = [parameter for name, parameter in declared(Recipe).items() if name not in without]
-    helps = {each: each.sort.help if each.name == "seed" else argparse.SUPPRESS for each in known}
+    helps = {parameter: parameter.sort.help if parameter.name == "seed" else argparse.SUPPRESS for parameter in known}
     _add_recipe_group(command, text, helps)
 
 
 def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
     group = command.add_argument_group(RECIPE, text)
-    group.add_argument("--obstacle", action="append", default=[], metavar=OBSTACLE, help=OBSTACLE_HELP)
-    for each, said in helps.items():
-        add_flag(group, each, said, metavar=each.metavar)
+    example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
+    group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
+    for parameter, said in helps.items():
+        add_flag(group, parameter, said, metavar=parameter.metavar)
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
@@ -92,45 +96,34 @@ def recipe_flags(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     """Return a recipe with the flags over it and their obstacles after its own."""
-    from dataclasses import replace
-
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
-    said = _with_blocks_of_file(recipe_flags(arguments), start.unit_cm)
-    return replace(start, **said, obstacles=(*start.obstacles, *added))
-
-
-def _with_blocks_of_file(said: dict[str, Any], unit_cm: float) -> dict[str, Any]:
-    """Put a file's blocks in place of the file."""
+    said = recipe_flags(arguments)
     match said:
         case {"inventory": [str(name)]} if name:
             from rsegen.io.inventory import inventory_in
 
-            unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", unit_cm))
+            unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", start.unit_cm))
             said["inventory"] = inventory_in(Path(name), unit)
-    return said
+    return replace(start, **said, obstacles=(*start.obstacles, *added))
 
 
 def obstacle_in(text: str) -> Obstacle:
     """Return the obstacle that a text such as `peak levels=5 first=2,2` stands for."""
+    from rsegen.field.obstacles import kind
     from rsegen.recipe.codec import decode_obstacle
 
-    try:
-        return decode_obstacle(_entry(text))
-    except ParameterError as error:
-        raise error.of(f"--obstacle {shown(text)}") from None
-
-
-def _entry(text: str) -> dict[str, object]:
-    from rsegen.field.obstacles import kind
-
+    where = f"--obstacle {shown(text)}"
     try:
         name, *pairs = shlex.split(text)
     except ValueError:
-        raise ParameterError("", "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
-    values = key_values(pairs, parameters(kind(name, "")))
-    if "kind" in values:
-        raise ParameterError("kind", "is given twice")
-    return {"kind": name, **values}
+        raise ParameterError(where, "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
+    try:
+        values = key_values(pairs, parameters(kind(name, "")))
+        if "kind" in values:
+            raise ParameterError("kind", "is given twice")
+        return decode_obstacle({"kind": name, **values})
+    except ParameterError as error:
+        raise error.of(where) from None
 
 
 def _file(text: str) -> Path:
@@ -179,3 +172,108 @@ def listed() -> Iterator[str]:
         for option, parameter in parameters(cls).items():
             yield f"    {f'{option}=':<15} {parameter.help}: {parameter.describe()}"
         yield ""
+
+
+_WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
+
+
+def add_target_flags(command: Parser, default: str = "the first") -> None:
+    """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
+    group = command.add_argument_group("input")
+    add_input(group, f"{_WHERE}; or none, but --obstacle", name="target", metavar="RECIPE-or-DIR")
+    group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
+
+
+def is_of_flags(arguments: argparse.Namespace) -> bool:
+    """Return whether a map is to be made of flags, alone or over a target's; ParameterError if nothing is given."""
+    if arguments.target is None and not arguments.obstacle:
+        raise ParameterError("RECIPE", "nothing is given; give a recipe, a folder or --obstacle 'random levels=5'")
+    return has_recipe_flags(arguments)
+
+
+def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
+    """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
+    from rsegen.io.targets import recipe_files, recipe_in
+
+    flags, target = is_of_flags(arguments), arguments.target
+    if target is None:
+        yield Path(), with_flags(Recipe(), arguments)
+        return
+    for file in recipe_files(target):
+        recipe = recipe_in(file)
+        yield file, with_flags(recipe, arguments) if flags else recipe
+
+
+def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
+    """Return one map of them: the one that --map names, or the first."""
+    from rsegen.io.targets import one_of
+
+    return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
+
+
+def maps_of_flags(arguments: argparse.Namespace) -> Iterator[Recipe]:
+    """Yield the recipes of all their maps, or of the one that --map names."""
+    if arguments.map is None:
+        yield from (recipe for _, recipe in recipes_of(arguments))
+        return
+    _, recipe, index = map_of_flags(arguments)
+    yield recipe.alone(index)
+
+
+def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> Recipe | str:
+    """Return the target as given, or the recipe of one map if flags make one; some flags are the command's own."""
+    own = argparse.Namespace(**{name: value for name, value in vars(arguments).items() if name not in without})
+    if not is_of_flags(own):
+        return str(arguments.target)
+    _, recipe, index = map_of_flags(own)
+    return recipe.alone(index)
+
+
+def scene_of(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of that map."""
+    from rsegen.exporters.scene import compose
+    from rsegen.io.resources import refuse_too_large
+
+    _, recipe, index = map_of_flags(arguments)
+    refuse_too_large(recipe)
+    return compose(recipe, index)
+
+
+def which_map(target: str | None, which: str | None) -> Iterator[str]:
+    """Yield a line on the map that a command took, if it is the first of a folder and nobody chose it."""
+    from rsegen.io.targets import recipe_files
+
+    files = recipe_files(target) if target is not None and which is None else []
+    if len(files) > 1:
+        yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map takes another"
+
+
+PictureName = Annotated[str | None, FilePath("a picture"), Shell(("-o", "--output"), "PICTURE")]
+"""The flag for a picture that a command draws besides its report; each says of what."""
+
+
+class Picture(NamedTuple):
+    """A picture that a command is asked for; `picture_of` has found that its name is one, and may be written."""
+
+    path: Path
+    force: bool
+
+    def write(self, draw: Callable[[str], bytes]) -> None:
+        """Write what `draw` makes for the image format of the name."""
+        from rsegen.exporters.pictures.preview import image_format
+        from rsegen.run.store import write_file
+
+        write_file([draw(image_format(self.path))], self.path, force=self.force)
+
+
+def picture_of(name: str | None, *, force: bool | None) -> Picture | None:
+    """Return the picture of a name if one is wanted; a UserError if it is no picture or may not be replaced."""
+    from rsegen.exporters.pictures.preview import image_format
+    from rsegen.run.store import refuse_taken_file
+
+    if name is None:
+        return None
+    picture = Picture(Path(name), bool(force))
+    image_format(picture.path)
+    refuse_taken_file(picture.path, force=picture.force)
+    return picture

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import getpass
 import json
 import os
 import shlex
+import socket
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from rsegen.cli.commands import Parser
 from rsegen.cli.flags import add_input, add_target_recipe_flags, has_recipe_flags, recipe_from
-from rsegen.cli.generate import SHOWN
-from rsegen.cli.report import Subparsers, add_command, checked_flags
+from rsegen.cli.report import checked_flags
+from rsegen.cli.worlds import SHOWN
 from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import Flag, Integer, Text
 
 if TYPE_CHECKING:
-    from rsegen.page.host import Host
     from rsegen.page.service import Service
 
 
@@ -39,24 +41,29 @@ class _Serving:
     keep: Annotated[bool, Flag(help="go on when the last page is closed")] = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
-    command = add_command(commands, "gui", _Serving)
+def add_gui(command: Parser) -> None:
+    """Add the flags of `rsegen gui`."""
+    command.explain(_Serving.__doc__)
     where = "YAML or JSON file, the name of an example, a folder, that of a drive, or DIR#17 of a data set"
     add_input(command, where, metavar="RECIPE-or-DIR")
     add_flags(command.add_argument_group("server"), _Serving)
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run_gui(arguments: argparse.Namespace) -> None:
     """Serve the page until it is closed, or the command is stopped."""
     from rsegen.page.host import Host
+    from rsegen.page.host import open as open_document
+    from rsegen.page.model.session import Session
     from rsegen.page.service import Service
 
     serving = _Serving(**checked_flags(_Serving, arguments))
     folder, what = _place(arguments.recipe)
     host = Host(folder=folder)
-    doc = _opened(host, what, arguments)
+    if has_recipe_flags(arguments):
+        doc = host.open(Session.of(recipe_from(arguments))).id
+    else:
+        doc = open_document(host, what=what)["doc"]
     with flags_in_errors(_Serving):
         service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
     drive = what if what and (folder / what / "drive.json").is_file() else ""
@@ -80,16 +87,6 @@ def _place(given: str | None) -> tuple[Path, str]:
     return own.parent, own.name + (f"#{number}" if file != path else "")
 
 
-def _opened(host: Host, what: str, arguments: argparse.Namespace) -> str:
-    """Open the recipe, with the flags over it if there are any; return the id of its document."""
-    from rsegen.page.host import open as open_document
-    from rsegen.page.model.session import Session
-
-    if has_recipe_flags(arguments):
-        return host.open(Session.of(recipe_from(arguments))).id
-    return str(open_document(host, what=what)["doc"])
-
-
 def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
     """Print the address, and open the browser if there is one that a person sees."""
     from rsegen.simulation.simulators.server import has_screen
@@ -101,15 +98,12 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
         print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
         print(*_maps_in(arguments.recipe), sep="", end="", flush=True)
     if service.is_open_to_others:
-        print(
-            "warning: others can read what is sent, with the token in it; better: ssh -L", file=sys.stderr, flush=True
-        )
+        text = "warning: others can read what is sent, with the token in it; better: ssh -L"
+        print(text, file=sys.stderr, flush=True)
     if os.environ.get("SSH_CONNECTION"):
         port = service.listening_port
-        print(
-            f"From your own machine: ssh -L {port}:localhost:{port} {_login()}, then open the address there.",
-            flush=True,
-        )
+        tunnel = f"ssh -L {port}:localhost:{port} {getpass.getuser()}@{socket.gethostname()}"
+        print(f"From your own machine: {tunnel}, then open the address there.", flush=True)
     elif not arguments.no_browser and has_screen():
         import webbrowser
 
@@ -126,11 +120,3 @@ def _maps_in(given: str | None) -> Iterator[str]:
     yield from (f"  rsegen gui {shlex.quote(str(folder))}\n" for folder in maps[:SHOWN])
     if len(maps) > SHOWN:
         yield f"  and {len(maps) - SHOWN} more\n"
-
-
-def _login() -> str:
-    """Return the name of this machine as ssh takes it."""
-    import getpass
-    import socket
-
-    return f"{getpass.getuser()}@{socket.gethostname()}"

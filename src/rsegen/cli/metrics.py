@@ -12,9 +12,9 @@ from itertools import chain
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.cli.flags import add_target_recipe_flags
-from rsegen.cli.report import Report, Subparsers, add_command, robot_kinds, share_bar
-from rsegen.cli.targets import PictureName, add_target_flags, picture_of, scenes_of
+from rsegen.cli.commands import Parser
+from rsegen.cli.flags import PictureName, add_target_flags, add_target_recipe_flags, maps_of_flags, picture_of
+from rsegen.cli.report import Report, robot_kinds, share_bar
 from rsegen.commands.parameters import Force
 from rsegen.errors import ParameterError
 from rsegen.exporters.numbers import Lengths, lengths_in, whole_degrees
@@ -24,7 +24,7 @@ from rsegen.params.sorts import Float, Reference
 
 if TYPE_CHECKING:
     from rsegen.exporters.scene import Scene
-    from rsegen.field.metrics import Crossing, Metrics, Plane, Scale, Spectrum, Spread, Steps, Traversability
+    from rsegen.field.metrics import Crossing, Metrics, Scale, Spectrum, Steps, Traversability
     from rsegen.field.metrics.catalogue import Crosser
     from rsegen.standing.resting import PoseStatistics
     from rsegen.standing.ways import Reach, Way
@@ -53,15 +53,15 @@ class _Options:
     force: Force = False
 
 
-def add(commands: Subparsers) -> None:
-    """Add the parser of this command."""
+def add_metrics(command: Parser) -> None:
+    """Add the flags of `rsegen metrics`."""
     text = (
         "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
     )
     text += (
         "crossed. With a robot, also where it gets, and its ways across, by its poses; with limits of steps, by cells."
     )
-    command = add_command(commands, "metrics", text=text, epilog=f"docs/metrics.md has every formula. {robot_kinds()}")
+    command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
     group = command.add_argument_group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
     add_flags(group, _Options, only=["robot"])
@@ -73,7 +73,7 @@ def add(commands: Subparsers) -> None:
     add_target_recipe_flags(command)
 
 
-def run(arguments: argparse.Namespace) -> Report:
+def run_metrics(arguments: argparse.Namespace) -> Report:
     """Measure and draw."""
     if arguments.json and arguments.csv:
         raise ParameterError("--csv", "--json and --csv exclude each other")
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> Report:
     heading = given(_Options, arguments).get("heading")
     if heading is not None and picture is None:
         raise ParameterError("--heading", "is for a picture; give -o too")
-    scenes = scenes_of(arguments, "measure")
+    scenes = _scenes(arguments)
     first = next(scenes)
     measured = _measured(first, robot)
     if picture and robot:
@@ -96,8 +96,18 @@ def run(arguments: argparse.Namespace) -> Report:
     return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
 
 
+def _scenes(arguments: argparse.Namespace) -> Iterator[Scene]:
+    """Yield the maps to measure, each when it is asked for."""
+    from rsegen.exporters.scene import compose
+    from rsegen.io.resources import refuse_too_large
+
+    for recipe in maps_of_flags(arguments):
+        refuse_too_large(recipe, "measure")
+        yield from (compose(recipe, index) for index in recipe.indices)
+
+
 def _crosser(arguments: argparse.Namespace) -> Crosser | None:
-    """The robot or the limits of steps that the flags give."""
+    """Return the robot or the limits of steps that the flags give, if any."""
     said = given(StepLimits, arguments)
     if arguments.robot is not None:
         from rsegen.robots import robot_of
@@ -111,7 +121,7 @@ def _crosser(arguments: argparse.Namespace) -> Crosser | None:
 
 
 def _measured(scene: Scene, crosser: Crosser | None) -> Metrics:
-    """The metrics of a map; the search of a robot, which may take a minute, is a bar."""
+    """Return the metrics of a map; the search of a robot, which may take a minute, is shown as a bar."""
     from rsegen.field.metrics import metrics
     from rsegen.standing.kinds import Standing, Watched
 
@@ -122,7 +132,7 @@ def _measured(scene: Scene, crosser: Crosser | None) -> Metrics:
 
 
 def _picture(scene: Scene, crosser: Crosser, measured: Metrics, heading: float | None, form: str) -> bytes:
-    """The ways across a map, or maps of a robot's poses at a heading in degrees."""
+    """Draw the ways across a map, or maps of a robot's poses at a heading in degrees."""
     from rsegen.exporters.pictures.pose_plots import pose_maps
     from rsegen.exporters.pictures.robot_plots import path_plot
     from rsegen.standing.kinds import Standing
@@ -151,7 +161,7 @@ def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:
 
 
 def _csv(measured: Iterable[Measured]) -> Iterator[str]:
-    """The lines of a table with a column for each metric; those of the first map."""
+    """Yield the lines of a table with a column for each metric of the first map."""
     from rsegen.field.metrics.catalogue import flattened
 
     columns: list[str] = []
@@ -167,7 +177,7 @@ def _csv(measured: Iterable[Measured]) -> Iterator[str]:
 
 
 def _report(measured: Iterable[Measured], crosser: str) -> Iterator[str]:
-    """The lines of a page for one map, of a table for more of them."""
+    """Yield the lines of a page for one map, of a table for more of them."""
     maps = iter(measured)
     first, second = next(maps), next(maps, None)
     yield from _table(chain([first, second], maps)) if second else _page(*first, crosser)
@@ -247,9 +257,14 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
-    yield from _spread(found.spread, written)
+    spread, plane = found.spread, found.plane
+    of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
+    heights = f"{written.measured(spread.lowest)}..{written.said(spread.highest)}"
+    yield f"heights  {heights}, mean {written.said(spread.mean)}"
+    yield f"         standard deviation {written.said(spread.deviation)}{of_mean}, entropy {spread.entropy:.2f} bits"
     yield from _steps(found.steps, written)
-    yield _plane(found.plane, written)
+    off = f"heights deviate by {written.said(plane.residual)} (rms) from their plane of least squares"
+    yield f"plane    {off}, which rises by {plane.slope:.1%}"
     yield _scale(found.scale, written)
     yield _spectrum(found.spectrum)
     rugged, opens = found.ruggedness, found.opening
@@ -268,12 +283,6 @@ def _page(scene: Scene, found: Metrics, crosser: str) -> Iterator[str]:
         yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
 
 
-def _spread(found: Spread, written: Lengths) -> Iterator[str]:
-    of_mean = "" if found.variation is None else f" ({found.variation:.3f} of the mean)"
-    yield f"heights  {written.measured(found.lowest)}..{written.said(found.highest)}, mean {written.said(found.mean)}"
-    yield f"         standard deviation {written.said(found.deviation)}{of_mean}, entropy {found.entropy:.2f} bits"
-
-
 def _steps(found: Steps, written: Lengths) -> Iterator[str]:
     pairs = sum(found.counts.values())
     mean, rms, highest = map(written.said, (found.mean, found.rms, found.highest))
@@ -283,11 +292,6 @@ def _steps(found: Steps, written: Lengths) -> Iterator[str]:
         return
     for size, count in found.counts.items():
         yield f"         {written.measured(size * found.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
-
-
-def _plane(found: Plane, written: Lengths) -> str:
-    off = f"heights deviate by {written.said(found.residual)} (rms) from their plane of least squares"
-    return f"plane    {off}, which rises by {found.slope:.1%}"
 
 
 def _scale(found: Scale, written: Lengths) -> str:

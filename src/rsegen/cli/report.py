@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from rsegen.cli.parser import Parser
+from rsegen.cli.commands import Parser
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
 from rsegen.params.registry import offered_names
 from rsegen.params.sorts import Choice, Flag, plain
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from rsegen.run.worlds import GeneratedMap
     from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
 
-
-Subparsers: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 R = TypeVar("R")
 
@@ -77,12 +75,6 @@ class _Shared:
     ] = False
 
 
-def add_dry_run(parser: Parser) -> None:
-    """Add --dry-run to the parser of a command that writes files: it has --force."""
-    if "--force" in parser._option_string_actions:
-        add_flags(parser, _Shared, only=["dry_run"])
-
-
 def planned(arguments: argparse.Namespace) -> Report | None:
     """Run a command dry, and return the files that it would write."""
     from rsegen.run.dry import dry_run
@@ -92,16 +84,14 @@ def planned(arguments: argparse.Namespace) -> Report | None:
     return Report(lines=notes.lines(), content=notes.by_fate)
 
 
-def add_command(
-    commands: Subparsers, name: str, function: Callable[..., object] | None = None, *, text: str = "", epilog: str = ""
-) -> Parser:
-    """Add the parser of a command, with the flags that all have; its text is the first line of its function."""
-    description = text or ((function.__doc__ or "").partition("\n")[0] if function else "")
-    parser = commands.add_parser(name, description=description.replace("%", "%%"), epilog=epilog)
-    parser.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
-    add_flags(parser, _Shared, only=["progress"])
-    return parser
+def add_shared_flags(command: Parser, add: Callable[[Parser], None]) -> None:
+    """Add the flags that all commands have, and by `add` those of this one."""
+    command.add_argument("--json", action="store_true", help="print the result as JSON, lengths in metres")
+    command.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
+    add_flags(command, _Shared, only=["progress"])
+    add(command)
+    if "--force" in command._option_string_actions:  # it writes files
+        add_flags(command, _Shared, only=["dry_run"])
 
 
 def robot_kinds() -> str:
@@ -131,56 +121,43 @@ def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
     shown = _Shared(**checked_flags(_Shared, arguments))
     token = _PROGRESS.set("none" if arguments.quiet else shown.progress)
     try:
-        with _long_work():
+        with ExitStack() as all_bars, watched(_bars_of_work(all_bars)):
             yield
     finally:
         _PROGRESS.reset(token)
 
 
-@contextmanager
-def _long_work() -> Iterator[None]:
-    """Show all work inside that tells how far it is as a bar; a search may be within a measuring."""
-    with ExitStack() as shown:
-        bars: dict[str, tuple[ExitStack, Callable[[float], None]]] = {}
-        most: dict[str, float] = {}
+def _bars_of_work(all_bars: ExitStack) -> Callable[[str, float], None]:
+    """Return what shows all work that tells how far it is as a bar; a search may be within a measuring."""
+    bars: dict[str, tuple[ExitStack, Callable[[float], None]]] = {}
 
-        def tell(what: str, share: float) -> None:
-            if share >= 1:
-                most.pop(what, None)
-                if what in bars:
-                    bars.pop(what)[0].close()
-                return
-            most[what] = max(most.get(what, 0.0), share)  # a way that was lowered is looked at once more
-            if what not in bars:
-                own = shown.enter_context(ExitStack())
-                bars[what] = own, own.enter_context(share_bar(what))
-            bars[what][1](most[what])
+    def tell(what: str, share: float) -> None:
+        if share >= 1:
+            if what in bars:
+                bars.pop(what)[0].close()
+            return
+        if what not in bars:
+            own = all_bars.enter_context(ExitStack())
+            bars[what] = own, own.enter_context(share_bar(what))
+        bars[what][1](share)
 
-        with watched(tell):
-            yield
-
-
-class _Silent:
-    """Progress that is not shown, with the part of tqdm's interface that is used here."""
-
-    n = initial = 0.0
-
-    def update(self, steps: float = 1) -> None:
-        """Go on by some steps."""
-
-    def set_description(self, step: str) -> None:
-        """Say what is done now."""
+    return tell
 
 
 _LINES_APART = 0.05
 """Seconds between two lines of progress: of a thousand maps in a second nobody reads each."""
 
 
-class _JsonLines(_Silent):
-    """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`."""
+class _Lines:
+    """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`, or not shown.
 
-    def __init__(self, total: float, unit: str, step: str) -> None:
-        self._total, self._unit, self._step, self._said = total, unit, step, float("-inf")
+    It has the part of tqdm's interface that is used here.
+    """
+
+    n = initial = 0.0
+
+    def __init__(self, total: float, unit: str, step: str, *, is_shown: bool) -> None:
+        self._total, self._unit, self._step, self.is_shown = total, unit, step, is_shown
         self._say()
 
     def update(self, steps: float = 1) -> None:
@@ -196,17 +173,16 @@ class _JsonLines(_Silent):
 
     def _say(self) -> None:
         self._said = time.monotonic()
-        state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
-        print(json.dumps(state), file=sys.stderr, flush=True)
+        if self.is_shown:
+            state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
+            print(json.dumps(state), file=sys.stderr, flush=True)
 
 
 @contextmanager
 def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
     """Yield what shows the progress: a bar, with a style of tqdm's, lines of JSON, or nothing."""
     how = _PROGRESS.get()
-    if how == "json" and sys.stderr:
-        yield _JsonLines(total, unit, style.get("desc", ""))
-    elif how == "bar" and sys.stderr and sys.stderr.isatty():
+    if how == "bar" and sys.stderr and sys.stderr.isatty():
         from tqdm import tqdm
 
         # A terminal that does not know its size, as that of `script` or of a container, says 0: no bar would be drawn.
@@ -216,7 +192,7 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
         with tqdm(total=total, unit=unit, **style) as bar:
             yield bar
     else:
-        yield _Silent()
+        yield _Lines(total, unit, style.get("desc", ""), is_shown=how == "json" and bool(sys.stderr))
 
 
 @contextmanager
@@ -266,7 +242,7 @@ def share_bar(what: str) -> Iterator[Callable[[float], None]]:
     """Yield a function for the share of some work that is done, 0..1."""
     shape = "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]"
     with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5, miniters=0) as bar:
-        yield lambda share: bar.update(100 * share - bar.n)
+        yield lambda share: bar.update(max(100 * share - bar.n, 0))  # a way that was lowered is looked at once more
 
 
 @contextmanager
@@ -276,7 +252,7 @@ def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
     with _watched(trials, "trial") as bar:
 
         def progress(done: int, cell: Cell) -> None:
-            if type(bar) is _Silent and _PROGRESS.get() != "none":
+            if isinstance(bar, _Lines) and not bar.is_shown and _PROGRESS.get() != "none":
                 print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
             bar.update(done - bar.n)
             bar.set_description(cell.name)

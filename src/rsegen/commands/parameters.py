@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, refuse_unknown, shown
 from rsegen.params.command import Shell
-from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Reference, Text, key_values, parameters
-from rsegen.params.streams import SEEDS
+from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Parameter, Reference, Text, key_values, parameters
 
 if TYPE_CHECKING:
     from rsegen.exporters.formats import Format
@@ -88,10 +87,6 @@ MapsFolder = Annotated[
     Shell(("-o", "--output"), "DIR"),
 ]
 
-Seed = Annotated[
-    int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
-]
-
 _ROBOT = Reference(
     "a kind of robot, or a file of one",
     help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments",
@@ -108,7 +103,7 @@ ModelName = Annotated[
 
 
 @dataclass(frozen=True)
-class FormatList:
+class FormatList(Parameter):
     """Formats of other programs: in Python as objects, in a shell as in `stl,'mjcf shape=hfield'`.
 
     flag: by which errors name them
@@ -119,34 +114,30 @@ class FormatList:
     repeats: bool = True
 
     def check(self, where: str, value: object) -> tuple[Format, ...]:
-        """Return them as a tuple; a ParameterError if one is no format."""
         from rsegen.exporters.formats import Format
 
         if isinstance(value, str | Format) or not isinstance(value, Sequence):
             raise ParameterError(where, f"{shown(value)} is not a list of formats, as in [rsegen.FORMATS['stl']()]")
-        for number, each in enumerate(value):
-            if not isinstance(each, Format):
-                raise ParameterError(f"{where}[{number}]", f"{shown(each)} is no format, as rsegen.FORMATS['stl']() is")
+        for index, given in enumerate(value):
+            if not isinstance(given, Format):
+                raise ParameterError(f"{where}[{index}]", f"{shown(given)} is no format, as rsegen.FORMATS['stl']() is")
         return tuple(value)
 
     def parse(self, texts: Any) -> tuple[Format, ...]:
-        """Return the formats of each text of a command line; a ParameterError says what is wrong with one."""
         from rsegen.exporters.formats import FORMATS
 
+        # All texts of the flag, which may be repeated.
         parts = [part or [""] for text in texts for part in _parts(self.flag, text)]
         named = [(FORMATS.named(name, self.flag), words) for name, *words in parts]
         return tuple(_with_options(self.flag, cls, words) for cls, words in named)
 
     def format(self, value: Any) -> str:
-        """Return their names, separated by commas."""
         return ",".join(each.name for each in value)
 
     def schema(self) -> dict[str, Json]:
-        """Return the JSON Schema of a list of their texts."""
         return {"type": "array", "items": {"type": "string"}}
 
     def describe(self) -> str:
-        """Return how they are written."""
         return "separated by commas, with options as in stl,'mjcf shape=hfield'"
 
 
@@ -187,13 +178,12 @@ Formats = Annotated[
 
 
 @dataclass(frozen=True)
-class CrosserSort:
+class CrosserSort(Parameter):
     """A robot, of a kind or of a file, or limits of steps, as climb, drop and width in cm."""
 
     help: str = ""
 
     def check(self, where: str, value: object) -> Crosser:
-        """Return the robot or the limits; an UnknownName for an unknown kind, a ParameterError for anything else."""
         from rsegen.field.limits import StepLimits
         from rsegen.field.metrics.catalogue import Crosser
         from rsegen.robots import robot_of
@@ -209,20 +199,16 @@ class CrosserSort:
         return StepLimits(**dict(zip(names, lengths, strict=False)))
 
     def parse(self, text: str) -> object:
-        """Return the name, or the numbers."""
         return [Float().parse(part) for part in text.split(",")] if text[:1].isdecimal() else text
 
     def format(self, value: Any) -> str:
-        """Return the name, or the numbers in cm."""
         return value if isinstance(value, str) else ",".join(map(str, value))
 
     def schema(self) -> dict[str, Json]:
-        """Return the JSON Schema of a name or of one to three numbers."""
         numbers = {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1, "maxItems": 3}
         return {"anyOf": [{"type": "string"}, numbers]}
 
     def describe(self) -> str:
-        """Return what may be given."""
         return "a kind of robot or a file of one, or steps up, down and a width in cm, as in 7,7,30"
 
 
@@ -241,3 +227,28 @@ ByRobot = Annotated[
     CrosserSort(help="robot, or limits of steps, of the metric by which it rises"),
     Shell(metavar="KIND|FILE|CM,CM,CM"),
 ]
+
+
+class Place(Parameter):
+    """A pose on the ground: x and y, then perhaps z, then perhaps yaw, in metres and radians."""
+
+    help = "pose in metres and radians, as in --at=-2,0"
+    _metres = Float(-1e6, 1e6)
+
+    def check(self, where: str, value: object) -> tuple[float, ...]:
+        if not isinstance(value, Sequence) or isinstance(value, str) or not 2 <= len(value) <= 4:
+            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
+        return tuple(self._metres.check(f"{where}[{axis}]", length) for axis, length in enumerate(value))
+
+    def parse(self, text: str) -> object:
+        parts = text.split(",")
+        return [self._metres.parse(part) for part in parts] if 2 <= len(parts) <= 4 else text
+
+    def format(self, value: Any) -> str:
+        return ",".join(map(str, value))
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "array", "items": self._metres.schema(), "minItems": 2, "maxItems": 4}
+
+    def describe(self) -> str:
+        return "X,Y or X,Y,Z or X,Y,Z,YAW"

@@ -86,16 +86,16 @@ def keywords(function: Callable[..., Any]) -> tuple[Mapping[str, Any], Sequence[
     """Return the types of a function's keyword parameters, and the names of those that must be given."""
     hints = get_type_hints(function)
     only = inspect.Parameter.KEYWORD_ONLY
-    parameters = [each for each in inspect.signature(function).parameters.values() if each.kind is only]
-    needed = [each.name for each in parameters if each.default is inspect.Parameter.empty]
-    return {each.name: hints[each.name] for each in parameters}, needed
+    parameters = [known for known in inspect.signature(function).parameters.values() if known.kind is only]
+    needed = [known.name for known in parameters if known.default is inspect.Parameter.empty]
+    return {known.name: hints[known.name] for known in parameters}, needed
 
 
 def _checked(where: str, value: Any, wanted: Any) -> Any:
     """Return a JSON value as a type has it, lists as tuples where it is one; a ParameterError if it is of another."""
     if wanted is Any or wanted is object:
         return value
-    origin, parts = get_origin(wanted), get_args(wanted)
+    origin, parts = get_origin(wanted) or wanted, get_args(wanted)
     if origin in (Union, UnionType):
         if value is None and NoneType in parts:
             return None
@@ -110,7 +110,7 @@ def _checked(where: str, value: Any, wanted: Any) -> Any:
             if isinstance(value, types) and (wanted is bool or not isinstance(value, bool)):
                 return wanted(value)
         raise ParameterError(where, f"{shown(value)} is not {words}")
-    return _checked_container(where, value, origin or wanted, parts)
+    return _checked_container(where, value, origin, parts)
 
 
 def _checked_union(where: str, value: Any, parts: Sequence[Any]) -> Any:
@@ -121,27 +121,27 @@ def _checked_union(where: str, value: Any, parts: Sequence[Any]) -> Any:
     return _checked(where, value, parts[-1])
 
 
+def _checked_container(where: str, value: Any, origin: Any, parts: tuple[Any, ...]) -> Any:
+    """Return a list, pair or object whose parts are checked too."""
+    if origin in (dict, Mapping):
+        if not isinstance(value, dict):
+            raise ParameterError(where, f"{shown(value)} is not an object")
+        return value
+    if not isinstance(value, list):
+        raise ParameterError(where, f"{shown(value)} is not a list")
+    if origin is tuple and Ellipsis not in parts:
+        if len(value) != len(parts):
+            raise ParameterError(where, f"{shown(value)} is not a list of {len(parts)}")
+    else:
+        parts = (parts[0] if parts else Any,) * len(value)
+    pairs = zip(value, parts, strict=True)
+    entries = [_checked(f"{where}[{index}]", entry, part) for index, (entry, part) in enumerate(pairs)]
+    return tuple(entries) if origin is tuple else entries
+
+
 _PLAIN: Mapping[Any, tuple[Any, str]] = {
     bool: (bool, "true or false"),
     int: (int, "a whole number"),
     float: ((int, float), "a number"),
     str: (str, "a text"),
 }
-
-
-def _checked_container(where: str, value: Any, wanted: Any, parts: tuple[Any, ...]) -> Any:
-    """Return a list, pair or object whose parts are checked too."""
-    if wanted in (dict, Mapping):
-        if not isinstance(value, dict):
-            raise ParameterError(where, f"{shown(value)} is not an object")
-        return value
-    if not isinstance(value, list):
-        raise ParameterError(where, f"{shown(value)} is not a list")
-    if wanted is tuple and Ellipsis not in parts:
-        if len(value) != len(parts):
-            raise ParameterError(where, f"{shown(value)} is not a list of {len(parts)}")
-        pairs = enumerate(zip(value, parts, strict=True))
-        return tuple(_checked(f"{where}[{number}]", each, part) for number, (each, part) in pairs)
-    part = parts[0] if parts else Any
-    found = [_checked(f"{where}[{number}]", each, part) for number, each in enumerate(value)]
-    return tuple(found) if wanted is tuple else found

@@ -1,4 +1,4 @@
-"""Forms for a page, each made of the one declaration that there is: of a recipe, of a kind, of a command line.
+"""Forms for a page, each made of the one declaration that there is, and the commands that pages run by them, as jobs.
 
     Declared --field--> Field of a page       parser of a command --CommandForm--> fields, and values --> arguments
 
@@ -10,8 +10,12 @@ one and starts the page, so it is found by its name, as the processes are that r
 from __future__ import annotations
 
 import argparse
+import os
+import re
+import shlex
+import time
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import import_module
 from inspect import Parameter as Argument
@@ -19,22 +23,24 @@ from pathlib import Path
 from typing import Any
 
 from rsegen import __version__
-from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
+from rsegen.errors import FileError, ParameterError, UnknownName, UserError, refuse_unknown
 from rsegen.exporters.formats import FORMATS
 from rsegen.field.metrics.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.io.recipe_file import load
-from rsegen.page.calls import call_of_host
-from rsegen.page.files import names_in
+from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
-from rsegen.page.places import Places
+from rsegen.page.jobs import Job, Jobs, Run
+from rsegen.page.places import Places, names_in
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary
-from rsegen.params.sorts import FilePath, Json, Text, plain
+from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
+from rsegen.run.journal import read_journal, refuse_loss, refuse_loss_below
+from rsegen.run.store import refuse_taken_file
 from rsegen.simulation.experiment.plan import PLANS
 from rsegen.simulation.simulators import SIMULATORS
 
@@ -107,19 +113,16 @@ def metric_title(key: str) -> str:
 
 def field(parameter: Declared, *, basic: bool = True) -> dict[str, Json]:
     """Return a declared parameter as a field of a form."""
+    default = None if parameter.default is Argument.empty else parameter.default
     return {
         "name": parameter.name,
         "title": title_of(parameter.name),
         "help": parameter.shell.help or parameter.sort.help or parameter.sort.describe(),
         "schema": _with_words(parameter.name, _without_const(parameter.sort.schema())),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
-        "default": None if parameter.default is Argument.empty else _json(parameter.default),
+        "default": str(default) if isinstance(default, Path) else plain(default),
         "basic": basic,
     }
-
-
-def _json(default: object) -> Json:
-    return str(default) if isinstance(default, Path) else plain(default)
 
 
 def _without_const(schema: Any) -> Any:
@@ -251,7 +254,7 @@ class CommandForm:
 
     def _described(self, action: argparse.Action) -> dict[str, Json]:
         """Return an action of the parser as a field; one that is not declared is a text or a switch of its help."""
-        parameter: Declared = getattr(action, "declared", None) or _undeclared(action)
+        parameter = _declaration(action)
         basic = action.dest not in _RARE and (action.dest not in declared(Recipe) or action.dest in BASIC)
         made = field(parameter, basic=basic)
         if action.nargs == 0:
@@ -277,8 +280,8 @@ class CommandForm:
                 if action.required:
                     raise ParameterError(name, "is missing")
             elif action.nargs == 0:
-                is_on = getattr(action, "declared", _undeclared(action)).default is True
-                flags += [action.option_strings[-1]] if _switched(name, value) != is_on else []
+                is_on = _declaration(action).default is True
+                flags += [action.option_strings[-1]] if Flag().check(name, value) != is_on else []
             elif action.option_strings:
                 flags += [f"{action.option_strings[-1]}={text}" for text in _texts(action, value, places)]
             else:
@@ -286,16 +289,11 @@ class CommandForm:
         return flags, others
 
 
-def _undeclared(action: argparse.Action) -> Declared:
-    """Return a declaration for an action that has none: any text."""
+def _declaration(action: argparse.Action) -> Declared:
+    """Return the declaration of an action; of one that has none, any text."""
     text = (action.help or "").replace("%%", "%")
-    return Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
-
-
-def _switched(name: str, value: Json) -> bool:
-    if not isinstance(value, bool):
-        raise ParameterError(name, f"{value!r} is neither yes nor no")
-    return value
+    undeclared = Declared(action.dest, Text(r"[^\x00-\x1f]+", "a text", help=text), None)
+    return getattr(action, "declared", undeclared)
 
 
 def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str]:
@@ -303,7 +301,7 @@ def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str
     parameter: Declared | None = getattr(action, "declared", None)
     name = action.dest
     if parameter is None or hasattr(parameter.sort, "repeats"):
-        texts = [str(each) for each in (value if isinstance(value, list) else [value])]
+        texts = [str(text) for text in (value if isinstance(value, list) else [value])]
         for text in texts:
             _refuse_unusable(name, text)
         if parameter:
@@ -358,27 +356,122 @@ def command_form(name: str) -> CommandForm:
     return command_forms()[name]
 
 
-def _robot_files(host: Host) -> list[dict[str, Json]]:
-    """Return the files in the folder of pages that may hold a robot."""
-    names = [each.name for each in names_in(host.folder) if each.name.endswith(_ROBOT_FILES)]
-    return [{"name": name, "title": name} for name in names]
-
-
-_ROBOT_FILES = (".sdf", ".urdf", ".xacro")
-
-
 @call_of_host
 def hello(host: Host) -> dict[str, Any]:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
+    robots = {name: robot.title for name, robot in ROBOTS.items()}
+    robots |= {name: name for name in names_in(host.folder) if name.endswith((".sdf", ".urdf", ".xacro"))}
     return {
         "version": __version__,
         "folder": str(host.folder.resolve()),
         "globals": global_groups(),
         "kinds": kinds(),
         "examples": [{"name": name, "description": load(path).description} for name, path in EXAMPLES.items()],
-        "robots": [*({"name": name, "title": robot.title} for name, robot in ROBOTS.items()), *_robot_files(host)],
+        "robots": [{"name": name, "title": title} for name, title in robots.items()],
         "commands": [form.described() for form in command_forms().values()],
         "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
         "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],
     }
+
+
+_REFUSED_WITHIN = 10.0
+"""Seconds in which a command refuses what exists already; on a busy machine Python alone takes some of them."""
+
+_EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it")
+
+
+@call_of_host
+def run(
+    host: Host, *, doc: str, command: str, values: dict[str, Any], output: str = "", replace: bool = False
+) -> dict[str, Any]:
+    """Run a command on the recipe of a document; a Question if it would replace what it may replace."""
+    form, document = command_form(command), host.opened(doc).document
+    if form.takes_recipe and (problem := document.session.problem):
+        raise ParameterError(problem.where, problem.problem)
+    flags, others = form.arguments(values, host.places)
+    place = _output(form, output, host.folder)
+    flags += [f"--output={place}"] if place else []
+    flags += ["--force"] if replace and form.can_replace else []
+    recipe = document.session.recipe if form.takes_recipe else None
+    file = str(host.places.seen(document.path)) if document.path else ""
+    if document.session.unsaved or not file:  # a name for it, as the file, if there is one, is not up to date
+        file = f"{document.session.recipe.name}.yaml"
+    words = [*others, file] if recipe else others
+    # None of the words is taken for another flag.
+    after = ["--"] if any(word.startswith("-") for word in words) else []
+    job = Job(
+        id=host.jobs.new_id(),
+        doc=doc,
+        command=command,
+        line=shlex.join(["rsegen", command, *flags, *after, *words]),
+    )
+    # A command without arguments takes no -- before them either.
+    arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
+    made = Run(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
+    # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
+    made.is_told = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
+    host.jobs.start(made)
+    if not made.is_told:
+        _refuse_if_taken(host.jobs, made)
+    return asdict(job)
+
+
+def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
+    """Return where a command writes, seen from the folder of pages; a UserError if that is outside, or missing."""
+    if form.output is None:
+        if output:
+            raise ParameterError("output", f"{form.name} writes nothing")
+        return None
+    if not output:
+        if form.needs_output:
+            raise ParameterError("output", "is missing; give a name below the folder of this page")
+        return None
+    places = Places(folder)
+    place = places.seen(places.inside(output))
+    if place == Path():
+        raise ParameterError("output", "is the folder of this page; give a name below it")
+    return place
+
+
+def _refuse_if_taken(jobs: Jobs, made: Run) -> None:
+    """Wait for a moment whether a command refuses what exists; then the Question whether to replace it, if it may."""
+    until = time.monotonic() + _REFUSED_WITHIN
+    while not made.ended.wait(0.05) and time.monotonic() < until and not made.job.done:
+        pass
+    refused = _EXISTS.match(made.said[-1]) if made.job.state == "failed" and made.said else None
+    if refused and _may_be_replaced(made.folder / refused[1], _HOLDS.get(made.job.command, "map")):
+        jobs.forget(made.job.id)
+        raise Question(f"{refused[1]}: exists already", "exists")
+    made.is_told = True
+    jobs.tell(made)
+
+
+_HOLDS = {"drive": "drive", "dataset": "data set"}
+"""What a folder holds that a command writes, if that is no map."""
+
+
+def _may_be_replaced(path: Path, holds: str) -> bool:
+    """Return whether --force replaces a file or folder: rsegen wrote it, and it is unchanged."""
+    try:
+        if path.is_file():
+            refuse_taken_file(path, force=True)
+        elif (within := read_journal(path.parent)) and read_journal(path) is None:
+            refuse_loss_below(path.parent, path.name, within)  # a format in the folder of a map
+        else:
+            refuse_loss(path, holds)
+    except UserError:
+        return False
+    return True
+
+
+@call_of_host
+def cancel(host: Host, *, job: int) -> dict[str, Any]:
+    """Ask a job to stop."""
+    return host.jobs.cancel(job)
+
+
+@call_of_host
+def jobs(host: Host) -> list[dict[str, Any]]:
+    """Return all jobs."""
+    return host.jobs.listed()

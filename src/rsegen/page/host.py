@@ -6,31 +6,28 @@ those that only read. What changes is told to all pages of the document, as even
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from threading import RLock
+from threading import Lock, RLock
 from typing import Any
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
 from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
-from rsegen.page import turns
 from rsegen.page.calls import call, call_of_host
 from rsegen.page.jobs import Jobs
-from rsegen.page.model.actions import act
-from rsegen.page.model.as_code import command_line, python_code
-from rsegen.page.model.document import Document
-from rsegen.page.model.ends import ends_of
-from rsegen.page.model.journal import Journal
+from rsegen.page.model.actions import act, ends_of
+from rsegen.page.model.document import Document, Journal
 from rsegen.page.model.session import Session, is_enabled
-from rsegen.page.model.texts import text_after
-from rsegen.page.places import Places
+from rsegen.page.model.texts import command_line, python_code, text_after
+from rsegen.page.places import Places, kind_of, names_in
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe import Recipe
 
 Event = Mapping[str, Any]
 
@@ -46,15 +43,25 @@ class Listener:
     send: Callable[[Event], None]
 
 
+_TOLD_EVERY = 0.2
+"""Seconds between two tellings of how far a search is."""
+
+
 @dataclass(eq=False, kw_only=True)
 class Opened:
-    """A document that pages have open; shown: the map that each page shows, by the name that the page gave itself."""
+    """A document that pages have open.
+
+    shown: the map that each page shows, by the name that the page gave itself; kept: what was made of its maps, by
+    keys; searches: the newest request of each search, by its name
+    """
 
     id: str
     document: Document
     lock: RLock = field(default_factory=RLock)
     shown: dict[str, int] = field(default_factory=dict)
     kept: OrderedDict[object, Any] = field(default_factory=OrderedDict)
+    searches: dict[str, object] = field(default_factory=dict)
+    _turns: dict[str, Lock] = field(default_factory=dict)
     _listeners: list[Listener] = field(default_factory=list)
 
     @property
@@ -85,7 +92,7 @@ class Opened:
         if listener.page not in {other.page for other in self._listeners}:
             self.shown.pop(listener.page, None)
         if not self._listeners:
-            turns.stop(self.id)
+            self.searches.clear()
         self.tell_state("")
 
     def tell(self, event: Event) -> None:
@@ -101,6 +108,28 @@ class Opened:
                 index = self.index_of(listener.page)
                 states[index] = states.get(index) or state_of(self, index)
                 listener.send({"event": "state", "state": states[index], "page": page})
+
+    @contextmanager
+    def newest_turn(self, name: str) -> Iterator[Callable[..., None]]:
+        """Wait until no search of this name is done; a UserError for a request that a newer one replaced.
+
+        So of those that wait the newest alone is done. Yields a function for what takes seconds to call now and then,
+        with the share that is done if pages shall see it: it raises that error too.
+        """
+        self.searches[name] = own = object()
+        told = 0.0
+
+        def watch(share: float | None = None) -> None:
+            nonlocal told
+            if self.searches.get(name) is not own:
+                raise UserError("a newer request took its place, or it was stopped")
+            if share is not None and time.monotonic() - told > _TOLD_EVERY:
+                told = time.monotonic()
+                self.tell({"event": "progress", "of": name, "share": share})
+
+        with self._turns.setdefault(name, Lock()):
+            watch()
+            yield watch
 
     def index_of(self, page: str, given: int | None = None, *, or_first: bool = False) -> int:
         """Return the map that a page shows, remembered if it is given; the first one if nothing is known.
@@ -141,7 +170,10 @@ class Host:
     def open(self, session: Session, title: str = "untitled", text: str = "") -> Opened:
         """Open a session that has no file as a document."""
         with self._lock:
-            return self._add(Document(session=session, journal=Journal(name=self._free_name()), title=title, text=text))
+            taken = {opened.document.journal.name for opened in self.all()}
+            names = (f"{self.folder.resolve()}: untitled {number}" for number in count(1))
+            journal = Journal(name=next(name for name in names if name not in taken))
+            return self._add(Document(session=session, journal=journal, title=title, text=text))
 
     def open_file(self, path: Path) -> Opened:
         """Open a recipe file as a document, or return the document that it is open as."""
@@ -181,22 +213,13 @@ class Host:
 
     def _add(self, document: Document) -> Opened:
         if len(self.documents) >= MOST_DOCUMENTS:
-            self._make_room()
+            unused = [opened.id for opened in self.all() if not opened.pages and not opened.session.unsaved]
+            if not unused:
+                raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
+            del self.documents[unused[0]]
         opened = Opened(id=f"d{next(self._ids)}", document=document)
         self.documents[opened.id] = opened
         return opened
-
-    def _make_room(self) -> None:
-        unused = [opened.id for opened in self.all() if not opened.pages and not opened.session.unsaved]
-        if not unused:
-            raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
-        del self.documents[unused[0]]
-
-    def _free_name(self) -> str:
-        """Return a name for the journal of a document without a file: the first that no other one has."""
-        taken = {opened.document.journal.name for opened in self.all()}
-        names = (f"{self.folder.resolve()}: untitled {number}" for number in count(1))
-        return next(name for name in names if name not in taken)
 
 
 @call_of_host
@@ -216,6 +239,15 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
         return {"doc": host.open_file(file).id}
     title = f"copy of {what if is_example else file.name}"
     return {"doc": host.open(Session.of(load(file)), title, file.read_text("utf-8")).id}
+
+
+@call_of_host
+def files(host: Host, *, folder: str = "") -> dict[str, Any]:
+    """List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files."""
+    place = host.places.inside(folder)
+    below = host.places.seen(place)
+    entries = [{"name": name, "path": str(below / name), "kind": kind_of(place / name)} for name in names_in(place)]
+    return {"folder": "" if below == Path() else str(below), "entries": entries}
 
 
 @call
@@ -287,7 +319,15 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
         "values": dict(session.draft.values),
-        "rows": [_row(entry, recipe, index) for entry in session.draft.rows],
+        # Whether a row is switched on stands beside its entry.
+        "rows": [
+            {
+                "entry": {name: value for name, value in entry.items() if name != "enabled"},
+                "enabled": is_enabled(entry),
+                "ends": ends_of(entry, recipe, index),
+            }
+            for entry in session.draft.rows
+        ],
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
         "maps": recipe.maps,
         "first_map": recipe.first_map,
@@ -296,13 +336,4 @@ def state_of(opened: Opened, index: int) -> dict[str, Any]:
         "recovered": document.recovered,
         "journal": document.journal.failed,
         "pages": opened.pages,
-    }
-
-
-def _row(entry: Mapping[str, Any], recipe: Recipe, index: int) -> dict[str, Any]:
-    """Return a row of the list; whether it is switched on stands beside its entry."""
-    return {
-        "entry": {name: value for name, value in entry.items() if name != "enabled"},
-        "enabled": is_enabled(entry),
-        "ends": ends_of(entry, recipe, index),
     }

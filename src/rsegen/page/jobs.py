@@ -101,16 +101,15 @@ class Jobs:
         self._lock = threading.Lock()
         self._pool = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="job")
 
-    def start(self, run: Run) -> Run:
+    def start(self, run: Run) -> None:
         """Start a command, or let it wait for others."""
         with self._lock:
             self._runs[run.job.id] = run
-            ended = [each for each, other in self._runs.items() if other.ended.is_set()]
-            for each in ended[: max(len(ended) - _KEPT, 0)]:
-                del self._runs[each]
+            ended = [job for job, other in self._runs.items() if other.ended.is_set()]
+            for job in ended[: max(len(ended) - _KEPT, 0)]:
+                del self._runs[job]
         self.tell(run)
         self._pool.submit(self._work, run)
-        return run
 
     def new_id(self) -> int:
         """Return the number of the next job."""
@@ -175,6 +174,7 @@ class Jobs:
 
     def _run(self, run: Run) -> None:
         began = time.time()
+        loaded = os.pathsep.join(plugin.module.__file__ or plugin.module.__name__ for plugin in plugins())
         with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
             recipe = []
             if run.recipe is not None:
@@ -183,7 +183,7 @@ class Jobs:
                 recipe = [str(file)]
             launch = LaunchCommand(
                 command=(sys.executable, "-c", _START, *run.arguments, *recipe),
-                environment={"RSEGEN_PLUGINS": _loaded(), "PYTHONUNBUFFERED": "1"},
+                environment={"RSEGEN_PLUGINS": loaded, "PYTHONUNBUFFERED": "1"},
                 folder=run.folder,
             )
             with Path(folder, "stdout").open("w+", encoding="utf-8", errors="replace") as output:
@@ -253,11 +253,6 @@ def _exit_code(run: Run, program: RunningProgram) -> int:
                 program.process.send_signal(signal.SIGTERM)  # also if it was cancelled before it ran
         if until is not None and time.monotonic() > until:
             program.end()
-
-
-def _loaded() -> str:
-    """Return the plug-ins that are loaded here, for the environment of a process."""
-    return os.pathsep.join(each.module.__file__ or each.module.__name__ for each in plugins())
 
 
 _KINDS = {

@@ -1,16 +1,25 @@
-"""Paths that pages give: all of them lead into the folder of the host, or to a file that a page sent."""
+"""Paths that pages give, and what folders hold: all lead into the folder of the host, or to a file that a page sent."""
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from rsegen.errors import FileError, ParameterError
+from rsegen.page.model.document import SUFFIXES
 
 HOLDS = {"drive.json": "drive", "manifest.json": "dataset", "recipe.json": "recipe"}
 """The files by which a page knows what a folder holds."""
+
+MOST = 1000
+"""Entries of a folder that are listed: a page shows a list of some hundred."""
+
+_MADE = ("drive.json", "manifest.json", "summary.json")
+"""Files of ours that are no recipes though their names end as those of recipes do."""
 
 
 class Places(NamedTuple):
@@ -53,3 +62,27 @@ class Places(NamedTuple):
         except (FileError, ValueError) as error:  # a quotation mark that is not closed
             raise ParameterError(name, str(error)) from None
         return shlex.join([place, *arguments]) if arguments else place
+
+
+def names_in(folder: Path) -> Iterator[str]:
+    """Yield up to `MOST` names in a folder, sorted, hidden ones and those that lead outside it left out."""
+
+    def stays(entry: os.DirEntry[str]) -> bool:
+        try:
+            return not entry.is_symlink() or bool(Places(folder).inside(entry.name))
+        except FileError:
+            return False
+
+    try:
+        with os.scandir(folder) as entries:
+            shown = sorted(entry.name for entry in entries if not entry.name.startswith(".") and stays(entry))
+    except OSError as error:
+        raise FileError(f"{folder}: {error.strerror}") from None
+    yield from shown[:MOST]
+
+
+def kind_of(path: Path) -> str:
+    """Return what a file or folder is for a page: a recipe, a data set, a drive, another folder, or anything else."""
+    if not path.is_dir():
+        return "recipe" if path.suffix.lower() in SUFFIXES and path.name not in _MADE else "other"
+    return next((kind for name, kind in HOLDS.items() if (path / name).is_file()), "folder")

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.field.stepfield import Array
+from rsegen.field.stepfield import Mask
 from rsegen.io.input_files import text_of
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
@@ -85,7 +85,7 @@ def _robot(folder: Path, robot: Mapping[str, Any]) -> dict[str, Any]:
     name = robot["name"]
     trajectory = _trajectory(Places(folder).inside(f"{name}.csv"))
     touches = list(_touches(folder, robot))
-    tips = ((float(trajectory.rows[at, 0]), "tips over") for at in _begins(trajectory.tilt > TIPPED))
+    tips = ((float(trajectory.rows[at, 0]), "tips over") for at, _ in _runs(trajectory.tilt > TIPPED))
     outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *tips]
     events = [
         *((second, "has crossed the map", "success") for second in [_crossed(robot)] if second < inf),
@@ -151,15 +151,14 @@ def _falls(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
     """Yield when a robot comes down faster than it drives down, and by how much."""
     seconds, z = trajectory.rows[:, 0], trajectory.rows[:, 3]
     ahead = np.minimum(np.searchsorted(seconds, seconds + _WITHIN, side="right"), len(z)) - 1
-    falls = z - z[ahead] > _FALL
-    for at in _begins(falls):
-        until = at + int(np.argmin(np.append(falls[at:], False)))
+    for at, until in _runs(z - z[ahead] > _FALL):
         yield float(seconds[at]), f"falls by {100 * (z[at] - z[at : ahead[until - 1] + 1].min()):.0f} cm"
 
 
-def _begins(which: Any) -> list[int]:
-    starts: Array = which & ~np.append(False, which[:-1])
-    return [int(at) for at in np.flatnonzero(starts)]
+def _runs(which: Mask) -> Iterator[tuple[int, int]]:
+    """Yield where each run of true values begins, and where it has ended."""
+    edges = np.flatnonzero(np.diff(which, prepend=False, append=False)).tolist()
+    return zip(edges[::2], edges[1::2], strict=True)
 
 
 _HELD = 2
@@ -175,8 +174,7 @@ def _hang_ups(
     begins = t[0] + np.append(0.0, lengths.cumsum())
     upright = np.interp(begins[:-1], t, trajectory.tilt) < TIPPED
     held = (moves < STILL) & upright & (begins[:-1] < _crossed(robot))
-    for at in _begins(held):
-        until = at + int(np.argmin(np.append(held[at:], False)))
+    for at, until in _runs(held):
         if until - at >= _HELD:
             parts = sorted({part for second, part, _ in touches if begins[at] <= second < begins[until]})
             yield float(begins[at]), f"hangs up on {' and '.join(parts)}" if parts else "is stuck"

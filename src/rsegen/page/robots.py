@@ -8,8 +8,8 @@ takes seconds is done once at a time for a document, and of several that wait on
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from math import ceil, degrees, isfinite
 from typing import Any, Literal
 from xml.etree.ElementTree import Element, fromstring
@@ -22,15 +22,13 @@ from rsegen.exporters.pictures.robot_drawing import hull
 from rsegen.field.metrics import metrics
 from rsegen.field.metrics.catalogue import METRICS, UNITS, custom, flattened, nested
 from rsegen.field.stepfield import Array, StepField
-from rsegen.page import turns
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.scenes import kept, scene_of
-from rsegen.page.turns import newest_turn
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import Robot, SdfRobot, robot_of
-from rsegen.robots.links import Box, Cylinder, SdfPose, Solid, rotation
+from rsegen.robots.links import Box, Cylinder, SdfPose, Sphere, rotation
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
 from rsegen.simulation.driving.robot_runs import spot_generator, spots_on_map
@@ -38,7 +36,7 @@ from rsegen.simulation.driving.routes import followed
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.kinds import Watched
-from rsegen.standing.resting import REASONS, Poses, has_stood, of_settled
+from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import PaddedGround, reach_of, settle
 from rsegen.standing.spots import Spot
 from rsegen.standing.ways import Lattice, Way
@@ -52,10 +50,7 @@ def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
     """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
     opened = host.opened(doc)
     recipe = opened.session.recipe
-    if index not in recipe.indices:
-        last = recipe.indices[-1]
-        raise ParameterError("index", f"{index} is not a map of this recipe; give {recipe.first_map}..{last}")
-    return opened, recipe, scene_of(opened, recipe, index).field
+    return opened, recipe, scene_of(opened, recipe, opened.index_of("", index)).field
 
 
 def _robot(host: Host, robot: str) -> DrivableRobot:
@@ -63,29 +58,10 @@ def _robot(host: Host, robot: str) -> DrivableRobot:
     return robot_of(host.places.refuse_outside("robot", robot), "robot")
 
 
-_SECONDS = 0.2
-"""Seconds between two tellings of how far a search is."""
-
-
-def _telling(host: Host, doc: str, name: str, check: Callable[[], None]) -> Callable[[float], None]:
-    """Return what tells pages of a document how far a search is, and ends it when it is stopped."""
-    opened, told = host.opened(doc), 0.0
-
-    def watch(share: float) -> None:
-        nonlocal told
-        check()
-        if time.monotonic() - told > _SECONDS:
-            told = time.monotonic()
-            opened.tell({"event": "progress", "of": name, "share": share})
-
-    return watch
-
-
 @call_of_host
 def stop(host: Host, *, doc: str, of: Literal["tilt", "reach", "way", "measure"]) -> None:
     """Stop a search that is done for a document."""
-    host.opened(doc)
-    turns.stop(doc, of)
+    host.opened(doc).searches.pop(of, None)
 
 
 @call_of_host
@@ -106,20 +82,21 @@ def robot(host: Host, *, robot: str) -> dict[str, Any]:
 def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
     for link in robot.links:
         for part in link.parts:
+            match part.solid:
+                case Box(size=size):
+                    shape, lengths = "box", list(size)
+                case Cylinder(radius=radius, length=length):
+                    shape, lengths = "cylinder", [radius, length]
+                case Sphere(radius=radius):
+                    shape, lengths = "sphere", [radius]
             pose = _transform(link.pose) @ _transform(part.pose)
-            yield _part(*_shape(part.solid), pose, hex_colour(part.colour), wheel=link.name in driven)
+            yield _part(shape, lengths, pose, hex_colour(part.colour), wheel=link.name in driven)
 
 
 def _part(shape: str, size: list[float], pose: Array, colour: str, *, wheel: bool) -> dict[str, Any]:
     """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
     colour = colour or (_DRIVEN if wheel else _BODY)
     return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
-
-
-def _shape(solid: Solid) -> tuple[str, list[float]]:
-    if isinstance(solid, Box):
-        return "box", list(solid.size)
-    return ("cylinder", [solid.radius, solid.length]) if isinstance(solid, Cylinder) else ("sphere", [solid.radius])
 
 
 def _transform(pose: SdfPose) -> Array:
@@ -185,11 +162,6 @@ def _boxes(body: Body, link: str | None = None) -> Iterator[dict[str, Any]]:
         yield _part("box", np.ptp(surface, axis=0).tolist(), pose, "", wheel=part.drives)
 
 
-def _settled(field: StepField, body: Body, x: Array, y: Array, heading: Array) -> Poses:
-    ground = PaddedGround.of(field, reach_of(body))
-    return of_settled(ground, body, settle(ground, body, x, y, heading))
-
-
 def _refuse_unplaced(**numbers: float) -> None:
     for name, number in numbers.items():
         if not abs(number) <= _FAR:  # nor if it is not a number
@@ -207,12 +179,21 @@ def pose(  # noqa: PLR0913  # each is named by the page
     _refuse_unplaced(x=x, y=y, heading=heading)
     *_, field = _map(host, doc, index)
     body = _robot(host, robot).body
-    found = _settled(field, body, *(np.array([each]) for each in (x, y, heading)))
+    ground = PaddedGround.of(field, reach_of(body))
+    found = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
     stands, clearance = bool(found.stands[0]), float(found.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
-    at = {name: float(getattr(found, name)[0]) for name in names} if stands else _level(field, body, x, y, heading)
+    if stands:
+        at = {name: float(getattr(found, name)[0]) for name in names}
+    else:  # held level, so high that it touches the highest block below it
+        c, s = np.cos(heading), np.sin(heading)
+        along, across, up = body.points.T
+        below = ground.below(x + c * along - s * across, y + s * along + c * across)
+        at = dict(zip(names, (x, y, float((below - up).max()), 0.0, 0.0, heading, 0.0), strict=True))
     turn = rotation(at["roll"], at["pitch"], at["yaw"])
-    corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)]
+    corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)] if stands else np.empty((0, 3))
+    # The corners of the hull of the contacts as they are seen from above, counterclockwise.
+    polygon = [corners[np.hypot(*(corners[:, :2] - at_corner).T).argmin()] for at_corner in hull(corners[:, :2])]
     return {
         "stands": stands,
         "holds": bool(found.holds[0]),
@@ -223,22 +204,8 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "margin": float(found.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": found.contacts[0].tolist() if stands else [],
-        "polygon": _in_order(corners).tolist() if stands else [],
+        "polygon": [corner.tolist() for corner in polygon],
     }
-
-
-def _level(field: StepField, body: Body, x: float, y: float, heading: float) -> dict[str, float]:
-    """Return the pose of a robot that is held level, so high that it touches the highest block below it."""
-    c, s = np.cos(heading), np.sin(heading)
-    along, across, up = body.points.T
-    below = PaddedGround.of(field, 0.0).below(x + c * along - s * across, y + s * along + c * across)
-    z = float((below - up).max())
-    return {"x": x, "y": y, "z": z, "roll": 0.0, "pitch": 0.0, "yaw": heading, "tilt": 0.0}
-
-
-def _in_order(corners: Array) -> Array:
-    """Return the corners (n, 3) of the hull of points as they are seen from above, counterclockwise."""
-    return np.array([corners[np.hypot(*(corners[:, :2] - at).T).argmin()] for at in hull(corners[:, :2])])
 
 
 _PER_BLOCK, _MOST = 3, 5000
@@ -252,14 +219,14 @@ _AT_ONCE = 500
 def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dict[str, Any]:
     """Return how a robot of one heading rests on a grid of places all over a map."""
     _refuse_unplaced(heading=heading)
-    with newest_turn(doc, "tilt") as check:
+    with host.opened(doc).newest_turn("tilt") as watch:
         *_, field = _map(host, doc, index)
         (along_x, along_y), body = field.extent, _robot(host, robot).body
         step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
         every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
-        ground, watch = PaddedGround.of(field, reach_of(body)), _telling(host, doc, "tilt", check)
+        ground = PaddedGround.of(field, reach_of(body))
         tilt, margin = np.full((2, len(every_x)), np.nan)
         reason = np.full(len(every_x), len(REASONS) - 1)
         for first in range(0, len(every_x), _AT_ONCE):
@@ -284,11 +251,13 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dic
 @call_of_host
 def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
     """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
-    with newest_turn(doc, "reach") as check:
+    with host.opened(doc).newest_turn("reach") as watch:
         _, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
-        found = reached(field, body, _telling(host, doc, "reach", check))
-        spots = _spots(field, body, recipe.seed)
+        found = reached(field, body, watch)
+        spots: Sequence[Spot] = ()
+        with suppress(ParameterError):  # there are none
+            spots = spots_on_map(field, body, 2, spot_generator(recipe.seed))
     crossings = {"west to east": found.west_east, "south to north": found.south_north}
     across = [name for name, way in crossings.items() if way.crosses]
     nowhere = f"does not cross; largest area {found.cover:.0%} of the map"
@@ -310,13 +279,6 @@ def _ways(field: StepField, body: Body, crossings: Mapping[str, Way]) -> Iterato
         yield {"points": draped(field, points).tolist(), "name": name, "crosses": name != "tried"}
 
 
-def _spots(field: StepField, body: Body, seed: int) -> tuple[Spot, ...]:
-    try:
-        return spots_on_map(field, body, 2, spot_generator(seed))
-    except ParameterError:  # there are none
-        return ()
-
-
 @call_of_host
 def way(  # noqa: PLR0913  # each is named by the page
     host: Host,
@@ -331,11 +293,12 @@ def way(  # noqa: PLR0913  # each is named by the page
     """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
     for place in (start, goal):
         _refuse_unplaced(x=place[0], y=place[1])
-    with newest_turn(doc, "way") as check:
+    with host.opened(doc).newest_turn("way") as watch:
         opened, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
+        # A lattice takes seconds, and answers for every start and goal on the map.
         lattice = kept(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
-        lattice.watch = _telling(host, doc, "way", check)
+        lattice.watch = watch
         found = lattice.between(start, goal)
     if found is None:
         none = {"found": False, "text": f"no way for {robot} between these places", "poses": [], "events": []}
@@ -360,21 +323,17 @@ def way(  # noqa: PLR0913  # each is named by the page
 def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> dict[str, Any]:
     """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
     crosser = _robot(host, robot) if robot else None
-    with newest_turn(doc, "measure") as check:
+    with host.opened(doc).newest_turn("measure") as watch:
         *_, field = _map(host, doc, index)
-        watched = crosser and Watched(body=crosser.body, watch=lambda _: check())
+        watched = crosser and Watched(body=crosser.body, watch=lambda _: watch())
         entries = nested(metrics(field, watched)) | custom(field)
-    rows = [(metric_title(key), _shown(value), _meaning(key), key) for key, value in flattened(entries)]
-    return {"rows": [list(row) for row in rows if row[1]]}
+    meanings = {key: {"m": "metres", "rad": "radians"}.get(unit, "") for key, unit in UNITS.items()}
+    meanings |= {key: f"{metric.unit} {metric.help}".strip() for key, metric in METRICS.items()}
+    rows = ([metric_title(key), _shown(value), meanings.get(key, ""), key] for key, value in flattened(entries))
+    return {"rows": [row for row in rows if row[1]]}
 
 
 def _shown(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else "" if value is None else line_of(str(value))
-
-
-def _meaning(key: str) -> str:
-    if key in METRICS:
-        return f"{METRICS[key].unit} {METRICS[key].help}".strip()
-    return {"m": "metres", "rad": "radians"}.get(UNITS.get(key, ""), "")

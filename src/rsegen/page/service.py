@@ -1,4 +1,4 @@
-"""A server that runs: its address, its end, and a thread for it in a notebook."""
+"""A server that runs: its address, its end, and a thread for it and the page in an output cell of a notebook."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import secrets
 import socket
 from contextlib import suppress
 from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
 from threading import Thread
 from urllib.parse import quote
 
@@ -18,7 +20,10 @@ from starlette.types import ASGIApp
 
 from rsegen.errors import ParameterError, said_by, shown
 from rsegen.page.host import Host
+from rsegen.page.host import open as open_document
+from rsegen.page.model.session import Session
 from rsegen.page.server import Desk
+from rsegen.recipe.recipe import Recipe
 
 _GRACE = 6.0
 """Seconds from the last page to the end: a reload takes one or two, and a page that lost its server tries after 1.5."""
@@ -58,48 +63,36 @@ class _Server(uvicorn.Server):
 
 @dataclass(kw_only=True)
 class Service:
-    """A server with its address; run: serve until it ends, in this thread."""
+    """A server with its address; is_open_to_others: whether other machines may reach it."""
 
     host: Host
     address: str = "127.0.0.1"
     port: int | None = None
     keep: bool = False
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
+    listening_port: int = field(init=False)
+    is_open_to_others: bool = field(init=False)
+    _ip: ipaddress.IPv4Address | ipaddress.IPv6Address = field(init=False)
     _socket: socket.socket = field(init=False)
     _server: _Server = field(init=False)
     _thread: Thread | None = None
 
     def __post_init__(self) -> None:
         self._socket = _listening(self.address, self.port)
-        ip = self._socket.getsockname()[0]
-        everywhere = ipaddress.ip_address(ip).is_unspecified
-        names = [self.address.lower(), *([socket.gethostname().lower()] if everywhere else [])]
+        ip, self.listening_port = self._socket.getsockname()[:2]
+        self._ip = ipaddress.ip_address(ip)
+        self.is_open_to_others = not self._ip.is_loopback
+        names = [self.address.lower(), *([socket.gethostname().lower()] if self._ip.is_unspecified else [])]
         desk = Desk(host=self.host, token=self.token)
-        app = desk.application(frozenset(names), any_address=not ipaddress.ip_address(ip).is_loopback)
+        app = desk.application(frozenset(names), any_address=self.is_open_to_others)
         self._server = _Server(app, desk, keep=self.keep)
 
     def url(self, doc: str = "", play: str = "") -> str:
         """Return the address of the page, with its token, of a document on it, and of a drive that plays over it."""
-        ip, port = self._socket.getsockname()[:2]
-        if ipaddress.ip_address(ip).is_unspecified:
-            name = socket.gethostname()
-        elif ip == "127.0.0.1":
-            name = "localhost"
-        else:
-            name = f"[{ip}]" if ":" in ip else ip
+        name = f"[{self._ip}]" if self._ip.version == 6 else str(self._ip)
+        name = socket.gethostname() if self._ip.is_unspecified else "localhost" if name == "127.0.0.1" else name
         shown = "".join(f"&{key}={quote(value)}" for key, value in (("doc", doc), ("play", play)) if value)
-        return f"http://{name}:{port}/?token={self.token}{shown}"
-
-    @property
-    def is_open_to_others(self) -> bool:
-        """Return whether other machines may reach it."""
-        return not ipaddress.ip_address(self._socket.getsockname()[0]).is_loopback
-
-    @property
-    def listening_port(self) -> int:
-        """The port of the address."""
-        port: int = self._socket.getsockname()[1]
-        return port
+        return f"http://{name}:{self.listening_port}/?token={self.token}{shown}"
 
     def run(self) -> None:
         """Serve until a signal, or the end of the last page."""
@@ -142,3 +135,54 @@ def _listening(address: str, port: int | None) -> socket.socket:
     except OSError as error:
         reason = os.strerror(error.errno or 0)
         raise ParameterError("port", f"{port} of {address} cannot be listened at ({reason})") from None
+
+
+class Gui:
+    """A page that edits a recipe, shown in an output cell; `recipe` is what it has become.
+
+    Its server ends with `close`, in a `with` statement at its end, and with the notebook's kernel.
+    """
+
+    def __init__(self, service: Service, doc: str) -> None:
+        self._service, self._doc = service, doc
+        service.start()
+
+    @property
+    def url(self) -> str:
+        """The address of the page, with its token; browsers on this machine can open it too."""
+        return self._service.url(self._doc)
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recipe as it is on the page now; the last valid one, if it is not."""
+        return self._service.host.opened(self._doc).session.recipe
+
+    def close(self) -> None:
+        """End the server, and with it what it runs."""
+        self._service.close()
+
+    def __enter__(self) -> Gui:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _repr_html_(self) -> str:
+        """Return the page in a frame, which notebooks show."""
+        frame = 'width="100%" height="760" style="border: 0" allow="clipboard-write; fullscreen"'
+        return f'<iframe {frame} src="{escape(self.url)}"></iframe>'
+
+
+def gui(shown: Recipe | str | Path | None = None, *, folder: str | Path = ".", port: int | None = None) -> Gui:
+    """Return a page that edits a recipe: `rsegen.gui(recipe)` in a cell of Jupyter.
+
+    shown: a recipe, the path of a file in `folder`, the name of an example, or nothing, which is a new recipe; folder:
+    where the page reads and writes files; port: of its address, of which a remote machine's must be forwarded. A
+    UserError if it cannot be had.
+    """
+    host = Host(folder=Path(folder).resolve())
+    if isinstance(shown, Recipe):
+        doc = host.open(Session.of(shown)).id
+    else:
+        doc = open_document(host, what=str(shown or ""))["doc"]
+    return Gui(Service(host=host, port=port, keep=True), doc)

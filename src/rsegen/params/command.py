@@ -66,11 +66,15 @@ class Declared(NamedTuple):
         return isinstance(self.sort, Flag) and isinstance(self.default, bool)
 
     @property
+    def words(self) -> Sequence[str]:
+        """The few words that it takes; empty for any other sort."""
+        return ("yes", "no") if isinstance(self.sort, Flag) else getattr(self.sort, "values", ())
+
+    @property
     def metavar(self) -> str:
         """The value in the help: the few words that it takes, or a word for it."""
-        words = ("yes", "no") if isinstance(self.sort, Flag) else getattr(self.sort, "values", ())
         if isinstance(self.sort, Choice | Flag):
-            return self.shell.metavar or f"{{{','.join(words)}}}"
+            return self.shell.metavar or f"{{{','.join(self.words)}}}"
         return self.shell.metavar or self.name.strip("_").rpartition("_")[2].upper()
 
     @property
@@ -160,14 +164,9 @@ def add_flags(
 def add_flag(group: Any, parameter: Declared, text: str, **options: Any) -> Any:
     """Add a flag for a declared parameter, with a help and options of argparse; return its action."""
     action = group.add_argument(*parameter.flags, dest=parameter.name, help=text.replace("%", "%%"), **options)
-    action.completer, action.declared = completer(parameter.sort), parameter  # argcomplete's word, and that of forms
+    action.declared = parameter  # for forms
+    action.completer = (lambda **_: parameter.words) if parameter.words else None  # for argcomplete
     return action
-
-
-def completer(sort: Parameter) -> Callable[..., Collection[str]] | None:
-    """Return what gives the words of a sort to argcomplete; None if it has no few words."""
-    words = ("yes", "no") if isinstance(sort, Flag) else getattr(sort, "values", None)
-    return None if words is None else lambda **_: words
 
 
 def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -> dict[str, Any]:
@@ -175,18 +174,16 @@ def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -
 
     units: as in `with_lengths`, for what may be written as `3.5in`
     """
-    texts = {name: getattr(arguments, name, None) for name in declared(owner)}
-    return {
-        name: text if isinstance(text, bool) else _parsed(declared(owner)[name], text, units)
-        for name, text in texts.items()
-        if text is not None
-    }
-
-
-def _parsed(parameter: Declared, text: Any, units: str | None) -> Any:
-    """Return what a text stands for, or the texts of a flag that may be repeated."""
-    sort: Any = parameter.sort
-    return sort.parse(text if isinstance(text, list) else with_lengths(text, sort, parameter.name, units=units))
+    said: dict[str, Any] = {}
+    for name, parameter in declared(owner).items():
+        value: Any = getattr(arguments, name, None)
+        if isinstance(value, str):
+            value = parameter.sort.parse(with_lengths(value, parameter.sort, name, units=units))
+        elif isinstance(value, list):  # the texts of a flag that may be repeated
+            value = parameter.sort.parse(value)  # type: ignore[arg-type]  # such a sort takes them all
+        if value is not None:
+            said[name] = value
+    return said
 
 
 @contextmanager
@@ -204,23 +201,22 @@ def flags_in_errors(*owners: Callable[..., Any]) -> Iterator[None]:
 
 def schema(owner: Callable[..., Any]) -> dict[str, Json]:
     """Return the JSON Schema (2020-12) of the parameters of a command, of which a form can be made."""
-    known = declared(owner).values()
-    needed = [each.name for each in known if each.default is Argument.empty or each.shell.required]
+    properties: dict[str, Json] = {}
+    needed = []
+    for name, parameter in declared(owner).items():
+        has_default = parameter.default is not None and parameter.default is not Argument.empty
+        default = {"default": parameter.default} if has_default else {}
+        properties[name] = {"description": parameter.sort.help} | parameter.sort.schema() | default
+        needed += [name] if parameter.default is Argument.empty or parameter.shell.required else []
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": owner.__name__,
         "description": (owner.__doc__ or "").partition("\n")[0],
         "type": "object",
-        "properties": {each.name: _property(each) for each in known},
+        "properties": properties,
         "required": needed,
         "additionalProperties": False,
     }
-
-
-def _property(parameter: Declared) -> dict[str, Json]:
-    known = {"description": parameter.sort.help} | parameter.sort.schema()
-    has_default = parameter.default is not None and parameter.default is not Argument.empty
-    return known | ({"default": parameter.default} if has_default else {})
 
 
 def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
@@ -239,7 +235,7 @@ def _default_of_row(parameter: Declared) -> str:
 
 
 def _shown_default(value: object) -> str:
-    """A default as a person gives it; nothing if there is none, or none that says anything."""
+    """Return a default as a person gives it; nothing if there is none, or none that says anything."""
     if value is None or value is Argument.empty or value in ("", ()):
         return ""
     if isinstance(value, bool):

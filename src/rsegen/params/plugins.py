@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from traceback import walk_tb
 from types import ModuleType
 from typing import Any, TypeVar
 
@@ -80,18 +81,12 @@ def plugins() -> tuple[Plugin, ...]:
 
 def failure(error: BaseException, file: str = "") -> str:
     """Describe an error in somebody's module: the line of the file, the error's name and its first line."""
-    line = error.lineno if isinstance(error, SyntaxError) else _line_in(error, file)
-    first = (str(error.msg if isinstance(error, SyntaxError) else error).splitlines() or [""])[0]
+    run = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
+    line, said = run[-1] if run else None, str(error)  # the last line of the file that was run before the error
+    if isinstance(error, SyntaxError):
+        line, said = error.lineno, error.msg
+    first = (said.splitlines() or [""])[0]
     return f"{f'line {line}: ' if line else ''}{type(error).__name__}: {first}".removesuffix(": ")
-
-
-def _line_in(error: BaseException, file: str) -> int | None:
-    """Return the last line of a file that was run before the error."""
-    line, step = None, error.__traceback__
-    while step:
-        line = step.tb_lineno if step.tb_frame.f_code.co_filename == file else line
-        step = step.tb_next
-    return line
 
 
 def _from_name(name: str) -> ModuleType:

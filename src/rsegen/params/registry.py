@@ -4,12 +4,11 @@ A name is looked for in rsegen's own files first, then in the plug-in files that
 the entry points of installed packages (`entry_points`). Only a list of all of them imports them all.
 
 A `Contract` says what an object of a plug-in must be to enter a registry; anything else is refused with the reason, or
-left out of lists with a warning. Entry points are found without importing anything:
+left out of lists with a warning. Entry points are found without importing anything but `importlib.metadata`, and that,
+as it takes half as long to import as numpy, only if a package has such entry points:
 
     [project.entry-points."rsegen.obstacles"]
     ramp = "rsegen_ramps:Ramp"
-
-`importlib.metadata` takes half as long to import as numpy, so only packages with such entry points are read by it.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ import sys
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -63,7 +62,8 @@ class Contract:
             return f"is not a subclass of {base}"
         if missing := sorted(getattr(offered, "__abstractmethods__", ())):
             return f"does not define {', '.join(missing)}"
-        if not has_summary(offered):
+        doc = (offered.__doc__ or "").strip()
+        if not doc or doc.startswith(f"{offered.__name__}("):  # dataclasses make one up from the signature
             return "has no docstring; its first line is shown in lists"
         return self._unsound(offered)
 
@@ -98,12 +98,6 @@ def clash(cls: type, reserved: Collection[str], base: type = object, others: Ite
     return ""
 
 
-def has_summary(cls: type) -> bool:
-    """Return whether a class has a docstring of its own; dataclasses make one up from the signature."""
-    doc = (cls.__doc__ or "").strip()
-    return bool(doc) and not doc.startswith(f"{cls.__name__}(")
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class EntryPoint:
     """A line of a package's metadata: the name under which it offers an object to rsegen, and the object's place."""
@@ -117,52 +111,48 @@ class EntryPoint:
         return f"plug-in {self.name!r} of {self.source} ({self.value})"
 
     def load(self) -> Any:
-        """Return the object that it offers; raises whatever its module raises."""
+        """Return the object that it offers; PluginError for whatever its module raises."""
         module, _, place = self.value.partition(":")
-        offered: Any = import_module(module.strip())
-        for part in filter(None, place.strip().split(".")):
-            offered = getattr(offered, part)
+        try:
+            offered: Any = import_module(module.strip())
+            for part in filter(None, place.strip().split(".")):
+                offered = getattr(offered, part)
+        except (Exception, SystemExit) as error:
+            raise PluginError(f"{self}: {failure(error)}") from None
         return offered
 
 
 @cache
 def entry_points() -> tuple[EntryPoint, ...]:
-    """Return the entry points of all installed packages for rsegen, sorted by their names."""
-    offers = (offer for folder in _packages() for offer in _of(folder))
+    """Return the entry points of all installed packages for rsegen, sorted by their names.
+
+    Of two folders of metadata of one package the first on the path counts.
+    """
+    seen, offers = set[str](), list[EntryPoint]()
+    for place in dict.fromkeys(sys.path):
+        for folder in _metadata(place or "."):
+            package = re.sub(r"[-_.]+", "-", folder.stem.partition("-")[0]).lower()
+            offers += _offers_of(folder) if package not in seen else ()
+            seen.add(package)
     return tuple(sorted(offers, key=lambda offer: (offer.group, offer.name, str(offer.source))))
 
 
-def _packages() -> Iterator[Path]:
-    """Yield the folders of metadata with entry points for rsegen; of two of one package the first on the path
-    counts.
-    """
-    seen = set()
-    for place in dict.fromkeys(sys.path):
-        for entry in _metadata(place or "."):
-            package = re.sub(r"[-_.]+", "-", os.path.splitext(entry.name)[0].partition("-")[0]).lower()
-            if package not in seen and _speaks(entry.path):
-                yield Path(entry.path)
-            seen.add(package)
-
-
-def _metadata(place: str) -> list[os.DirEntry[str]]:
+def _metadata(place: str) -> list[Path]:
+    """Return the folders of metadata of the packages at a place on the path."""
     try:
-        with os.scandir(place) as entries:
-            folders = [entry for entry in entries if entry.name.endswith((".dist-info", ".egg-info"))]
+        names = sorted(os.listdir(place))
     except OSError:  # most paths hold no packages, and some are not there
         return []
-    return sorted(folders, key=lambda folder: folder.name)
+    return [Path(place, name) for name in names if name.endswith((".dist-info", ".egg-info"))]
 
 
-def _speaks(folder: str) -> bool:
+def _offers_of(folder: Path) -> Iterator[EntryPoint]:
+    """Yield what a package offers to rsegen; `importlib.metadata` is imported only if its file names rsegen."""
     try:
-        with open(os.path.join(folder, "entry_points.txt"), "rb") as file:
-            return b"[rsegen." in file.read()
+        if b"[rsegen." not in (folder / "entry_points.txt").read_bytes():
+            return
     except OSError:
-        return False
-
-
-def _of(folder: Path) -> Iterator[EntryPoint]:
+        return
     from importlib.metadata import Distribution
 
     package = Distribution.at(folder)
@@ -202,7 +192,6 @@ class Registry(Mapping[str, Thing]):
         self._sources: dict[str, Source] = {}
         self._own_imported = not package
         self._modules_seen = 0
-        self._offers: list[EntryPoint] | None = None
         self._lock = RLock()
 
     def __getitem__(self, name: str) -> Thing:
@@ -239,7 +228,7 @@ class Registry(Mapping[str, Thing]):
 
     def source(self, name: str) -> Source | None:
         """Return the package or file that a thing comes from; None for rsegen's own."""
-        if name in self and name not in self._sources and not self._is_own(self[name]):
+        if name in self and name not in self._sources and not _is_own(self[name]):
             with self._lock:  # its module may have added it by itself
                 self._find_in_modules()
                 self._find_offered(name)
@@ -251,14 +240,12 @@ class Registry(Mapping[str, Thing]):
             self._import_all_own()
             return tuple(thing for name, thing in self._things.items() if name not in self._sources)
 
-    def _is_own(self, thing: Thing) -> bool:
-        cls = thing if isinstance(thing, type) else type(thing)
-        return cls.__module__.startswith("rsegen.")
-
     def _find(self, name: str) -> None:
         with self._lock:
-            if isinstance(name, str) and name.isidentifier():
-                self._import_own(name)
+            file = f"{self._package}.{name}"
+            # The file with the name of the thing, if there is one, as for many things.
+            if isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
+                import_module(file)
             for find in (self._import_all_own, self._find_in_modules, lambda: self._find_offered(name)):
                 if name not in self._things:
                     find()
@@ -267,7 +254,7 @@ class Registry(Mapping[str, Thing]):
         with self._lock:
             self._import_all_own()
             self._find_in_modules()
-            for offer in self._offered():
+            for offer in [*self._offers]:
                 self._take_or_warn(offer)
 
     def _take_or_warn(self, offer: EntryPoint) -> None:
@@ -275,11 +262,6 @@ class Registry(Mapping[str, Thing]):
             self._take(offer)
         except PluginError as error:
             warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
-
-    def _import_own(self, name: str) -> None:
-        """Import the file with the name of the thing, if there is one, as for many things."""
-        if not self._own_imported and find_spec(f"{self._package}.{name}"):
-            import_module(f"{self._package}.{name}")
 
     def _import_all_own(self) -> None:
         if self._own_imported:
@@ -293,30 +275,25 @@ class Registry(Mapping[str, Thing]):
         fresh = plugins()[self._modules_seen :]
         self._modules_seen += len(fresh)
         for plugin in fresh:
-            for name, value in self._held(plugin):
-                self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
+            known = set(map(id, self._things.values()))
+            for name, value in [*vars(plugin.module).items()]:
+                if self._contract.is_held(value, plugin) and (isinstance(value, type) or id(value) not in known):
+                    self._enter(value, plugin.source, f"plug-in {plugin.source} ({name})")
 
-    def _held(self, plugin: Plugin) -> Iterable[tuple[str, Any]]:
-        known = set(map(id, self._things.values()))
-        held = ((name, value) for name, value in vars(plugin.module).items() if self._contract.is_held(value, plugin))
-        return [(name, value) for name, value in held if isinstance(value, type) or id(value) not in known]
-
-    def _offered(self) -> tuple[EntryPoint, ...]:
-        if self._offers is None:
-            self._offers = [offer for offer in entry_points() if offer.group == self._group]
-        return tuple(self._offers)
+    @cached_property
+    def _offers(self) -> list[EntryPoint]:
+        """The entry points that have not been imported yet, or could not be."""
+        return [offer for offer in entry_points() if offer.group == self._group]
 
     def _find_offered(self, name: str) -> None:
-        for offer in self._offered():
-            if offer.name == name:
-                self._take(offer)
-                return
+        if offer := next((offer for offer in self._offers if offer.name == name), None):
+            self._take(offer)
 
     def _take(self, offer: EntryPoint) -> None:
         """Import and enter what a package offers; PluginError if that is not possible."""
-        self._offers = [other for other in self._offered() if other is not offer]  # its module may ask for others
+        self._offers.remove(offer)  # its module may ask for others
         try:
-            self._enter(_loaded(offer), offer.source, str(offer), offer.name)
+            self._enter(offer.load(), offer.source, str(offer), offer.name)
         except PluginError:
             self._offers.append(offer)
             raise
@@ -334,19 +311,16 @@ class Registry(Mapping[str, Thing]):
         """Return the problem of the names of a plug-in's object; an empty text if there is none."""
         if wanted is not None and wanted not in names:
             return f"is named {', '.join(names)}; its entry point must have the same name"
-        taken = [name for name in names if name in self._things and not self._is_kept(name, offered)]
-        return f"the name {taken[0]!r} is taken by {self._sources.get(taken[0], 'rsegen')}" if taken else ""
+        for name in names:
+            kept = self._things.get(name, offered)
+            if kept is not offered and type(kept) is not offered:
+                return f"the name {name!r} is taken by {self._sources.get(name, 'rsegen')}"
+        return ""
 
-    def _is_kept(self, name: str, offered: Any) -> bool:
-        kept = self._things[name]
-        return kept is offered or type(kept) is offered
 
-
-def _loaded(offer: EntryPoint) -> Any:
-    try:
-        return offer.load()
-    except (Exception, SystemExit) as error:
-        raise PluginError(f"{offer}: {failure(error)}") from None
+def _is_own(thing: object) -> bool:
+    cls = thing if isinstance(thing, type) else type(thing)
+    return cls.__module__.startswith("rsegen.")
 
 
 def offered_names(package: str, group: str) -> list[str]:
@@ -354,12 +328,9 @@ def offered_names(package: str, group: str) -> list[str]:
 
     For helps, which are to come at once; a file is called like what it registers.
     """
-    spec = find_spec(package)
-    folders = [] if spec is None else list(spec.submodule_search_locations or ())
-    files = [path for folder in folders for path in Path(folder).glob("*.py")]
-    own = {
-        path.stem for path in files if re.search(r"^@register$|= register\($", path.read_text("utf-8"), re.MULTILINE)
-    }
+    files = Path(__file__).parents[2].joinpath(*package.split(".")).glob("*.py")
+    registers = re.compile(r"^@register$|= register\($", re.MULTILINE)
+    own = {path.stem for path in files if registers.search(path.read_text("utf-8"))}
     return sorted(own.union(offer.name for offer in entry_points() if offer.group == group))
 
 

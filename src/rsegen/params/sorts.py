@@ -68,20 +68,17 @@ class Float(Parameter):
     help: str = ""
 
     def check(self, where: str, value: object) -> float:
-        number = self._number(where, value)
+        try:  # a text has no __float__; that of a whole number of hundreds of digits, or of an array, fails
+            number = float(value) if hasattr(value, "__float__") and not isinstance(value, bool) else None
+        except (OverflowError, TypeError, ValueError):
+            number = None
+        if number is None:
+            raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}")
         if not math.isfinite(number):
             raise ParameterError(where, f"{shown(value)} is not a finite number; give {self.describe()}")
         if not self.low <= number <= self.high:
             raise ParameterError(where, f"{shown(value)} is outside {self.describe()}")
         return number
-
-    def _number(self, where: str, value: object) -> float:
-        if isinstance(value, bool) or not hasattr(value, "__float__"):
-            raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}")
-        try:
-            return float(value)
-        except (OverflowError, TypeError, ValueError):
-            raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}") from None
 
     def parse(self, text: str) -> object:
         try:
@@ -403,13 +400,10 @@ class Size2D(Parameter):
 
     def check(self, where: str, value: object) -> Cell:
         values = value if isinstance(value, (list, tuple)) else (value, value)
-        if len(values) != 2:
+        numbers = [number for entry in values[:2] if (number := as_int(entry)) and 1 <= number <= self.high]
+        if len(values) != 2 or len(numbers) != 2:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
-        numbers = [as_int(entry) for entry in values]
-        for number in numbers:
-            if number is None or not 1 <= number <= self.high:
-                raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
-        return numbers[0], numbers[1]  # type: ignore[return-value]  # None was refused above
+        return numbers[0], numbers[1]
 
     def parse(self, text: str) -> object:
         parts = text.replace("x", ",").split(",")
@@ -470,7 +464,7 @@ def _number(text: str, unit: str, where: str, units: str | None) -> str:
 
 
 def key_values(words: Iterable[str], known: Mapping[str, Parameter]) -> dict[str, object]:
-    """The values by key, each as its parameter reads it; not yet checked, and neither are the keys."""
+    """Return the values by key, each as its parameter reads it; not yet checked, and neither are the keys."""
     values: dict[str, object] = {}
     for word in words:
         key, equals, value = word.partition("=")

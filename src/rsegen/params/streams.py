@@ -19,7 +19,6 @@ BLAKE2b remains, one hash at a time, a microsecond each. A test compares all of 
 from __future__ import annotations
 
 import hashlib
-import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import cycle
@@ -39,6 +38,8 @@ SEEDS = 2**63
 
 def fresh_seed() -> int:
     """Return a seed that the operating system draws."""
+    import secrets  # which imports `random`, of no use for a help
+
     return secrets.randbelow(SEEDS)
 
 
@@ -91,7 +92,9 @@ class Streams:
         """Return the streams of the obstacle `key` in these maps."""
         import numpy as np
 
-        words = _generated(_pooled(_digests(seed, indices, key))).astype("<u4").view("<u8").astype(np.int64)
+        digests = b"".join(digest(seed, index, key) for index in indices)
+        entropy = np.frombuffer(digests, "<u4").reshape(-1, _WORDS).astype(np.uint32)
+        words = _generated(_pooled(entropy)).astype("<u4").view("<u8").astype(np.int64)
         state_high, state_low, inc_high, inc_low = np.ascontiguousarray(words.T)
         # pcg_setseq_128_srandom: the increment is odd; one step from 0, the initial state added, one more step.
         increment = (inc_high << 1 | inc_low >> 63 & 1, inc_low << 1 | 1)
@@ -210,14 +213,6 @@ def _jumps(count: int) -> tuple[Wide, Wide]:
         terms.append(_wide(term))
     (a, b), (c, d) = (np.array(rows, dtype=np.int64).T for rows in (factors, terms))
     return (a, b), (c, d)
-
-
-def _digests(seed: int, indices: Iterable[int], key: str) -> Words:
-    """Return the words (maps, 4) with which `generator` seeds each generator."""
-    import numpy as np
-
-    digests = b"".join(digest(seed, index, key) for index in indices)
-    return np.frombuffer(digests, "<u4").reshape(-1, _WORDS).astype(np.uint32)
 
 
 def _pooled(entropy: Words) -> list[Words]:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rsegen import Matrix, Obstacle, Random, Recipe, build
 from rsegen.errors import ParameterError
-from rsegen.page.model.as_code import command_line
+from rsegen.page.model.texts import command_line
 from rsegen.recipe.codec import decode, decode_obstacle, encode
 
 ROWS = ("0 1 2", "3 . 4")

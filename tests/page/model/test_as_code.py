@@ -10,7 +10,7 @@ from hypothesis import example, given
 from rsegen import Peak, Recipe
 from rsegen.cli.commands import parser
 from rsegen.cli.flags import recipe_from
-from rsegen.page.model.as_code import command_line, python_code
+from rsegen.page.model.texts import command_line, python_code
 from tests.support.samples import FULL
 from tests.support.strategies import recipes
 

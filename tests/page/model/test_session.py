@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 
 from rsegen import Recipe, build
-from rsegen.page.model.ends import aligned
+from rsegen.page.model.actions import aligned
 from rsegen.page.model.session import Session, draft_of
 from tests.support.samples import FULL
 from tests.support.strategies import recipes
@@ -35,9 +35,9 @@ def test_rows_are_added_removed_and_moved(session: Session) -> None:
     session.add(RANDOM)
     session.add(PEAK, 1)
     assert kinds(session) == ["peak", "peak", "random"]
-    session.move(2, 0)
+    session.move(row=2, to=0)
     assert kinds(session) == ["random", "peak", "peak"]
-    session.remove(1)
+    session.remove(row=1)
     assert kinds(session) == ["random", "peak"]
     session.clear()
     assert kinds(session) == []
@@ -47,9 +47,9 @@ def test_every_change_can_be_undone_and_redone(session: Session) -> None:
     drafts = [session.draft]
     for change in (
         lambda: session.add(PEAK),
-        lambda: session.set("chunks", [2, 1]),
-        lambda: session.change(0, {**PEAK, "softness": 40}),
-        lambda: session.enable(0, enabled=False),
+        lambda: session.set(name="chunks", value=[2, 1]),
+        lambda: session.change(row=0, entry={**PEAK, "softness": 40}),
+        lambda: session.enable(row=0, enabled=False),
         session.clear,
     ):
         change()
@@ -75,7 +75,7 @@ def test_a_gesture_is_undone_at_once(session: Session) -> None:
     session.add(PEAK)
     before = session.draft
     for x in range(3, 8):
-        session.change(0, {**PEAK, "last": [x, 7]}, gesture="drag")
+        session.change(row=0, entry={**PEAK, "last": [x, 7]}, gesture="drag")
     session.undo()
     assert session.draft == before
 
@@ -83,10 +83,10 @@ def test_a_gesture_is_undone_at_once(session: Session) -> None:
 def test_an_error_is_shown_and_the_last_valid_recipe_stays(session: Session) -> None:
     session.add(RANDOM)
     right = session.recipe
-    session.set("chunk_size", 0)
+    session.set(name="chunk_size", value=0)
     assert str(session.problem) == "chunk_size: 0 is outside 1..1000 blocks"
     assert session.recipe == right
-    session.set("chunk_size", 12)
+    session.set(name="chunk_size", value=12)
     assert str(session.problem) == "None"
     assert session.recipe.chunk_size == 12
 
@@ -94,8 +94,8 @@ def test_an_error_is_shown_and_the_last_valid_recipe_stays(session: Session) -> 
 def test_a_problem_names_the_row_in_which_it_stands(session: Session) -> None:
     session.add(RANDOM)
     session.add(PEAK)
-    session.enable(0, enabled=False)
-    session.change(1, {**PEAK, "softness": 130})
+    session.enable(row=0, enabled=False)
+    session.change(row=1, entry={**PEAK, "softness": 130})
     assert session.problem is not None
     assert session.problem.where == "obstacles[1].softness"
 
@@ -104,31 +104,31 @@ def test_a_row_that_is_switched_off_stays_in_the_recipe_and_is_not_in_the_map(se
     session.add(PEAK)
     session.add(RANDOM)
     alone = build(Recipe(seed=session.recipe.seed, obstacles=session.recipe.obstacles[1:]))
-    session.enable(0, enabled=False)
+    session.enable(row=0, enabled=False)
     assert [obstacle.enabled for obstacle in session.recipe.obstacles] == [False, True]
     assert build(session.recipe) == alone
-    session.enable(0, enabled=True)
+    session.enable(row=0, enabled=True)
     assert "enabled" not in session.draft.rows[0]
 
 
 def test_a_row_that_does_not_fit_can_be_switched_off(session: Session) -> None:
     session.add(PEAK)
-    session.set("chunk_size", 5)
+    session.set(name="chunk_size", value=5)
     assert session.problem is not None
-    session.enable(0, enabled=False)
+    session.enable(row=0, enabled=False)
     assert session.problem is None
 
 
 def test_what_a_form_says_switches_nothing_on_and_changes_no_key(session: Session) -> None:
     session.add(PEAK)
-    session.enable(0, enabled=False)
-    session.change(0, {**PEAK, "softness": 10, "key": "other", "enabled": True})
+    session.enable(row=0, enabled=False)
+    session.change(row=0, entry={**PEAK, "softness": 10, "key": "other", "enabled": True})
     assert session.draft.rows[0] == {**PEAK, "softness": 10, "key": "obstacle-1", "enabled": False}
 
 
 def test_none_gives_a_parameter_its_default(session: Session) -> None:
-    session.set("unit_cm", 5)
-    session.set("unit_cm", None)
+    session.set(name="unit_cm", value=5)
+    session.set(name="unit_cm", value=None)
     assert session.problem is None
     assert session.recipe.unit_cm == 10
 
@@ -150,9 +150,9 @@ def test_changes_are_taken_back_together_if_one_fails(session: Session) -> None:
 
 def test_parameters_may_change_and_random_draws_stay(session: Session) -> None:
     session.add({"kind": "peak", "levels": 5})
-    session.set("chunks", [3, 3])
+    session.set(name="chunks", value=[3, 3])
     before = build(session.recipe).levels
-    session.change(0, {"kind": "peak", "levels": 4})
+    session.change(row=0, entry={"kind": "peak", "levels": 4})
     after = build(session.recipe).levels
     assert (before.nonzero()[0].min(), before.nonzero()[1].min()) == (
         after.nonzero()[0].min(),
@@ -205,9 +205,9 @@ def test_an_obstacle_with_holes_raises_the_ground_as_far_as_it_needs_and_undo_lo
     assert session.problem is None
     assert session.recipe.ground_level == 3
     assert build(session.recipe).blocks[2:8, 2:8].max() == 0
-    session.change(row, {**pit, "levels": 6})
+    session.change(row=row, entry={**pit, "levels": 6})
     assert session.recipe.ground_level == 5
-    session.change(row, {**pit, "levels": 3})
+    session.change(row=row, entry={**pit, "levels": 3})
     assert session.recipe.ground_level == 5  # a deck may be higher than its holes are deep
     for _ in range(3):
         session.undo()

@@ -15,7 +15,7 @@ from selenium.webdriver.common.keys import Keys
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import compose
 from rsegen.io.recipe_file import load
-from rsegen.page import commands, playback
+from rsegen.page import forms, playback
 from rsegen.page import host as hosting
 from rsegen.page.host import Host
 from rsegen.page.service import Service
@@ -45,7 +45,7 @@ def now(host: Host, job: dict[str, Any]) -> dict[str, Any]:
 def test_a_drive_of_a_page_is_played_as_gazebo_recorded_it(host: Host) -> None:
     doc = hosting.open(host, what="peak")["doc"]
     values = {"robot": "burger", "duration": 2, "simulator": "classic", "seed": 3}
-    job = commands.run(host, doc=doc, command="drive", values=values, output="drive")
+    job = forms.run(host, doc=doc, command="drive", values=values, output="drive")
     until(lambda: now(host, job)["state"] != "running")
     done = now(host, job)
     assert (done["state"], done["done"], done["total"]) == ("done", 2, 2)
@@ -61,9 +61,9 @@ def test_a_drive_that_is_cancelled_leaves_no_server_and_no_folder(host: Host) ->
     doc = hosting.open(host, what="peak")["doc"]
     values = {"duration": 500, "simulator": "classic"}
     before = set(psutil.Process().children(recursive=True))  # of other tests
-    job = commands.run(host, doc=doc, command="drive", values=values, output="drive")
+    job = forms.run(host, doc=doc, command="drive", values=values, output="drive")
     until(lambda: bool(now(host, job)["done"]))
-    commands.cancel(host, job=job["id"])
+    forms.cancel(host, job=job["id"])
     until(lambda: now(host, job)["state"] == "cancelled")
     assert set(psutil.Process().children(recursive=True)) <= before
     assert list(host.folder.iterdir()) == []

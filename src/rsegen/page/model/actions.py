@@ -1,31 +1,40 @@
-"""The actions by which pages change a recipe, each a function of this file called by its name.
+"""The actions by which pages change a recipe: functions of this file, and methods of a session, called by their names.
 
     {"do": "move_end", "row": 2, "end": "last", "cell": [4, 9], "gesture": "g7"} --> a change of the session
 
 Each returns the row that it was about, which a page then selects: -1 if none. Cells are of the map that the page shows;
-those that are painted by hand become a matrix obstacle.
+those that are painted by hand become a matrix obstacle. Changes of one gesture, such as a drag, are undone together: a
+page gives each another name.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
+from rsegen.field.obstacles import Obstacle
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Ints, Mask
 from rsegen.page.calls import checked
-from rsegen.page.model.ends import End, aligned, fixed, with_end_at
 from rsegen.page.model.session import Entry, Session
-from rsegen.params.sorts import MOST_LEVELS, Cell, Json, parameters
+from rsegen.params.sorts import MOST_LEVELS, Cell, Json
+from rsegen.params.streams import generator
+from rsegen.recipe.building import ends_by
 from rsegen.recipe.codec import MOST_OBSTACLES, decode_obstacle
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.map_design import MapDesign
 
 Action = Mapping[str, Json]
 
-_ACTIONS: dict[str, Callable[..., int]] = {}
+_OF_SESSION: Mapping[str, Callable[..., None]] = {
+    name: getattr(Session, name)
+    for name in ("set", "change", "remove", "move", "enable", "clear", "reroll", "undo", "redo")
+}
+"""The actions that are methods of a session, by their names."""
+
+_ACTIONS: dict[str, Callable[..., Any]] = {**_OF_SESSION}
 
 UNPAINTED = -1
 """The level that erases a cell."""
@@ -49,9 +58,13 @@ def _apply(session: Session, action: Action, index: int) -> int:
     if not isinstance(name, str) or name not in _ACTIONS:
         raise UnknownName.among("do", "action", name, _ACTIONS)
     known = checked(_ACTIONS[name], given)
-    if "row" in known and not (name == "paint" and known["row"] == -1):
-        _check_row(session, "row", known["row"])
-    return _ACTIONS[name](session, index, **known)
+    for where in ("row", "to"):
+        if where in known and not (name == "paint" and known["row"] == -1):
+            _check_row(session, where, known[where])
+    if name not in _OF_SESSION:
+        return int(_ACTIONS[name](session, index, **known))
+    _OF_SESSION[name](session, **known)
+    return int(known.get("to", known.get("row", -1)))
 
 
 def _check_row(session: Session, where: str, row: int, extra: int = 0) -> None:
@@ -70,16 +83,8 @@ def _check_cells(session: Session, where: str, cells: list[Cell]) -> None:
 
 def _action(function: Callable[..., int]) -> Callable[..., int]:
     """Let pages do what a function does, by its name."""
-    _ACTIONS[function.__name__.strip("_")] = function
+    _ACTIONS[function.__name__] = function
     return function
-
-
-@_action
-def _set(session: Session, _index: int, *, name: str, value: Any, gesture: str | None = None) -> int:
-    if name not in parameters(Recipe):
-        raise UnknownName.among("name", "parameter", name, parameters(Recipe))
-    session.set(name, value, gesture=gesture and ("set", name, gesture))
-    return -1
 
 
 @_action
@@ -93,35 +98,6 @@ def add(session: Session, _index: int, *, entry: dict[str, Any], at: int | None 
 
 
 @_action
-def change(session: Session, _index: int, *, row: int, entry: dict[str, Any], gesture: str | None = None) -> int:
-    """Replace the parameters of a row."""
-    session.change(row, entry, gesture=gesture and ("change", row, gesture))
-    return row
-
-
-@_action
-def remove(session: Session, _index: int, *, row: int) -> int:
-    """Remove a row."""
-    session.remove(row)
-    return row
-
-
-@_action
-def move(session: Session, _index: int, *, row: int, to: int) -> int:
-    """Move a row in the list."""
-    _check_row(session, "to", to)
-    session.move(row, to)
-    return to
-
-
-@_action
-def enable(session: Session, _index: int, *, row: int, enabled: bool) -> int:
-    """Switch a row on or off."""
-    session.enable(row, enabled=enabled)
-    return row
-
-
-@_action
 def duplicate(session: Session, _index: int, *, row: int) -> int:
     """Copy a row to the row below it."""
     return add(session, 0, entry=dict(session.draft.rows[row]), at=row + 1)
@@ -130,7 +106,7 @@ def duplicate(session: Session, _index: int, *, row: int) -> int:
 @_action
 def fix(session: Session, _index: int, *, row: int, index: int) -> int:
     """Make random ends the cells where they are in a map."""
-    session.change(row, fixed(session.draft.rows[row], session.recipe, index))
+    session.change(row=row, entry=fixed(session.draft.rows[row], session.recipe, index))
     return row
 
 
@@ -139,7 +115,7 @@ def move_end(session: Session, index: int, *, row: int, end: End, cell: Cell, ge
     """Move an end of an obstacle, or both, to a cell; random ends are fixed where they are in the map shown."""
     _check_cells(session, "cell", [cell])
     entry = with_end_at(session.draft.rows[row], end, cell, session.recipe, index)
-    session.change(row, entry, gesture=gesture and ("move_end", row, gesture))
+    session.change(row=row, entry=entry, gesture=gesture)
     return row
 
 
@@ -150,28 +126,13 @@ def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: 
     if not UNPAINTED <= level < MOST_LEVELS:
         raise ParameterError("level", f"{level} is outside {UNPAINTED}..{MOST_LEVELS - 1}")
     entry = session.draft.rows[row] if row >= 0 else None
-    key = gesture and ("paint", gesture)
     if entry is not None and can_paint(entry):
         if cells:
-            session.change(row, painted(entry, cells, level), gesture=key)
+            session.change(row=row, entry=painted(entry, cells, level), gesture=gesture)
         return row
     if level == UNPAINTED or not cells:
         return row
-    return session.add(painted(None, cells, level), gesture=key)
-
-
-def _of_session(method: Callable[[Session], None]) -> None:
-    """Let pages do what a method of a session does, which is about no row."""
-
-    def do(session: Session, _index: int) -> int:
-        method(session)
-        return -1
-
-    _ACTIONS[method.__name__] = do
-
-
-for _method in (Session.reroll, Session.clear, Session.undo, Session.redo):
-    _of_session(_method)
+    return session.add(painted(None, cells, level), gesture=gesture)
 
 
 def can_paint(entry: Entry) -> bool:
@@ -223,3 +184,72 @@ def _span(covered: Mask, axis: int) -> tuple[int, int]:
     """Return the range of painted cells along an axis; the first cell if none is painted."""
     there = np.flatnonzero(covered.any(axis=1 - axis))
     return (int(there[0]), int(there[-1]) + 1) if len(there) else (0, 1)
+
+
+End = Literal["first", "last", "both"]
+"""Which end is moved; both: the middle of the two, and them with it."""
+
+
+def ends_of(entry: Entry, design: MapDesign, index: int) -> Entry | None:
+    """Return where an obstacle lies in map `index`, first and last, also if that is random; None if it does not fit."""
+    obstacle = _obstacle(entry)
+    if obstacle is None:
+        return None
+    try:
+        obstacle.check_size(design.grid)
+        ends = ends_by(design.grid, obstacle, generator(design.seed, index, obstacle.key or ""))
+    except ParameterError:
+        return None
+    on_map = all(0 <= at < cells for end in ends for at, cells in zip(end, design.grid.shape, strict=True))
+    return dict(zip(("first", "last"), map(list, ends), strict=True)) if on_map else None
+
+
+def fixed(entry: Entry, design: MapDesign, index: int) -> Entry:
+    """Return an entry with both ends fixed where they are in map `index`, for instance where they were drawn at random.
+
+    The entry as it is if it is invalid, or does not fit into the map.
+    """
+    return {**entry, **(ends_of(entry, design, index) or {})}
+
+
+def with_end_at(entry: Entry, end: End, cell: Cell, design: MapDesign, index: int) -> Entry:
+    """Return an entry with an end moved to a cell, or both with their middle, as far as the map reaches.
+
+    The other end stays where it is in map `index`, in line with the moved one if the kind must be axis-aligned.
+    """
+    placed = fixed(entry, design, index)
+    if end != "both":
+        return aligned({**placed, end: list(cell)}, "last" if end == "first" else "first")
+    ends = _cell(placed.get("first")), _cell(placed.get("last"))
+    if not all(ends):
+        return entry
+    by = [
+        min(max(to - sum(pair) // 2, -min(pair)), cells - 1 - max(pair))
+        for to, pair, cells in zip(cell, zip(*ends, strict=True), design.grid.shape, strict=True)
+    ]
+    first, last = ([at + step for at, step in zip(place, by, strict=True)] for place in ends)
+    return {**placed, "first": first, "last": last}
+
+
+def aligned(entry: Entry, end: str) -> Entry:
+    """Return an entry with one end moved in line with the other if its kind must be axis-aligned, else as it is."""
+    ends = [_cell(entry.get(name)) for name in (end, "last" if end == "first" else "first")]
+    if _obstacle(entry) or not all(ends):
+        return entry
+    (x, y), (other_x, other_y) = ends
+    in_line = {**entry, end: [x, other_y] if abs(x - other_x) >= abs(y - other_y) else [other_x, y]}
+    return in_line if _obstacle(in_line) else entry
+
+
+def _obstacle(entry: Entry) -> Obstacle | None:
+    """Return the obstacle of an entry; None if it is invalid."""
+    try:
+        return decode_obstacle(entry)
+    except ParameterError:
+        return None
+
+
+def _cell(place: Json) -> tuple[int, ...]:
+    """Return a place of two numbers; empty for any other, such as a random one."""
+    known = isinstance(place, (list, tuple)) and len(place) == 2 and all(isinstance(at, int) for at in place)
+    return tuple(place) if known else ()

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from rsegen.errors import ParameterError, RsegenError
-from rsegen.params.sorts import Json
+from rsegen.errors import ParameterError, RsegenError, UnknownName
+from rsegen.params.sorts import Json, parameters
 from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode, decode_obstacle
 from rsegen.recipe.recipe import Recipe
@@ -78,7 +78,7 @@ class Session:
     saved: Draft | None = None
     _undone: list[Draft] = field(default_factory=list)
     _done: list[Draft] = field(default_factory=list)
-    _gesture: object = None
+    _gesture: str | None = None
 
     def __post_init__(self) -> None:
         self._check()
@@ -89,10 +89,10 @@ class Session:
         draft = draft_of(recipe or Recipe())
         return cls(draft=draft, saved=draft)
 
-    # Global parameters.
-
-    def set(self, name: str, value: Json, *, gesture: object = None) -> None:
+    def set(self, *, name: str, value: Json, gesture: str | None = None) -> None:
         """Change a global parameter; None gives it back its default, of which a seed has none."""
+        if name not in parameters(Recipe):
+            raise UnknownName.among("name", "parameter", name, parameters(Recipe))
         values = {**self.draft.values, name: value}
         if value is None and name != "seed":
             del values[name]
@@ -100,11 +100,9 @@ class Session:
 
     def reroll(self) -> None:
         """Draw another seed, short enough to be read out and typed."""
-        self.set("seed", short_seed())
+        self.set(name="seed", value=short_seed())
 
-    # The list of obstacles.
-
-    def add(self, entry: Entry, at: int | None = None, *, gesture: object = None) -> int:
+    def add(self, entry: Entry, at: int | None = None, *, gesture: str | None = None) -> int:
         """Add an obstacle, at the end by default; return its row."""
         at = len(self.draft.rows) if at is None else at
         self._put(self.with_row(entry, at), gesture)
@@ -113,29 +111,31 @@ class Session:
     def with_row(self, entry: Entry, at: int | None = None) -> Draft:
         """Return the draft with another obstacle, at the end by default."""
         at = len(self.draft.rows) if at is None else at
-        row = MappingProxyType({**entry, "key": self._free_key()})
+        taken = {key for row in self.draft.rows if isinstance(key := row.get("key"), str)}
+        free = next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)
+        row = MappingProxyType({**entry, "key": free})
         return _raised(replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:])), row)
 
-    def remove(self, row: int) -> None:
+    def remove(self, *, row: int) -> None:
         """Remove a row."""
-        self._put_rows((*self.draft.rows[:row], *self.draft.rows[row + 1 :]))
+        self._put(replace(self.draft, rows=(*self.draft.rows[:row], *self.draft.rows[row + 1 :])))
 
     def clear(self) -> None:
         """Remove all rows."""
-        self._put_rows(())
+        self._put(replace(self.draft, rows=()))
 
-    def move(self, row: int, to: int) -> None:
+    def move(self, *, row: int, to: int) -> None:
         """Move a row in the list; later obstacles are imposed on earlier ones."""
         rows = list(self.draft.rows)
         rows.insert(to, rows.pop(row))
-        self._put_rows(tuple(rows))
+        self._put(replace(self.draft, rows=tuple(rows)))
 
-    def enable(self, row: int, *, enabled: bool) -> None:
+    def enable(self, *, row: int, enabled: bool) -> None:
         """Switch a row on or off."""
         entry = {name: value for name, value in self.draft.rows[row].items() if name != "enabled"}
-        self._replace(row, entry if enabled else {**entry, "enabled": False}, None)
+        self._replace(row, entry if enabled else {**entry, "enabled": False})
 
-    def change(self, row: int, entry: Entry, *, gesture: object = None) -> None:
+    def change(self, *, row: int, entry: Entry, gesture: str | None = None) -> None:
         """Replace the parameters of a row; its key stays, and whether it is switched on.
 
         Changes of one gesture, such as a drag, are undone together.
@@ -144,8 +144,6 @@ class Session:
         stays = {name: before[name] for name in ("key", "enabled") if name in before}
         given = {name: value for name, value in entry.items() if name != "enabled"}
         self._replace(row, {**given, **stays}, gesture)
-
-    # History.
 
     def undo(self) -> None:
         """Undo the last change."""
@@ -161,7 +159,7 @@ class Session:
 
     def restore(self, draft: Draft) -> None:
         """Take over a draft as one change, which undo takes back."""
-        self._put(draft, None)
+        self._put(draft)
 
     @property
     def can_undo(self) -> bool:
@@ -192,14 +190,11 @@ class Session:
                 self.changed()
             raise
 
-    def _put_rows(self, rows: tuple[Entry, ...]) -> None:
-        self._put(replace(self.draft, rows=rows), None)
-
-    def _replace(self, number: int, entry: Entry, gesture: object) -> None:
-        rows = (*self.draft.rows[:number], MappingProxyType(dict(entry)), *self.draft.rows[number + 1 :])
+    def _replace(self, row: int, entry: Entry, gesture: str | None = None) -> None:
+        rows = (*self.draft.rows[:row], MappingProxyType(dict(entry)), *self.draft.rows[row + 1 :])
         self._put(_raised(replace(self.draft, rows=rows), entry), gesture)
 
-    def _put(self, draft: Draft, gesture: object) -> None:
+    def _put(self, draft: Draft, gesture: str | None = None) -> None:
         if draft == self.draft:
             return
         if gesture is None or gesture != self._gesture:
@@ -222,7 +217,3 @@ class Session:
             self.problem = error
         except RsegenError as error:  # such as a plug-in that cannot be loaded
             self.problem = ParameterError("", str(error))
-
-    def _free_key(self) -> str:
-        taken = {key for row in self.draft.rows if isinstance(key := row.get("key"), str)}
-        return next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)

@@ -1,4 +1,6 @@
-"""The text of a recipe's file after edits: a hand-written YAML keeps its comments, its order and its lines.
+"""The texts of a recipe: its file after edits, and the command line and the Python program that make the same maps.
+
+A hand-written YAML keeps its comments, its order and its lines:
 
     text as read --ruamel.yaml--> tree --changed--> tree --ruamel.yaml--> text, of which only changed lines are taken
 
@@ -10,6 +12,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Callable, Sequence
 from difflib import SequenceMatcher
 from io import StringIO
@@ -18,8 +21,9 @@ from typing import Any
 
 from rsegen.errors import RsegenError
 from rsegen.io.recipe_file import parse_yaml, to_yaml
-from rsegen.params.sorts import Json
-from rsegen.recipe.codec import decode, to_json
+from rsegen.page.model.session import Entry, draft_of
+from rsegen.params.sorts import Json, parameters
+from rsegen.recipe.codec import decode, row_text, to_json
 from rsegen.recipe.recipe import Recipe
 
 _LONGEST = 500_000
@@ -135,6 +139,7 @@ def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
     if not rows:
         rows = tree["obstacles"] = CommentedSeq()
     numbers = {obstacle.key: number for number, obstacle in enumerate(before.obstacles)}
+    # A row that stays keeps its node, in which most of its comments are; those between rows are moved with it.
     nodes, comments = [], {}
     block = not any(row.fa.flow_style() for row in rows)
     for place, obstacle in enumerate(recipe.obstacles):
@@ -213,3 +218,39 @@ def _places(old: Sequence[str], lines: Sequence[str]) -> list[int]:
             places[number] = start + (number - low if tag == "equal" else min(number - low, stop - start))
     places[len(old)] = len(lines)
     return places
+
+
+def command_line(recipe: Recipe, folder: str) -> str:
+    """Return the command that generates the maps of a recipe."""
+    words = ["rsegen", "generate", "-o", folder]
+    for name, value in _stated(recipe).items():
+        words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
+    for obstacle in recipe.obstacles:
+        words += ["--obstacle", row_text(obstacle)]
+    return shlex.join(words)
+
+
+def python_code(recipe: Recipe, folder: str) -> str:
+    """Return the program that generates the maps of a recipe."""
+    imports = set[str]()
+    calls = []
+    for obstacle in recipe.obstacles:
+        cls, entry = type(obstacle), obstacle.entry()
+        name = f"rsegen.{cls.__name__}"
+        if cls.__module__.partition(".")[0] != "rsegen":
+            name = cls.__name__
+            imports.add(f"from {cls.__module__} import {name}")
+        calls.append(f"        {name}({', '.join(_arguments({key: entry[key] for key in entry if key != 'kind'}))}),")
+    parameters = [f"    {argument}," for argument in _arguments(_stated(recipe))]
+    lines = ["import rsegen", *sorted(imports), "", "recipe = rsegen.Recipe(", *parameters, "    obstacles=[", *calls]
+    return "\n".join([*lines, "    ],", ")", f"rsegen.generate(recipe, {folder!r})", ""])
+
+
+def _stated(recipe: Recipe) -> Entry:
+    """Return the seed, and the global parameters that differ from their defaults."""
+    values, default = draft_of(recipe).values, draft_of(Recipe(seed=0)).values
+    return {name: value for name, value in values.items() if value != default.get(name) or name == "seed"}
+
+
+def _arguments(values: Entry) -> list[str]:
+    return [f"{name}={tuple(value) if isinstance(value, list) else value!r}" for name, value in values.items()]
