@@ -23,9 +23,7 @@ MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
 
 
 def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
-    """Yield the meshes of a field, or of a window of it, by a recipe's `mesh`: large fields in pieces, unless
-    watertight.
-    """
+    """Yield the meshes of a field or a window by a recipe's `mesh`: of large fields in pieces, unless watertight."""
     if mesh == "watertight":
         yield watertight(field)
         return
