@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Annotated, ClassVar
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.parts import coloured_objs
+from rsegen.exporters.formats.parts import objs
 from rsegen.exporters.gazebo.obj import material_name, plain_mtl
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.gazebo.shapes import split_by_friction
@@ -44,10 +44,10 @@ def urdf_files(scene: Scene, folder: str = "", root: str = "", *, world: bool = 
 
     world: hold the map by a joint to a link of that name
     """
-    objs = coloured_objs(scene)
-    meshes = {folder + _mesh(scene, material): content for material, content in objs.items()}
+    surfaces = {material: content for material, _, content in objs(scene)}
+    meshes = {folder + _mesh(scene, material): content for material, content in surfaces.items()}
     colours = {f"{folder}meshes/{scene.name}.mtl": plain_mtl(scene)} if meshes else {}
-    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, objs, root, world=world)), **meshes, **colours}
+    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, surfaces, root, world=world)), **meshes, **colours}
 
 
 def _robot(scene: Scene, materials: Iterable[int], root: str, *, world: bool) -> Iterator[str]:

@@ -66,21 +66,20 @@ for one pair; each is a mesh file."""
 
 def _templates(scene: Scene, material: int, height: float) -> list[str]:
     """The models of a box, one per variant, each with three placeholders: its name, x and y."""
-    size = (scene.field.block_width, scene.field.block_width, height)
-    collision = sdf.box("collision", size)._replace(friction=scene.friction_of(material))
+    width = scene.field.block_width
+    collision = sdf.box("collision", (width, width, height))._replace(friction=scene.friction_of(material))
+    visual = sdf.box("visual", (width, width, height))._replace(material=sdf.material(scene.colour(material)))
+    visuals = [visual] * VARIANTS
     if scene.recipe.is_textured:
-        visuals = [_textured(scene, material, height, variant) for variant in range(VARIANTS)]
-    else:
-        visuals = [sdf.box("visual", size)._replace(material=sdf.material(scene.colour(material)))] * VARIANTS
+        # A mesh has its block in one of several cells, and is moved until that is in the middle.
+        visuals = [
+            sdf.mesh("visual", f"meshes/{_mesh_name(scene, material, variant)}")._replace(
+                centre=((VARIANTS - 1 - 2 * variant) / 2 * width, 0, -height / 2)
+            )
+            for variant in range(VARIANTS)
+        ]
     place = f"%s %s {decimal(height / 2)}"
     return ["".join(sdf.model("%s", [visual], [collision], place)) for visual in visuals]
-
-
-def _textured(scene: Scene, material: int, height: float, variant: int) -> sdf.Shape:
-    """The visual of a block as a mesh, which stands where `_block` has it."""
-    x = (VARIANTS - 1 - 2 * variant) / 2 * scene.field.block_width
-    shape = sdf.mesh("visual", f"meshes/{_mesh_name(scene, material, variant)}")
-    return shape._replace(centre=(x, 0, -height / 2))
 
 
 def _mesh_files(scene: Scene) -> dict[str, Iterable[bytes]]:

@@ -37,11 +37,14 @@ def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None
     vertices = coordinates = 0
     for mesh in meshes:
         texture = None if textured is None else texture_coordinates(mesh, textured)
-        yield from _vertices(mesh)
+        lines = [_texts([f" {decimal(value)}" for value in line.tolist()]) for line in mesh.lines]
+        for strip in _strips(len(mesh.places), "vertices"):
+            columns = [line[at] for line, at in zip(lines, mesh.places[strip].T, strict=True)]
+            yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
         values = texture.values if texture else np.zeros((0, 2))
         for strip in _strips(len(values), "textures"):
-            columns = (values[strip] / TILES).round(9).T.tolist()
-            yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
+            pairs = (values[strip] / TILES).round(9).tolist()
+            yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in pairs).encode()
         yield from _faces(mesh, vertices + 1, texture, coordinates + 1)
         coordinates += len(values)
         vertices += len(mesh.places)
@@ -57,7 +60,7 @@ def mtl(scene: Scene) -> Iterator[bytes]:
     yield from plain_mtl(scene)
     for material in range(scene.recipe.highest_level + 1) if scene.recipe.is_textured else ():
         for part in PARTS:
-            lines = _material(textured_name(material, part), scene.tint(material))
+            lines = _material(material_name(material, part), scene.tint(material))
             yield f"{lines}map_Kd {texture_name(scene, part)}\n".encode()
 
 
@@ -89,21 +92,9 @@ def texture_files(scene: Scene) -> dict[str, Iterable[bytes]]:
     return {texture_name(scene, part): [image] for part, image in zip(PARTS, images, strict=True)}
 
 
-def material_name(material: int) -> str:
-    """The name of a material in OBJ and MTL: `frame` for 0, `level_N` for any other number."""
-    return f"level_{material}" if material else "frame"
-
-
-def textured_name(material: int, part: str) -> str:
-    """The name of a material with the texture of tops or of sides."""
-    return f"{material_name(material)}_{part}"
-
-
-def _vertices(mesh: Mesh) -> Iterator[bytes]:
-    texts = [_texts([f" {decimal(value)}" for value in line.tolist()]) for line in mesh.lines]
-    for strip in _strips(len(mesh.places), "vertices"):
-        columns = [text[at] for text, at in zip(texts, mesh.places[strip].T, strict=True)]
-        yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
+def material_name(material: int, part: str = "") -> str:
+    """Return the name of a material in OBJ and MTL, with its texture `part` if it has one: `frame` for 0, `level_3`."""
+    return (f"level_{material}" if material else "frame") + (part and f"_{part}")
 
 
 def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coordinate: int) -> Iterator[bytes]:
@@ -125,20 +116,15 @@ def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coo
         for corner in range(mesh.faces.shape[1]):
             at = [own[texture.corners[rows, corner]]] if texture else []
             corners += [b" ", numbers[mesh.faces[rows, corner]], *at, normal]
-        page = _page([b"f", *corners, b"\n"], len(normal))
-        for group, lines in _groups(groups[rows]):
+        page, own_groups = _page([b"f", *corners, b"\n"], len(normal)), groups[rows]
+        changes = np.flatnonzero(np.diff(own_groups)) + 1
+        for low, high in pairwise([0, *changes.tolist(), len(own_groups)]):
+            group = int(own_groups[low])
             if group != before:
-                name = textured_name(group // 2, PARTS[group % 2]) if texture else material_name(group)
+                name = material_name(group // 2, PARTS[group % 2]) if texture else material_name(group)
                 yield f"g {name}\nusemtl {name}\n".encode()
-            yield _bare(page[lines])
+            yield _bare(page[low:high])
             before = group
-
-
-def _groups(materials: Ints) -> Iterator[tuple[int, slice]]:
-    """Each material and the slice of faces that have it."""
-    changes = np.flatnonzero(materials[1:] != materials[:-1]) + 1
-    for low, high in pairwise([0, *changes.tolist(), len(materials)]):
-        yield int(materials[low]), slice(low, high)
 
 
 def _strips(count: int, what: str) -> Iterator[slice]:

@@ -62,9 +62,11 @@ _CAMERA = """
 
 def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     """The text of a world file: physics, light, a ground plane much larger than the map, and `models`."""
+    # The camera sees the whole map from the south-south-east and above.
+    pose = numbers(round(0.95 * hypot(*scene.field.extent) * part, 3) for part in (0.4, -0.7, 0.6))
     yield HEADER + _WORLD.format(
         name=scene.name,
-        gui=_CAMERA.format(pose=_overview(scene)) if scene.recipe.is_textured else "",
+        gui=_CAMERA.format(pose=f"{pose} 0 0.6398 2.09") if scene.recipe.is_textured else "",
         shadows="true" if scene.recipe.shadows else "false",
         sky="\n      <sky></sky>" if scene.recipe.sky else "",
         side=decimal(max(100.0, 2 * max(scene.field.extent))),
@@ -72,13 +74,6 @@ def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     )
     yield from models
     yield "  </world>\n" + FOOTER
-
-
-def _overview(scene: Scene) -> str:
-    """The pose of a camera that sees the whole map from the south-south-east and above, as x y z roll pitch yaw."""
-    away = 0.95 * hypot(*scene.field.extent)
-    x, y, z = (round(away * part, 3) for part in (0.4, -0.7, 0.6))
-    return f"{numbers((x, y, z))} 0 0.6398 2.09"
 
 
 class Shape(NamedTuple):
@@ -129,12 +124,28 @@ def body_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape])
           <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
         </inertial>
 """
-    yield from _shapes(visuals, map(_raised, collisions))
+    centres = ((shape, shape.centre or (0, 0, 0)) for shape in collisions)
+    yield from _shapes(visuals, (shape._replace(centre=(x, y, z + LIFT)) for shape, (x, y, z) in centres))
 
 
 def _shapes(visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
-    yield from map(_collision, collisions)
-    yield from map(_visual, visuals)
+    for shape in collisions:
+        # `kd` 1000 lets soft wheels roll over seams between coplanar triangles in ODE.
+        yield f"""\
+        <collision name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>
+          <surface>
+            <contact><ode><kd>1000</kd></ode></contact>
+            {_friction(shape.friction)}
+          </surface>
+        </collision>
+"""
+    for shape in visuals:
+        yield f"""\
+        <visual name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>{shape.material and _LINE + shape.material}
+        </visual>
+"""
     yield "      </link>\n    </model>\n"
 
 
@@ -155,35 +166,7 @@ def utf8(texts: Iterable[str]) -> Iterator[bytes]:
 
 
 LIFT = 0.00001
-"""Metres by which a model that is a body is above the ground plane, so that it has no contacts with it in every
-step.
-"""
-
-
-def _raised(shape: Shape) -> Shape:
-    x, y, z = shape.centre or (0, 0, 0)
-    return shape._replace(centre=(x, y, z + LIFT))
-
-
-def _collision(shape: Shape) -> str:
-    """The text of a <collision>; `kd` 1000 lets soft wheels roll over seams between coplanar triangles in ODE."""
-    return f"""\
-        <collision name="{shape.name}">{_pose(shape)}
-          <geometry>{shape.geometry}</geometry>
-          <surface>
-            <contact><ode><kd>1000</kd></ode></contact>
-            {_friction(shape.friction)}
-          </surface>
-        </collision>
-"""
-
-
-def _visual(shape: Shape) -> str:
-    return f"""\
-        <visual name="{shape.name}">{_pose(shape)}
-          <geometry>{shape.geometry}</geometry>{shape.material and _LINE + shape.material}
-        </visual>
-"""
+"""Metres by which a model that is a body is above the ground plane, so that they are not in contact in every step."""
 
 
 def _pose(shape: Shape) -> str:

@@ -39,15 +39,15 @@ def material_files(scene: Scene) -> dict[str, Iterable[bytes]]:
     return {f"meshes/{name}": content for name, content in contents.items()}
 
 
-def visuals(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
-    """The visual shapes of a field; the URIs of their meshes start with `root`."""
-    names = [name for name, _ in _parts(scene, field, stem)]
-    for shape, name in zip(_called("visual", len(names)), names, strict=True):
-        yield sdf.mesh(shape, f"{root}meshes/{name}.obj")
+def shapes(scene: Scene, field: StepField, stem: str, root: str = "") -> tuple[list[sdf.Shape], Iterator[sdf.Shape]]:
+    """Return the visual and the collision shapes of a field; the URIs of their meshes start with `root`."""
+    names = [f"{root}meshes/{name}.obj" for name, _ in _parts(scene, field, stem)]
+    visuals = [sdf.mesh(shape, uri) for shape, uri in zip(_called("visual", len(names)), names, strict=True)]
+    return visuals, _collisions(scene, field, stem, root)
 
 
-def collisions(scene: Scene, field: StepField, stem: str, root: str = "") -> Iterator[sdf.Shape]:
-    """The collision shapes of a field: the visual meshes, whole or split by friction, or boxes, as the recipe says."""
+def _collisions(scene: Scene, field: StepField, stem: str, root: str) -> Iterator[sdf.Shape]:
+    """Yield the visual meshes, whole or split by friction, or boxes, as the recipe says."""
     if scene.recipe.collision == "mesh":
         cut = list(_collision_meshes(scene, field, stem))
         for shape, collision in zip(_called("collision", len(cut)), cut, strict=True):
