@@ -32,9 +32,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse
 
 
 def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]]:
-    """Yield name, value and meaning of the metrics of a field, lengths in the units of its recipe; none without
-    blocks.
-    """
+    """Yield name, value and meaning of the metrics of a field, in the units of lengths; none without blocks."""
     if field.frame.all():
         return
     measured = metrics(field)
@@ -111,6 +109,11 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
     factor: each column that is drawn is the highest of this many cells along x and y
     """
     field, written = shown.drawn.field, lengths_in(shown.units)
+    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
+    facts = {} if shown.seed is None else {"seed": str(shown.seed)}
+    facts |= {"cells": f"{n_x} × {n_y}", "size": f"{along_x} × {along_y} m"}  # noqa: RUF001  # a page has the sign
+    if not field.frame.all():
+        facts["fingerprint"] = fingerprint(field.blocks)
     materials, counts = np.unique(_materials(field), return_counts=True)
     columns = coarse(field, factor)
     # The index of each cell's entry in the palette, in as few bytes as it needs.
@@ -125,7 +128,7 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
         "palette": list(_palette(shown, materials, counts)),
         "bytes": size,
         "content": base64_of(cells, f"<u{size}"),
-        "facts": list(_facts(shown)),
+        "facts": list(facts.items()),
         "recipe": shown.recipe,
         "file": shown.file,
         "look": shown.look,
@@ -173,17 +176,6 @@ def base64_of(values: Ints | Array | Mask, kind: str) -> str:
     return b64encode(values.astype(kind).tobytes()).decode()
 
 
-def _facts(shown: ShownMap) -> Iterator[tuple[str, str]]:
-    field = shown.drawn.field
-    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    if shown.seed is not None:
-        yield "seed", str(shown.seed)
-    yield "cells", f"{n_x} × {n_y}"  # noqa: RUF001  # a page has the sign
-    yield "size", f"{along_x} × {along_y} m"  # noqa: RUF001
-    if not field.frame.all():
-        yield "fingerprint", fingerprint(field.blocks)
-
-
 def _nanometres(metres: float) -> int:
     return round(metres * 1e9)
 
@@ -191,7 +183,9 @@ def _nanometres(metres: float) -> int:
 def page(maps: Sequence[ShownMap]) -> bytes:
     """Return the page that shows maps, one at a time, as the bytes of an HTML file; equal maps give equal bytes."""
     title = maps[0].name if len(maps) == 1 else f"{maps[0].name} and {len(maps) - 1} more"
-    data = _json({"maps": [content(shown) for shown in maps], "version": __version__})
+    data = json.dumps({"maps": [content(shown) for shown in maps], "version": __version__}, separators=(",", ":"))
+    for sign in "<>&":  # so that no tag of HTML can begin or end in it
+        data = data.replace(sign, f"\\u{ord(sign):04x}")
     return _html(title, f'<script type="application/json" id="data">{data}</script>\n').encode()
 
 
@@ -200,14 +194,16 @@ def editor_page() -> str:
     return _html("rsegen", "")
 
 
+@cache
 def policy(connect: str = "'none'") -> str:
     """Return the Content Security Policy of the page: its own script and style by their hashes, and nothing else.
 
     connect: what its script may ask for
     """
-    script, style = (_hash(text) for text in (_script(), _source("page.min.css")))
+    digests = (sha256(text.encode()).digest() for text in (_script(), _source("page.min.css")))
+    script, style = (f"'sha256-{b64encode(digest).decode()}'" for digest in digests)
     return (
-        f"default-src 'none'; script-src '{script}'; style-src '{style}'; img-src data: blob:; "
+        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; "
         f"connect-src {connect}; base-uri 'none'; form-action 'none'"
     )
 
@@ -232,17 +228,6 @@ def _script() -> str:
 
 
 @cache
-def _hash(text: str) -> str:
-    return f"sha256-{b64encode(sha256(text.encode()).digest()).decode()}"
-
-
-@cache
 def _source(name: str) -> str:
     """Return the text of a file of this folder."""
     return files("rsegen.exporters.browser").joinpath(name).read_text("utf-8")
-
-
-def _json(value: object) -> str:
-    """Return JSON of ASCII letters in which no tag of HTML can begin or end."""
-    text = json.dumps(value, separators=(",", ":"))
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -62,9 +62,7 @@ class Format(ABC):
 
     @abstractmethod
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """Return the files by their path in the format's folder, each to be read once; equal scenes give equal
-        bytes.
-        """
+        """Return the files by path in the format's folder, each to be read once; equal scenes give equal bytes."""
 
     @property
     def left_out(self) -> str:
@@ -125,25 +123,21 @@ def refuse_unready(formats: Iterable[Format]) -> None:
 
 def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
     """Return the content of a map's formats.json: the options of each format, and the plug-in that it is from."""
-    return {format_.name: {**format_.options, **_origin(format_.name)} for format_ in formats}
+    sources = {format_.name: FORMATS.source(format_.name) for format_ in formats}
+    plugins = {name: {"plugin": str(source)} if source else {} for name, source in sources.items()}
+    return {format_.name: {**format_.options, **plugins[format_.name]} for format_ in formats}
 
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """Return the files that formats add to those of a map; none without formats."""
-    files = {
+    files: dict[PurePosixPath, Iterable[bytes]] = {
         PurePosixPath(format_.name) / path: content
         for format_ in formats
         for path, content in format_.files(scene).items()
     }
-    listed = as_json(recorded_options(formats))
-    return {**files, **({PurePosixPath("formats.json"): [listed]} if formats else {})}
+    return files | ({PurePosixPath("formats.json"): [as_json(recorded_options(formats))]} if formats else {})
 
 
 def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """Return the files of a map in some formats alone, with the recipe that makes it again."""
     return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
-
-
-def _origin(name: str) -> dict[str, Json]:
-    source = FORMATS.source(name)
-    return {"plugin": str(source)} if source else {}

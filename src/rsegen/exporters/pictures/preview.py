@@ -85,11 +85,17 @@ class Layout:
 
 def layout(plan: float, view: float, legend: float) -> Layout:
     """Return the layout for a plan and a view of some ratios of width to height and a legend of a width in inches."""
-    return (_one_below_the_other if plan > _LONG else _side_by_side)(plan, view, legend)
-
-
-def _side_by_side(plan: float, view: float, legend: float) -> Layout:
-    """Return the layout in a row; the view is higher than the plan, as it has no numbers above and below."""
+    if plan > _LONG:  # one below the other
+        width = WIDTH - 2 * _BESIDE - legend - _EDGE
+        below, above = min(width / view, _TALLEST), width / plan
+        low = _EDGE + below + _HEAD + _BELOW
+        return Layout(
+            size=(WIDTH, low + above + _ABOVE + _TITLE),
+            plan=(_BESIDE, low, width, above),
+            view=(_BESIDE, _EDGE, width, below),
+            legend=WIDTH - legend,
+        )
+    # In a row; the view is higher than the plan, as it has no numbers above and below.
     more = _BELOW + _ABOVE - _HEAD - _EDGE
     free = WIDTH - 2 * _BESIDE - _GAP - legend - _EDGE
     height = min((free - more * view) / (plan + view), _TALLEST)
@@ -100,18 +106,6 @@ def _side_by_side(plan: float, view: float, legend: float) -> Layout:
         plan=(_BESIDE, _BELOW, height * plan, height),
         view=(left, _EDGE, (height + more) * view, height + more),
         legend=right,
-    )
-
-
-def _one_below_the_other(plan: float, view: float, legend: float) -> Layout:
-    width = WIDTH - 2 * _BESIDE - legend - _EDGE
-    below, above = min(width / view, _TALLEST), width / plan
-    low = _EDGE + below + _HEAD + _BELOW
-    return Layout(
-        size=(WIDTH, low + above + _ABOVE + _TITLE),
-        plan=(_BESIDE, low, width, above),
-        view=(_BESIDE, _EDGE, width, below),
-        legend=WIDTH - legend,
     )
 
 
@@ -275,11 +269,14 @@ def preview(
     scene = shown if isinstance(shown, Scene) else None
     field = shown.field if isinstance(shown, Scene) else shown
     drawn = (robot, poses(field, robot, *at)) if robot else None
-    title, recipe = "" if paper else _title(field, scene), to_json(scene.alone) if scene else ""
+    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
+    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    if scene:
+        title = f"{scene.name}: {title}, seed {scene.recipe.seed}"
     with rc_context(_PAPER if paper else {}):
         coloured, outlined = scene or ColouredField(field=field), scene if outlines else None
-        figure = preview_figure(coloured, title, outlined=outlined, robot=drawn, paper=paper)
-        return encoded(figure, format, recipe, is_stamped=not paper)
+        figure = preview_figure(coloured, "" if paper else title, outlined=outlined, robot=drawn, paper=paper)
+        return encoded(figure, format, to_json(scene.alone) if scene else "", is_stamped=not paper)
 
 
 def preview_figure(
@@ -347,17 +344,13 @@ def encoded(
     from matplotlib import rc_context
 
     if is_stamped:
-        _stamp(figure)
+        wide, high = figure.get_size_inches()
+        style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
+        figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
         figure.savefig(stream, format=format, metadata=_metadata(format, recipe))
     return stream.getvalue()
-
-
-def _stamp(figure: Figure) -> None:
-    wide, high = figure.get_size_inches()
-    style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
-    figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
 
 
 def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
@@ -404,9 +397,8 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
     """Draw the swatches and a line for every outline, from `left` on, a share of the picture; None: below all else."""
     from matplotlib.lines import Line2D
 
-    entries = list(entries)
-    for colour, text in outlines[:_SWATCHES]:
-        entries.append(Line2D([], [], color=colour, linewidth=2.5, label=text))
+    lines = [Line2D([], [], color=colour, linewidth=2.5, label=text) for colour, text in outlines[:_SWATCHES]]
+    entries = [*entries, *lines]
     if len(outlines) > _SWATCHES:
         entries.append(Line2D([], [], linewidth=0, label=f"and {len(outlines) - _SWATCHES} more"))
     if entries and left is None:
@@ -419,12 +411,6 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
 
 _SWATCHES = 18
 """Entries of a legend, of each sort, at most."""
-
-
-def _title(field: StepField, scene: Scene | None) -> str:
-    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    size = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return f"{scene.name}: {size}, seed {scene.recipe.seed}" if scene else size
 
 
 _MAKER = f"rsegen {__version__}"

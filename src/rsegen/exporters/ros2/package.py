@@ -51,9 +51,7 @@ _LINTERS = ("ament_cmake_flake8", "ament_cmake_lint_cmake", "ament_cmake_pep257"
 
 
 def package_xml(package: str) -> str:
-    """Return the text of package.xml, which depends on gazebo_ros if the distribution has it, as up to Humble and
-    Iron.
-    """
+    """Return the text of package.xml, which depends on gazebo_ros up to Humble and Iron, as later ones have none."""
     # Format 3 (REP 149), which has conditions.
     return f"""\
 <?xml version="1.0"?>
@@ -124,6 +122,7 @@ _SYSTEMS = (
 
 
 def _config(backend: str) -> str:
+    """Return the server's configuration; backend: as of `system_name`."""
     plugins = ""
     for kind in _SYSTEMS:
         name, parameters = system_name(kind, backend), "<render_engine>ogre2</render_engine>" * (kind == "Sensors")
@@ -135,17 +134,11 @@ def _config(backend: str) -> str:
     return f"<server_config>\n  <plugins>\n{plugins}  </plugins>\n</server_config>\n"
 
 
-FORTRESS = _config("fortress")
-GARDEN_AND_LATER = _config("sim")
-
-
-_STATIC = """\
+_LAYERS = """\
+      plugins: [static_layer, obstacle_layer, inflation_layer]
       static_layer:
         plugin: nav2_costmap_2d::StaticLayer
         map_subscribe_transient_local: true
-"""
-
-_OBSTACLES = """\
       obstacle_layer:
         plugin: nav2_costmap_2d::ObstacleLayer
         observation_sources: scan
@@ -155,28 +148,12 @@ _OBSTACLES = """\
           max_obstacle_height: 2.0
           marking: true
           clearing: true
-"""
-
-_INFLATION = """\
       inflation_layer:
         plugin: nav2_costmap_2d::InflationLayer
         cost_scaling_factor: 3.0
 """
 
-
-def _costmap(name: str, own: str, layers: str) -> str:
-    return f"""\
-{name}_costmap:
-  {name}_costmap:
-    ros__parameters:
-      robot_base_frame: base_link
-{own}{layers}"""
-
-
-_LAYERS = "      plugins: [static_layer, obstacle_layer, inflation_layer]\n" + _STATIC + _OBSTACLES + _INFLATION
-
-_NAV2 = (
-    """\
+_NAV2 = f"""\
 # Nav2's parameters for all robots; robots/KIND/nav2.yaml has those of one
 planner_server:
   ros__parameters:
@@ -203,10 +180,10 @@ bt_navigator:
     global_frame: map
     robot_base_frame: base_link
     odom_topic: /odom
-"""
-    + _costmap(
-        "local",
-        """\
+local_costmap:
+  local_costmap:
+    ros__parameters:
+      robot_base_frame: base_link
       global_frame: odom
       rolling_window: true
       width: 4
@@ -214,19 +191,14 @@ bt_navigator:
       resolution: 0.05
       update_frequency: 5.0
       publish_frequency: 2.0
-""",
-        _LAYERS,
-    )
-    + _costmap(
-        "global",
-        """\
+{_LAYERS}global_costmap:
+  global_costmap:
+    ros__parameters:
+      robot_base_frame: base_link
       global_frame: map
       update_frequency: 1.0
       publish_frequency: 1.0
-""",
-        _LAYERS,
-    )
-)
+{_LAYERS}"""
 """Nav2's parameters that are the same for all robots; those of a robot are in a file of its own.
 
 Only what differs from Nav2's defaults is in it, with names that Humble and Jazzy have both: a planner of paths on the
@@ -237,7 +209,7 @@ stand in the launch file.
 
 
 def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: str) -> Mapping[str, str]:
-    """The text of each file of a package of this name by its path, except those of its maps.
+    """Return the text of each file of a package of this name by its path, except those of its maps.
 
     robots: the files of each robot by its kind; robot: the one that is spawned by default, or `none`
     """
@@ -249,11 +221,11 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
         "CMakeLists.txt": cmake_lists(package),
         f"env-hooks/{package}.dsv.in": ENVIRONMENT_HOOK,
         "config/clock_bridge.yaml": bridge_yaml("the time of Gazebo Sim", [CLOCK]),
-        "config/fortress_server.config": FORTRESS,
+        "config/fortress_server.config": _config("fortress"),
         "config/map.rviz": RVIZ_CONFIG,
         "config/nav2.yaml": _NAV2,
         "config/robot_bridge.yaml": bridge_yaml(own, robot_topics()),
-        "config/server.config": GARDEN_AND_LATER,
+        "config/server.config": _config("sim"),
         "launch/elevation.launch.py": ELEVATION,
         "launch/gazebo_classic.launch.py": CLASSIC,
         "launch/gazebo_sim.launch.py": SIM,

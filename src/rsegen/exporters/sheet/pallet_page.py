@@ -17,9 +17,7 @@ from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, blo
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
-"""Blocks per side up to which a pallet has the placing order in its cells: smaller cells have no room for two
-numbers.
-"""
+"""Blocks per side up to which a pallet's cells have the placing order: smaller ones have no room for two numbers."""
 
 _TOP, _LISTS = 40.0, 70.0
 """Upper end of the plan, and height of the lists below it, in millimetres; the plan has the rest of the page."""
