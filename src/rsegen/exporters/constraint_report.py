@@ -89,7 +89,7 @@ def _nearness(scene: Scene, inventory: tuple[int, ...]) -> str:
 
     field, design = scene.field, _built(replace(scene.recipe, inventory=None), scene.index)
     cells, counts = ~field.frame, nearest_counts(design, inventory)
-    asked, taken = (np.repeat(np.arange(len(each)), each) for each in counts)
+    asked, taken = (np.repeat(np.arange(len(numbers)), numbers) for numbers in counts)
     most, used = np.count_nonzero(taken), np.count_nonzero(field.levels[cells])
     if used < most:
         return f"{most:,} without the other constraints"
@@ -137,8 +137,8 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     """
     from rsegen.recipe.constraints.inventory import blocks
 
-    design = _above_0(_built(replace(scene.recipe, inventory=None), scene.index).level_counts())
-    used = _above_0(scene.field.level_counts())
+    fields = _built(replace(scene.recipe, inventory=None), scene.index), scene.field
+    design, used = ({level: n for level, n in field.level_counts().items() if level} for field in fields)
     there = blocks(owned, max(len(owned), *design, *used, 0) + 1)
     report = {
         "owned": dict(enumerate(owned, 1)),
@@ -151,7 +151,3 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
 
 _built = lru_cache(maxsize=1)(build)
 """Builds a map without one of its constraints; the report, lines and warnings of one map ask for it in turn."""
-
-
-def _above_0(counts: dict[int, int]) -> dict[int, int]:
-    return {level: count for level, count in counts.items() if level}

@@ -14,11 +14,7 @@ PIECE = 512
 """Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map (decision 7);
 smaller ones would have more seams."""
 
-MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
-    "merged": surface,
-    "watertight": watertight,
-    "blocks": unmerged,
-}
+MESHES: Mapping[str, Callable[[StepField], Mesh]] = {"merged": surface, "watertight": watertight, "blocks": unmerged}
 """Function that makes each mesh, by the name that a recipe's `mesh` gives it."""
 
 

@@ -27,7 +27,7 @@ triangulation and decimation take a third each. Whole maps only: a tile of a clo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence, Sized
+from collections.abc import Iterable, Sequence, Sized
 from itertools import pairwise
 from math import prod
 from typing import Any, NamedTuple
@@ -142,12 +142,6 @@ def _collapsed(parts: Sequence[Faces], points: _Points, ways: Ints, lattice: Lat
     while (place != (further := place.take(place))).any():
         place = further  # a target may have been removed later
     return numbers, place, kept
-
-
-def _pieces(faces: Faces) -> Iterator[Faces]:
-    """Yield faces in pieces of at most _PIECE."""
-    for begin in range(0, max(len(faces.normals), 1), _PIECE):
-        yield Faces(*(column[begin : begin + _PIECE] for column in faces))
 
 
 def _split(column: NDArray[Any], parts: Sequence[Sized]) -> list[NDArray[Any]]:
@@ -302,8 +296,11 @@ def watertight(field: StepField) -> Mesh:
     # A removable vertex has a negative code, so that a triangle's corners say whether it has one.
     number = np.arange(len(ways), dtype=np.int32)
     orders = _Orders.of(points, np.where(ways != _NOWHERE, ~number, number), grid.lattice)
-    axes = (0, 1), (1, 2), (0, 2)
-    triangles = [_fans(piece, own, orders) for own, rings in zip(axes, sides, strict=True) for piece in _pieces(rings)]
+    triangles = [
+        _fans(Faces(*(column[begin : begin + _PIECE] for column in rings)), axes, orders)
+        for axes, rings in zip(((0, 1), (1, 2), (0, 2)), sides, strict=True)
+        for begin in range(0, max(len(rings.normals), 1), _PIECE)
+    ]
     told(0.7)
     faces, left = _decimated(triangles, points, ways, grid.lattice)
     told(1)

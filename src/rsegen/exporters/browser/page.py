@@ -64,33 +64,17 @@ _FRAME = -1
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShownMap:
-    """A map on a page: what is drawn, and the text of its recipe with the name of a file for it; empty if it has none.
-
-    units: of the heights, as in a recipe; look: of the blocks
-    """
+    """A map on a page: what is drawn, and of a scene the text of its recipe, with the name of a file for it."""
 
     drawn: Drawable
     name: str
-    description: str = ""
-    seed: int | None = None
     recipe: str = ""
     file: str = ""
-    units: str = "cm"
-    look: str = "plain"
 
     @classmethod
     def of(cls, scene: Scene, recipe: str, suffix: str) -> ShownMap:
         """Return the map of a scene, with the text of its recipe for a file of some suffix."""
-        return cls(
-            drawn=scene,
-            name=scene.name,
-            description=scene.recipe.description,
-            seed=scene.recipe.seed,
-            recipe=recipe,
-            file=f"{scene.name}{suffix}",
-            units=scene.recipe.units,
-            look=scene.recipe.look,
-        )
+        return cls(drawn=scene, name=scene.name, recipe=recipe, file=f"{scene.name}{suffix}")
 
     @classmethod
     def of_field(cls, field: StepField, name: str = "step field") -> ShownMap:
@@ -100,7 +84,7 @@ class ShownMap:
 
 def content(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
     """Return everything that the page needs of a map, as JSON values: it as it is drawn, and its metrics."""
-    return drawn(shown, factor) | {"metrics": list(figures(shown.drawn.field, lengths_in(shown.units)))}
+    return drawn(shown, factor) | {"metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
 
 
 def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
@@ -108,9 +92,10 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
 
     factor: each column that is drawn is the highest of this many cells along x and y
     """
-    field, written = shown.drawn.field, lengths_in(shown.units)
+    field, written = shown.drawn.field, lengths_in(shown.drawn.units)
     (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    facts = {} if shown.seed is None else {"seed": str(shown.seed)}
+    recipe = shown.drawn.recipe if isinstance(shown.drawn, Scene) else None
+    facts = {"seed": str(recipe.seed)} if recipe and recipe.seed is not None else {}
     facts |= {"cells": f"{n_x} × {n_y}", "size": f"{along_x} × {along_y} m"}  # noqa: RUF001  # a page has the sign
     if not field.frame.all():
         facts["fingerprint"] = fingerprint(field.blocks)
@@ -120,7 +105,7 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
     cells, size = np.searchsorted(materials, _materials(columns)), 1 if len(materials) <= 256 else 2
     return {
         "name": shown.name,
-        "description": shown.description,
+        "description": recipe.description if recipe else "",
         "cells": list(columns.shape),
         "block_width": columns.block_width,
         "block": f"{written.short(_nanometres(field.block_width))} {written.unit}",
@@ -131,7 +116,7 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
         "facts": list(facts.items()),
         "recipe": shown.recipe,
         "file": shown.file,
-        "look": shown.look,
+        "look": recipe.look if recipe else "plain",
         "step": field.unit,
     }
 
@@ -148,7 +133,7 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
     colour: as in plans, of its height unless the recipe gives one; surface: in the look of the recipe, as in previews.
     """
     # In the order of np.unique, which the cells refer to.
-    field, written = shown.drawn.field, lengths_in(shown.units)
+    field, written = shown.drawn.field, lengths_in(shown.drawn.units)
     for material, count in zip(materials.tolist(), counts.tolist(), strict=True):
         is_frame = material == _FRAME
         height = round(field.frame_height if is_frame else material * field.unit, 9)

@@ -9,6 +9,7 @@ A format is a file of this folder with a class: a frozen dataclass whose annotat
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
@@ -106,11 +107,10 @@ register = FORMATS.register
 
 def refuse_unready(formats: Iterable[Format]) -> None:
     """Raise a UserError if a format is given twice, or one that names all that is not installed and formats need."""
-    formats, seen = tuple(formats), set()
-    for format_ in formats:
-        if format_.name in seen:
-            raise ParameterError("formats", f"{format_.name} is given twice")
-        seen.add(format_.name)
+    formats = tuple(formats)
+    for name, count in Counter(format_.name for format_ in formats).items():
+        if count > 1:
+            raise ParameterError("formats", f"{name} is given twice")
     lacking = {format_.name: format_.extra for format_ in formats if format_.extra and format_.extra.is_missing}
     if not lacking:
         return
@@ -123,9 +123,10 @@ def refuse_unready(formats: Iterable[Format]) -> None:
 
 def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
     """Return the content of a map's formats.json: the options of each format, and the plug-in that it is from."""
-    sources = {format_.name: FORMATS.source(format_.name) for format_ in formats}
-    plugins = {name: {"plugin": str(source)} if source else {} for name, source in sources.items()}
-    return {format_.name: {**format_.options, **plugins[format_.name]} for format_ in formats}
+    return {
+        format_.name: format_.options | ({"plugin": str(source)} if (source := FORMATS.source(format_.name)) else {})
+        for format_ in formats
+    }
 
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:

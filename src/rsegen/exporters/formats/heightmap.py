@@ -11,11 +11,12 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.encoded import as_json, metadata, recipe_json
+from rsegen.exporters.formats.encoded import as_json, metadata
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.params.sorts import Integer, Json
+from rsegen.recipe.codec import encode
 
 WHITE = 65535
 
@@ -61,7 +62,7 @@ class Heightmap(Format):
             "white_m": WHITE // step * field.unit,
             "largest_error_m": round(float(np.abs(greys * (field.unit / step) - field.heights).max()), 9),
             "import": again,
-            "recipe": recipe_json(scene),
+            "recipe": encode(scene.alone),
         }
         return {f"{scene.name}.png": [buffer.getvalue()], "heightmap.json": [as_json(about)]}
 

@@ -42,8 +42,7 @@ class Mjcf(Format):
         ),
     ] = "boxes"
     pixels: Annotated[
-        int,
-        Integer(1, 100, help="samples of a height field along each side of a cell; mujoco_warp takes up to 4"),
+        int, Integer(1, 100, help="samples of a height field along each side of a cell; mujoco_warp takes up to 4")
     ] = 4
 
     @property
@@ -52,13 +51,9 @@ class Mjcf(Format):
         return 8 * self.pixels**2 if self.shape == "hfield" else 0
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The map under its own name, the scene, and the mesh or height field files of the map."""
+        """Return the map under its own name, the scene, and the mesh or height field files of the map."""
         body = self._body(scene)
-        return {
-            f"{scene.name}.xml": utf8(_map(scene, body)),
-            "scene.xml": utf8(_scene(scene)),
-            **body.files,
-        }
+        return {f"{scene.name}.xml": utf8(_map(scene, body)), "scene.xml": utf8(_scene(scene)), **body.files}
 
     def _body(self, scene: Scene) -> _Body:
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
@@ -86,7 +81,7 @@ class _Body:
 
 
 def _meshes(scene: Scene) -> _Body:
-    """Visual meshes, one per material and texture, and collision boxes in group 3, which viewers hide."""
+    """Return visual meshes, one per material and texture, and collision boxes in group 3, which viewers hide."""
     images, files = texture_files(scene), {}
     assets = [f'    <texture name="{name.removesuffix(".png")}" type="2d" file="{name}"/>\n' for name in images]
     for material, part, content in objs(scene, textured=bool(images)):
@@ -110,7 +105,7 @@ def _meshes(scene: Scene) -> _Body:
 
 
 def _height_field(scene: Scene, pixels: int) -> _Body:
-    """A height field of samples at the centres of small squares, `pixels` per side of a cell; it loses half a square.
+    """Return a height field of samples at the centres of small squares, `pixels` per side of a cell, less half a one.
 
     MuJoCo scales samples to 0..1, so the position of the geom gives the lowest one; and it puts the first and the last
     sample of a row on the sides of the field, which therefore are those of the outermost samples.
@@ -144,7 +139,7 @@ _BASE = 0.01
 
 
 def _sampled(field: StepField, pixels: int) -> Array:
-    """The heights of small squares; at least two along each axis, the minimum of MuJoCo."""
+    """Return the heights of small squares; at least two along each axis, the minimum of MuJoCo."""
     heights = field.heights
     for axis, cells in enumerate(field.shape):
         heights = heights.repeat(max(pixels, 3 - cells), axis=axis)
@@ -218,7 +213,7 @@ def _material(scene: Scene, material: int, part: str = "") -> str:
 
 
 def _box(scene: Scene, column: Column, material: str = "") -> str:
-    """The <geom> of a box; its friction is only written if it is not the map's."""
+    """Return the <geom> of a box; its friction is only written if it is not the map's."""
     friction = scene.friction_of(column.material)
     own = "" if friction == scene.friction else f" {_friction(friction)}"
     place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
@@ -226,5 +221,5 @@ def _box(scene: Scene, column: Column, material: str = "") -> str:
 
 
 def _friction(sliding: float) -> str:
-    """The friction attribute; torsional and rolling friction are left to the engine, of which some have none."""
+    """Return the friction attribute; torsional and rolling friction are left to the engine, of which some have none."""
     return f'friction="{decimal(sliding)}"'

@@ -19,41 +19,31 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, north_up
 from rsegen.field.metrics.graphs import connected, neighbours
 from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.params.sorts import NANOMETRE_DIGITS, Cell, Float, Integer, Json
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, Json
 from rsegen.recipe.building import placed
+from rsegen.recipe.codec import encode
 
 _BLOCK, _FRAME, _GROUND = range(3)
 """Sorts of cells, for plateaus."""
 
 
-class _ObstacleCells(NamedTuple):
-    """A barrier or peak of the recipe: its number in the list, its kind, key and ends, and its cells (n_x, n_y).
+def _obstacle_cells(scene: Scene) -> Iterator[tuple[dict[str, Any], Mask]]:
+    """Yield every barrier and peak of the recipe as a dict for JSON, and its cells (n_x, n_y).
 
-    The ends count block cells without frames, as a recipe does. The cells are those in which its own level is 1 or
-    more, whatever later obstacles do there.
+    Its ends count block cells without frames, as a recipe does. Its cells are those in which its own level is 1 or
+    more, whatever later obstacles do there. A matrix and random kinds have none.
     """
-
-    number: int
-    kind: str
-    key: str
-    first: Cell
-    last: Cell
-    cells: Mask
-
-
-def _obstacle_cells(scene: Scene) -> Iterator[_ObstacleCells]:
-    """Yield the cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
     field, recipe = scene.field, scene.recipe
     for index, obstacle in recipe.enabled_obstacles:
         if isinstance(obstacle, Shaped):
@@ -62,7 +52,8 @@ def _obstacle_cells(scene: Scene) -> Iterator[_ObstacleCells]:
             blocks[patch.window] = patch.footprint
             cells = np.zeros(field.shape, dtype=bool)
             cells[np.ix_(field.inside(0), field.inside(1))] = blocks
-            yield _ObstacleCells(index, obstacle.kind, obstacle.key or "", first, last, cells)
+            named = {"number": index, "kind": obstacle.kind, "key": obstacle.key or ""}
+            yield {**named, "first": list(first), "last": list(last), "cells": int(cells.sum())}, cells
 
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
@@ -184,11 +175,12 @@ class Posture(Format):
         limit = field.unit if self.climb_cm is None else self.climb_cm / 100
         peaks, pits = peaks_and_pits(field, limit)
         obstacles, lines = list(_obstacle_cells(scene)), edges(field)
+        named = [obstacle for obstacle, _ in obstacles]
         raster = field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
         start, goal = (self._pose(field, side) for side in (-1, 1))
         # For MATLAB: texts as arrays of objects become cell arrays; masks of obstacles are stacked along a third axis,
         # also if there are none; plateaus are numbered from 1, and 0 is none.
-        masks = np.array([obstacle.cells for obstacle in obstacles], dtype=bool)
+        masks = np.array([cells for _, cells in obstacles], dtype=bool)
         variables = {
             "raster": raster,
             "levels": field.levels,
@@ -202,7 +194,7 @@ class Posture(Format):
             "start": [list(start.values())],
             "goal": [list(goal.values())],
             "shapes": np.moveaxis(masks.reshape(len(obstacles), *field.shape), 0, 2),
-            "shape_kinds": np.array([obstacle.kind for obstacle in obstacles], dtype=object),
+            "shape_kinds": np.array([obstacle["kind"] for obstacle in named], dtype=object),
             "peaks": peaks + 1,
             "pits": pits + 1,
             "limit": limit,
@@ -222,10 +214,10 @@ class Posture(Format):
             "tags": {
                 "columns": _TAGS,
                 "limit_m": limit,
-                "recipe": [obstacle._asdict() | {"cells": int(obstacle.cells.sum())} for obstacle in obstacles],
+                "recipe": named,
                 "field": {"peaks": int(peaks.max()) + 1, "pits": int(pits.max()) + 1},
             },
-            "recipe": recipe_json(scene),
+            "recipe": encode(scene.alone),
         }
         head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
         return {
@@ -238,9 +230,11 @@ class Posture(Format):
         }
 
 
-def _tagged(field: StepField, obstacles: Sequence[_ObstacleCells], peaks: Ints, pits: Ints) -> Iterator[list[str]]:
+def _tagged(
+    field: StepField, obstacles: Sequence[tuple[dict[str, Any], Mask]], peaks: Ints, pits: Ints
+) -> Iterator[list[str]]:
     """Yield the rows of tags.csv: cells of the recipe's obstacles, then of peaks, then of pits."""
-    tags = [(obstacle.kind, "recipe", np.where(obstacle.cells, obstacle.number, -1)) for obstacle in obstacles]
+    tags = [(named["kind"], "recipe", np.where(cells, named["number"], -1)) for named, cells in obstacles]
     for tag, source, numbers in (*tags, ("peak", "field", peaks), ("pit", "field", pits)):
         for i, j in np.argwhere(numbers >= 0).tolist():
             yield [str(i), str(j), str(field.levels[i, j]), tag, source, str(numbers[i, j])]

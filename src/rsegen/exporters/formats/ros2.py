@@ -18,7 +18,7 @@ from rsegen.exporters.ros2.package import common_files
 from rsegen.exporters.scene import Scene
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
 from rsegen.params.streams import generator
-from rsegen.standing.kinds import ROBOTS, Standing
+from rsegen.standing.kinds import ROBOTS
 from rsegen.standing.spots import spots
 
 _DROP_HEIGHT = 0.1
@@ -89,11 +89,8 @@ class Ros2(Format):
 
     def _robot_files(self) -> dict[str, Mapping[str, str]]:
         """Return the files of rsegen's own robots, and of the one that is spawned by default, by their kinds."""
-        robots: dict[str, Standing] = {robot.kind: robot for robot in ROBOTS.own()}
-        if self.robot is not None:
-            robots[self.robot] = ROBOTS[self.robot]
-        described = {kind: robots[kind].ros_files() for kind in sorted(robots)}
-        return {kind: texts for kind, texts in described.items() if texts}
+        kinds = {robot.kind for robot in ROBOTS.own()} | ({self.robot} if self.robot else set())
+        return {kind: texts for kind in sorted(kinds) if (texts := ROBOTS[kind].ros_files())}
 
     def _map(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Return the occupancy grid, the layers of a grid_map, which have the default margin, and the start poses."""

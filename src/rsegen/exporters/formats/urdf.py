@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar
 
 from rsegen.exporters.formats.base import Format, Step, register
 from rsegen.exporters.formats.parts import objs
-from rsegen.exporters.gazebo.obj import material_name, plain_mtl
+from rsegen.exporters.gazebo.obj import material_name, mtl
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.gazebo.shapes import split_by_friction
 from rsegen.exporters.numbers import decimal
@@ -44,7 +44,7 @@ def urdf_files(scene: Scene, folder: str = "", root: str = "", *, world: bool = 
     """
     surfaces = {material: content for material, _, content in objs(scene)}
     meshes = {folder + _mesh(scene, material): content for material, content in surfaces.items()}
-    colours = {f"{folder}meshes/{scene.name}.mtl": plain_mtl(scene)} if meshes else {}
+    colours = {f"{folder}meshes/{scene.name}.mtl": mtl(scene, textured=False)} if meshes else {}
     return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, surfaces, root, world=world)), **meshes, **colours}
 
 

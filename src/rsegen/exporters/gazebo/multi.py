@@ -17,8 +17,17 @@ from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """Return the world file, generated while it is written, and the meshes of textured blocks."""
-    return {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene))), **_mesh_files(scene)}
+    """Return the world file, generated while it is written, and the meshes of textured blocks, VARIANTS per level."""
+    contents: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene)))}
+    for material in _heights(scene.field) if scene.recipe.is_textured else ():
+        for variant in range(VARIANTS):
+            # A row of cells with one block or frame, whose cell decides its texture.
+            levels, frame = np.zeros((VARIANTS, 1), dtype=np.int16), np.zeros((VARIANTS, 1), dtype=bool)
+            levels[variant], frame[variant] = material, not material
+            block = replace(scene.field, levels=levels, frame=frame)
+            mesh = obj([surface(block)], f"{scene.name}.mtl", block)
+            contents[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
+    return contents | (shapes.material_files(scene) if len(contents) > 1 else {})
 
 
 def model_count(scene: Scene) -> int:
@@ -34,7 +43,7 @@ def collision_count(scene: Scene) -> int:
 
 
 def boxes(scene: Scene) -> Iterator[str]:
-    """The SDF text of one model per cell above the ground, row by row of x.
+    """Yield the SDF text of one model per cell above the ground, row by row of x.
 
     Names are `block_X_Y` by block cell, `frame_I_J` by cell with frames counted.
     """
@@ -54,7 +63,7 @@ def boxes(scene: Scene) -> Iterator[str]:
 
 
 def _heights(field: StepField) -> dict[int, float]:
-    """The height of every material in metres, except those at z = 0."""
+    """Return the height of every material in metres, except those at z = 0."""
     heights = {level: level * field.unit or field.frame_height for level in [0, *field.level_counts()]}
     return {material: height for material, height in heights.items() if round(height, NANOMETRE_DIGITS)}
 
@@ -65,7 +74,7 @@ for one pair; each is a mesh file."""
 
 
 def _templates(scene: Scene, material: int, height: float) -> list[str]:
-    """The models of a box, one per variant, each with three placeholders: its name, x and y."""
+    """Return the models of a box, one per variant, each with three placeholders: its name, x and y."""
     width = scene.field.block_width
     collision = sdf.box("collision", (width, width, height))._replace(friction=scene.friction_of(material))
     visual = sdf.box("visual", (width, width, height))._replace(material=sdf.material(scene.colour(material)))
@@ -82,23 +91,5 @@ def _templates(scene: Scene, material: int, height: float) -> list[str]:
     return ["".join(sdf.model("%s", [visual], [collision], place)) for visual in visuals]
 
 
-def _mesh_files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The meshes of textured blocks, VARIANTS per level, and their materials."""
-    contents: dict[str, Iterable[bytes]] = {}
-    for material in _heights(scene.field) if scene.recipe.is_textured else ():
-        for variant in range(VARIANTS):
-            block = _block(scene.field, material, variant)
-            mesh = obj([surface(block)], f"{scene.name}.mtl", block)
-            contents[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
-    return contents | (shapes.material_files(scene) if contents else {})
-
-
 def _mesh_name(scene: Scene, material: int, variant: int) -> str:
     return f"{scene.name}_{material_name(material)}_{variant}.obj"
-
-
-def _block(field: StepField, material: int, variant: int) -> StepField:
-    """A row of VARIANTS cells with one block or frame in the cell `variant`, which decides its texture."""
-    levels, frame = np.zeros((VARIANTS, 1), dtype=np.int16), np.zeros((VARIANTS, 1), dtype=bool)
-    levels[variant], frame[variant] = material, not material
-    return replace(field, levels=levels, frame=frame)

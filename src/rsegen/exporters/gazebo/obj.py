@@ -12,7 +12,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.textures.looks import textures
@@ -28,7 +27,7 @@ STRIP = 2**15
 
 
 def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None) -> Iterator[bytes]:
-    """The OBJ file of meshes, one after the other, with the materials of the file `mtl_name` in the same folder.
+    """Yield the OBJ file of meshes, one after the other, with the materials of the file `mtl_name` in the same folder.
 
     With the field `textured`, of which they are meshes, they have texture coordinates.
     """
@@ -51,28 +50,21 @@ def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None
 
 
 def face_count(piece: bytes) -> int:
-    """The number of faces in a chunk of an OBJ file."""
+    """Return the number of faces in a chunk of an OBJ file."""
     return piece.count(b"\nf ") + piece.startswith(b"f ")
 
 
-def mtl(scene: Scene) -> Iterator[bytes]:
-    """The MTL file with every material that maps of the scene's recipe can have, with its textures if it has any."""
-    yield from plain_mtl(scene)
-    for material in range(scene.recipe.highest_level + 1) if scene.recipe.is_textured else ():
+def mtl(scene: Scene, *, textured: bool) -> Iterator[bytes]:
+    """Yield the MTL file with every material that maps of the scene's recipe can have; textured: and its textures."""
+    levels = range(scene.recipe.highest_level + 1)
+    materials = [(material_name(level), scene.surface_colour(level), "") for level in levels]
+    for level in levels if textured else ():
         for part in PARTS:
-            lines = _material(material_name(material, part), scene.tint(material))
-            yield f"{lines}map_Kd {texture_name(scene, part)}\n".encode()
-
-
-def plain_mtl(scene: Scene) -> Iterator[bytes]:
-    """The MTL file without textures, for meshes without texture coordinates."""
-    for material in range(scene.recipe.highest_level + 1):
-        yield _material(material_name(material), scene.surface_colour(material)).encode()
-
-
-def _material(name: str, colour: Colour) -> str:
-    rgb = " ".join(map(decimal, colour))
-    return f"newmtl {name}\nKa {rgb}\nKd {rgb}\nKs 0 0 0\nd 1\nillum 1\n"
+            image = f"map_Kd {texture_name(scene, part)}\n"
+            materials.append((material_name(level, part), scene.tint(level), image))
+    for name, colour, image in materials:
+        rgb = " ".join(map(decimal, colour))
+        yield f"newmtl {name}\nKa {rgb}\nKd {rgb}\nKs 0 0 0\nd 1\nillum 1\n{image}".encode()
 
 
 PARTS = ("top", "side")
@@ -80,12 +72,12 @@ PARTS = ("top", "side")
 
 
 def texture_name(scene: Scene, part: str) -> str:
-    """The name of the image of tops or of sides, which no other map in a world has."""
+    """Return the name of the image of tops or of sides, which no other map in a world has."""
     return f"{scene.name}_{part}.png"
 
 
 def texture_files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The images of the recipe's look by name; none if it has no textures."""
+    """Return the images of the recipe's look by name; none if it has no textures."""
     if not scene.recipe.is_textured:
         return {}
     images = textures(scene.recipe.look, scene.recipe.seed or 0)
@@ -141,7 +133,7 @@ def _texts(texts: Sequence[str]) -> _Texts:
 
 
 def _counted(first: int, count: int) -> _Texts:
-    """The texts of the numbers from `first` on, put together from texts of four digits each."""
+    """Return the texts of the numbers from `first` on, put together from texts of four digits each."""
     numbers = np.arange(first, first + count)
     if first + count > 10**8:  # more than eight digits
         return _texts(numbers.astype("S").tolist())
@@ -156,7 +148,7 @@ _BARE = np.array([f"{number}" if number else "" for number in range(10_000)], dt
 
 
 def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
-    """`count` lines, each with the texts of all parts one after the other; a part of bytes is in every line."""
+    """Return `count` lines, each with the texts of all parts one after the other; a part of bytes is in every line."""
     widths = [f"S{len(part)}" if isinstance(part, bytes) else part.dtype for part in parts]
     page = np.empty(count, dtype=[(str(index), width) for index, width in enumerate(widths)])
     for index, part in enumerate(parts):
@@ -165,5 +157,5 @@ def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
 
 
 def _bare(page: _Texts) -> bytes:
-    """The lines as bytes, without padding."""
+    """Return the lines as bytes, without padding."""
     return page.tobytes().translate(None, b"\0")

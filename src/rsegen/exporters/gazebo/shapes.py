@@ -32,7 +32,7 @@ def mesh_files(scene: Scene, field: StepField, stem: str) -> dict[str, Iterable[
 
 def material_files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """Return the MTL file and the images of its textures by their path in the map's folder."""
-    contents = {f"{scene.name}.mtl": mtl(scene)} | texture_files(scene)
+    contents = {f"{scene.name}.mtl": mtl(scene, textured=scene.recipe.is_textured)} | texture_files(scene)
     return {f"meshes/{name}": content for name, content in contents.items()}
 
 

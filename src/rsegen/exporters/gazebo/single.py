@@ -32,8 +32,8 @@ def collision_count(scene: Scene) -> int:
 
 def _model(scene: Scene, root: str = "") -> Iterator[str]:
     """Return the text of the map as a model; its mesh URIs start with `root`."""
-    model = sdf.body_model if scene.recipe.simulator == "classic" else sdf.model
-    return model(scene.name, *shapes.shapes(scene, scene.field, scene.name, root))
+    own = shapes.shapes(scene, scene.field, scene.name, root)
+    return sdf.model(scene.name, *own, is_body=scene.recipe.simulator == "classic")
 
 
 _CONFIG = """\

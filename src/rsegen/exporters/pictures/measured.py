@@ -1,9 +1,4 @@
-"""Pictures of measured fields, north up: how a scan was read, what is built wrong, how far heights were rounded.
-
-scan_plot         the points from above with the grid that was found, and how far each top is from its level
-comparison_plot   what to change, for the person with the mallet, and the field as it should be
-rounding_plot     how far each measured height is from its level
-"""
+"""Pictures of measured fields, north up: how a scan was read, what is built wrong, how far heights were rounded."""
 
 from __future__ import annotations
 
@@ -172,12 +167,7 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
     errors = errors_cm / 100 * written.per_metre
     half = scene.recipe.unit_cm / 200 * written.per_metre
     shown = axes.imshow(
-        np.ma.masked_array(errors, holes).T,
-        cmap="RdBu_r",
-        vmin=-half,
-        vmax=half,
-        origin="lower",
-        interpolation="none",
+        np.ma.masked_array(errors, holes).T, cmap="RdBu_r", vmin=-half, vmax=half, origin="lower", interpolation="none"
     )
     axes.set_facecolor("#999999")  # holes
     axes.set(xlabel="x [cells]", ylabel="y [cells]", title=f"measured height above that of the block [{written.unit}]")

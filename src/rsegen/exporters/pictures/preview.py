@@ -194,7 +194,14 @@ def draw_view(axes: Axes, drawn: Drawable, robot: Robot | None = None) -> str:
     (left, low), (right, high) = view_bounds(drawn)
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", anchor="C")
     axes.set_axis_off()
-    _draw_axes(axes, drawn)
+    # Arrows along x and y, from the corner of smallest x and y.
+    mean = _mean_side(drawn)
+    start = np.array([-side / 2 - _APART * mean for side in drawn.field.extent])
+    for name, along in (("x", (1, 0)), ("y", (0, 1))):
+        end = start + _ARROW * mean * np.array(along)
+        points = _project(*np.array([[*start, 0], [*end, 0]]).T)
+        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
+        text.set(ha="center", va="center", annotation_clip=False)
     return "seen from the south-east" + (f" (each column the highest of {factor} x {factor})" if factor > 1 else "")
 
 
@@ -226,17 +233,6 @@ def _project(x: Array, y: Array, z: Array) -> Array:
     across = -x * np.sin(_AZIMUTH) + y * np.cos(_AZIMUTH)
     away = -x * np.cos(_AZIMUTH) - y * np.sin(_AZIMUTH)
     return np.stack([across, z * np.cos(_ELEVATION) + away * np.sin(_ELEVATION)], axis=-1)
-
-
-def _draw_axes(axes: Axes, drawn: Drawable) -> None:
-    """Draw arrows along x and y, from the corner of smallest x and y."""
-    mean = _mean_side(drawn)
-    start = np.array([-side / 2 - _APART * mean for side in drawn.field.extent])
-    for name, along in (("x", (1, 0)), ("y", (0, 1))):
-        end = start + _ARROW * mean * np.array(along)
-        points = _project(*np.array([[*start, 0], [*end, 0]]).T)
-        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
-        text.set(ha="center", va="center", annotation_clip=False)
 
 
 def _mean_side(drawn: Drawable) -> float:
@@ -284,10 +280,16 @@ def preview_figure(
 ) -> Figure:
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
     along_x, along_y = drawn.field.extent
     wide, high = np.ptp(view_bounds(drawn), axis=0)
-    ratios, entries = (along_x / along_y, float(wide / high)), _entries(drawn)
+    ratios = along_x / along_y, float(wide / high)
+    # A swatch for every height that the map has, at most _SWATCHES of them, and one for its frames.
+    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
+    if drawn.field.frame.any():
+        frame = lengths_in(drawn.units).said(drawn.field.frame_height, 3)
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
     if paper:
         placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
     else:
@@ -307,12 +309,12 @@ def preview_figure(
     return figure
 
 
-def _how_it_stands(found: Poses) -> str:
+def _how_it_stands(rests: Poses) -> str:
     """Return in words how the one robot of some poses stands."""
-    reason = REASONS[int(found.reason[0])]
-    if not found.stands[0]:
+    reason = REASONS[int(rests.reason[0])]
+    if not rests.stands[0]:
         return f"the robot {reason}"
-    tilt, margin = (degrees(float(angles[0])) for angles in (found.tilt, found.tip_angle))
+    tilt, margin = (degrees(float(angles[0])) for angles in (rests.tilt, rests.tip_angle))
     what = f", and {reason}" if reason else ""
     return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
@@ -372,18 +374,6 @@ def image_format(path: Path) -> str:
     return name
 
 
-def _entries(drawn: Drawable) -> list[Any]:
-    """Return a swatch for every height that the map has, at most _SWATCHES of them, and one for its frames."""
-    from matplotlib.patches import Patch
-
-    # A legend of more than one column of entries is smaller.
-    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
-    if drawn.field.frame.any():
-        frame = lengths_in(drawn.units).said(drawn.field.frame_height, 3)
-        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
-    return entries
-
-
 def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
     """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
     from matplotlib.patches import Patch
@@ -405,7 +395,7 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
         room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 1.2, "handletextpad": 0.4, "borderaxespad": 0.1}
         figure.legend(handles=entries, loc="lower center", ncols=_ACROSS, frameon=False, **room)
     elif entries:
-        size = 10 if len(entries) <= _SWATCHES else 6
+        size = 10 if len(entries) <= _SWATCHES else 6  # of more than one column of entries
         figure.legend(handles=entries, loc="center left", bbox_to_anchor=(left, 0.5), frameon=False, fontsize=size)
 
 

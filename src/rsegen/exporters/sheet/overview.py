@@ -137,17 +137,13 @@ def _draw_name(plan: PrintedPlan, pallet: NumberedPallet) -> None:
     """Draw the name of a pallet on a white card in its middle, with the number if there is room."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
-    room = n_x * plan.cell / POINT
-    text = f"{pallet.number}: {pallet.name}"
-    if _size(text, room) < SMALLEST:
-        text = pallet.name
+    for text in (f"{pallet.number}: {pallet.name}", pallet.name):
+        # A letter is 0.72 of the font's size wide, and the card needs one more point per point.
+        size = min(15.0, n_x * plan.cell / POINT / (0.72 * len(text) + 1))
+        if size >= SMALLEST:
+            break
     card = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
-    plan.page.text(x, y, text, _size(text, room), ha="center", va="center", fontweight="bold", bbox=card)
-
-
-def _size(text: str, room: float) -> float:
-    """Return the font size with which a text and its card fit into `room` points; a letter is 0.72 of it wide."""
-    return min(15.0, room / (0.72 * len(text) + 1))
+    plan.page.text(x, y, text, size, ha="center", va="center", fontweight="bold", bbox=card)
 
 
 def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:

@@ -127,10 +127,7 @@ def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
     chunks = sorted(scene.field.chunks(side), key=lambda chunk: (-chunk.index[1], chunk.index[0]))
     return tuple(
         NumberedPallet(
-            number=position,
-            name=name(chunk.index),
-            corner=(chunk.index[0] * side, chunk.index[1] * side),
-            chunk=chunk,
+            number=position, name=name(chunk.index), corner=(chunk.index[0] * side, chunk.index[1] * side), chunk=chunk
         )
         for position, chunk in enumerate(chunks, 1)
     )
