@@ -60,6 +60,7 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         yield "largest step between neighbours in units: {is}, allowed: {asked}".format(**report["max_step"])
     if "crossable_by" in report:
         crossable, asked = report["crossable_by"], _asked(scene.recipe)
+        # Who or what gets across, from which sides, and which blocks are lower for it.
         paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
         what = f"{asked.get('robot')} drives"
         if "robot" not in asked:

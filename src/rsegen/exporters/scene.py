@@ -84,7 +84,7 @@ class Scene:
         return height_colour(material * self.field.unit, self.recipe.highest_level * self.field.unit)
 
     def tint(self, material: int) -> Colour:
-        """The colour that the textures of a material are multiplied by, if the recipe's look has textures."""
+        """Return the colour that the textures of a material are multiplied by, if the recipe's look has textures."""
         if self.recipe.look == "friction":
             return rounded(along(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
         if self.recipe.look != "wood":

@@ -45,7 +45,7 @@ class _Runs(NamedTuple):
         return _Runs(self.start[which], self.length[which], self.step)
 
     def corners(self, *, last: bool) -> tuple[Ints, Ints]:
-        """Every corner of each run in turn, with or without the last, and the number of its run."""
+        """Return every corner of each run in turn, with or without the last, and the number of its run."""
         run, along = ragged(self.length + last)
         return self.start[run] + along * self.step, run
 

@@ -28,7 +28,7 @@ class Ply(Format):
 
 
 def _ply(scene: Scene) -> Iterator[bytes]:
-    """The PLY file; each colour has vertices of its own, so that colours are not interpolated."""
+    """Yield the PLY file; each colour has vertices of its own, so that colours are not interpolated."""
     from trimesh import Trimesh
     from trimesh.util import concatenate
 

@@ -101,7 +101,7 @@ class Usd(Format):
 
 
 def prim_name(name: str) -> str:
-    """The name of a map as a USD prim name: letters, digits and _, no digit first."""
+    """Return the name of a map as a USD prim name: letters, digits and _, no digit first."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return f"_{plain}" if plain[0].isdigit() else plain
 
@@ -120,7 +120,7 @@ def _layer(scene: Scene, *, binary: bool) -> Iterator[bytes]:
 
 
 def _stage(scene: Scene) -> Any:
-    """The stage with the map as default prim, an Xform of its name, and without a physics scene."""
+    """Return the stage with the map as default prim, an Xform of its name, and without a physics scene."""
     from pxr import Kind, Usd, UsdGeom
 
     stage = Usd.Stage.CreateInMemory()
@@ -145,7 +145,7 @@ def _stage(scene: Scene) -> Any:
 
 
 def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
-    """A mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
+    """Return a mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
     from pxr import UsdGeom, Vt
 
     # Everything that viewers need even if they know no materials: points, faces, normals, a colour per face.
@@ -170,7 +170,7 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
 
 
 def _look(root: Any, name: str) -> tuple[Any, Any]:
-    """The stage, and the path of a material of a name in the scope of materials."""
+    """Return the stage, and the path of a material of a name in the scope of materials."""
     from pxr import UsdGeom
 
     stage, looks = root.GetPrim().GetStage(), root.GetPath().AppendChild("Looks")

@@ -33,6 +33,7 @@ def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None
     """
     yield f"# metres, z up; made by rsegen\nmtllib {mtl_name}\n".encode()
     yield "".join(f"vn {x} {y} {z}\n" for x, y, z in NORMALS).encode()
+    # OBJ counts vertices and texture coordinates from the beginning of the file, so over all meshes.
     vertices = coordinates = 0
     for mesh in meshes:
         texture = None if textured is None else texture_coordinates(mesh, textured)
@@ -100,6 +101,7 @@ def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coo
         groups, order = 2 * groups.astype(int) + texture.sides, np.lexsort((texture.sides, mesh.materials))
         own = _texts([f"/{index}" for index in range(first_coordinate, first_coordinate + len(texture.values))])
     normals = _texts([f"{'/' if texture else '//'}{row + 1}" for row in range(len(NORMALS))])
+    # Lines of bytes per strip of faces, cut where a group ends; the first line of a group is preceded by its name.
     before = -1
     for strip in _strips(len(mesh.faces), "faces"):
         rows = strip if order is None else order[strip]

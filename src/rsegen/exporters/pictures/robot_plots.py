@@ -114,8 +114,7 @@ def _draw_spot(axes: Axes, outline: Outline, spot: Spot, text: str) -> None:
     c, s = cos(spot.yaw), sin(spot.yaw)
     points = [(middle_x, middle_y), (outline.high_x, middle_y), (outline.low_x + outline.length / 4, middle_y)]
     tail, head, name = ((spot.x + c * x - s * y, spot.y + s * x + c * y) for x, y in points)
-    axes.annotate(
-        "", xy=head, xytext=tail, arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
-    )
+    arrow = {"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
     label = {"facecolor": "white", "edgecolor": "none", "pad": 1}
     axes.text(*name, text, ha="center", va="center", fontsize=8, bbox=label)

@@ -154,9 +154,8 @@ def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
         texts = (f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
         parts, offcut = wrap(" + ".join(texts), _BROAD), written.tape(pattern.offcut(plan.settings))
         if y + len(parts) * ROW > page.bottom:
-            page.text(
-                page.second, y, f"and {len(plan.patterns) - drawn} more ways, which the sheet as CSV has", 8, color=GREY
-            )
+            more = len(plan.patterns) - drawn
+            page.text(page.second, y, f"and {more} more ways, which the sheet as CSV has", 8, color=GREY)
             return y + ROW
         page.text(page.second + 10, y, f"{pattern.pieces:,} x", ha="right")
         for at, line in enumerate(parts):

@@ -81,9 +81,8 @@ class Page:
         """Draw a rectangle from its upper left corner."""
         from matplotlib.patches import Rectangle
 
-        self.paper.add_patch(
-            Rectangle(place, *size, **{"linewidth": 0.4, "edgecolor": INK, "facecolor": "none", **style})
-        )
+        style = {"linewidth": 0.4, "edgecolor": INK, "facecolor": "none", **style}
+        self.paper.add_patch(Rectangle(place, *size, **style))
 
     def heading(self, x: float, y: float, text: str, width: float) -> float:
         """Draw a heading with a line under it; return the y of the next line."""
