@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
     """Return the demanded and the actual value of each constraint of a map's recipe, as JSON values."""
+    from rsegen.field.metrics import Crossing
     from rsegen.field.metrics.roughness import differences
 
     recipe = scene.recipe
@@ -26,9 +27,20 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
     if recipe.max_step is not None:
         report["max_step"] = {"asked": recipe.max_step, "is": int(differences(scene.field).max(initial=0))}
     if (crosser := recipe.crosser) is not None:
-        ways = zip(("west_east", "south_north"), (crosser.crossing(scene.field, axis) for axis in (0, 1)), strict=True)
-        lowered = {} if recipe.inventory else {"lowered": _lowered(scene)}
-        report["crossable_by"] = _asked(recipe) | {name: _way(way) for name, way in ways} | lowered
+        crossable = _asked(recipe)
+        for axis, name in enumerate(("west_east", "south_north")):
+            way = crosser.crossing(scene.field, axis)
+            crossable[name] = {"crosses": way.crosses, "length_m": way.length}
+            if isinstance(way, Crossing):
+                crossable[name]["cells"] = way.path.tolist()
+            else:
+                crossable[name]["points_m"] = np.round(way.points, 6).tolist()
+        if not recipe.inventory:
+            # Blocks that are lower than they would be if nothing had to get across.
+            lower = scene.field.levels < _built(replace(recipe, crossable_by=None), scene.index).levels
+            to_level_0 = int((lower & (scene.field.levels == 0)).sum())
+            crossable["lowered"] = {"blocks": int(lower.sum()), "to_level_0": to_level_0}
+        report["crossable_by"] = crossable
     if recipe.inventory is not None:
         report["inventory"] = _inventory(scene, recipe.inventory)
     return report
@@ -41,48 +53,28 @@ def _asked(recipe: Recipe) -> dict[str, Any]:
     return dict(zip(("climb_cm", "drop_cm", "width_cm"), recipe.crossable_by or (), strict=False))
 
 
-def _lowered(scene: Scene) -> dict[str, int]:
-    """Return how many blocks are lower than they would be if nothing had to get across, and how many of these are 0."""
-    free = _built(replace(scene.recipe, crossable_by=None), scene.index)
-    lower = scene.field.levels < free.levels
-    return {"blocks": int(lower.sum()), "to_level_0": int((lower & (scene.field.levels == 0)).sum())}
-
-
-def _told_lowered(scene: Scene, blocks: int, to_level_0: int) -> str:
-    if not blocks:
-        return "no block is lower for that than it would be"
-    lower = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks are lower for that than they would be"
-    if to_level_0 < blocks:
-        return f"{lower}, {to_level_0:,} of these at level 0"
-    return f"{lower}, all of these at level 0, so its ways are flat; a max_step keeps them rough"
-
-
-def _way(way: Any) -> dict[str, Any]:
-    """Return a way as JSON values: by cells, or by the points of a robot's, metres."""
-    from rsegen.field.metrics import Crossing
-
-    ends: dict[str, Any] = {"crosses": way.crosses, "length_m": way.length}
-    if isinstance(way, Crossing):
-        return ends | {"cells": way.path.tolist()}
-    return ends | {"points_m": np.round(way.points, 6).tolist()}
-
-
 def describe_constraints(scene: Scene) -> Iterator[str]:
     """Yield the constraint report as lines of text."""
     report = constraint_report(scene)
     if "max_step" in report:
         yield "largest step between neighbours in units: {is}, allowed: {asked}".format(**report["max_step"])
     if "crossable_by" in report:
-        both = ((name, report["crossable_by"][name]) for name in ("west_east", "south_north"))
-        paths = [name.replace("_", " to ") for name, way in both if way["crosses"]] or ["no side"]
-        asked, written = _asked(scene.recipe), lengths_in(scene.units)
+        crossable, asked = report["crossable_by"], _asked(scene.recipe)
+        # Who or what gets across, from which sides, and which blocks are lower for it.
+        paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
         what = f"{asked.get('robot')} drives"
         if "robot" not in asked:
+            written = lengths_in(scene.units)
             climb, drop, width = (written.said(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width"))
             what = f"a path of steps of {climb} up and {drop} down, {width} wide, leads"
-        yield f"{what} across from {' and from '.join(paths)}"
-        if "lowered" in report["crossable_by"]:
-            yield _told_lowered(scene, **report["crossable_by"]["lowered"])
+        yield f"{what} across from {' and from '.join(paths or ['no side'])}"
+        if "lowered" in crossable:
+            blocks, at_0 = crossable["lowered"].values()
+            of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"
+            all_flat = "all of these at level 0, so its ways are flat; a max_step keeps them rough"
+            at_level_0 = f"{at_0:,} of these at level 0" if at_0 < blocks else all_flat
+            lowered = f"{of_all} are lower for that than they would be, {at_level_0}"
+            yield lowered if blocks else "no block is lower for that than it would be"
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
         nearness = _nearness(scene, scene.recipe.inventory or ())
@@ -98,7 +90,7 @@ def _nearness(scene: Scene, inventory: tuple[int, ...]) -> str:
 
     field, design = scene.field, _built(replace(scene.recipe, inventory=None), scene.index)
     cells, counts = ~field.frame, nearest_counts(design, inventory)
-    asked, taken = (np.repeat(np.arange(len(each)), each) for each in counts)
+    asked, taken = (np.repeat(np.arange(len(numbers)), numbers) for numbers in counts)
     most, used = np.count_nonzero(taken), np.count_nonzero(field.levels[cells])
     if used < most:
         return f"{most:,} without the other constraints"
@@ -146,8 +138,8 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     """
     from rsegen.recipe.constraints.inventory import blocks
 
-    design = _above_0(_built(replace(scene.recipe, inventory=None), scene.index).level_counts())
-    used = _above_0(scene.field.level_counts())
+    fields = _built(replace(scene.recipe, inventory=None), scene.index), scene.field
+    design, used = ({level: n for level, n in field.level_counts().items() if level} for field in fields)
     there = blocks(owned, max(len(owned), *design, *used, 0) + 1)
     report = {
         "owned": dict(enumerate(owned, 1)),
@@ -160,7 +152,3 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
 
 _built = lru_cache(maxsize=1)(build)
 """Builds a map without one of its constraints; the report, lines and warnings of one map ask for it in turn."""
-
-
-def _above_0(counts: dict[int, int]) -> dict[int, int]:
-    return {level: count for level, count in counts.items() if level}

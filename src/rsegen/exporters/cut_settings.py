@@ -17,9 +17,7 @@ def nanometres(length_cm: float) -> int:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CutSettings:
-    """Settings for buying and cutting timber: the saw, the stock and its ends, the play in frames, weight and
-    prices.
-    """
+    """Settings for buying and cutting timber: the saw, the stock and its ends, play in frames, weight and prices."""
 
     kerf_mm: Annotated[
         float,

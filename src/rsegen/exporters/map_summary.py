@@ -39,7 +39,9 @@ def costs(scene: Scene) -> Costs:
 
 def switched_off(recipe: Recipe) -> list[str]:
     """Return the obstacles of a recipe that are not in its maps, as in messages."""
-    return [f"obstacles[{row}]: {each.kind}" for row, each in enumerate(recipe.obstacles) if not each.enabled]
+    return [
+        f"obstacles[{row}]: {obstacle.kind}" for row, obstacle in enumerate(recipe.obstacles) if not obstacle.enabled
+    ]
 
 
 def size_in_words(grid: tuple[int, int], cells: tuple[int, int]) -> str:

@@ -18,7 +18,7 @@ from typing import TypeVar
 from rsegen.exporters.colours import Colour, along, height_colour, rounded
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.textures.looks import mean_colour
-from rsegen.field.stepfield import CellWindow, Levels, StepField
+from rsegen.field.stepfield import Array, CellWindow, Ints, Levels, StepField
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
@@ -84,7 +84,7 @@ class Scene:
         return height_colour(material * self.field.unit, self.recipe.highest_level * self.field.unit)
 
     def tint(self, material: int) -> Colour:
-        """The colour that the textures of a material are multiplied by, if the recipe's look has textures."""
+        """Return the colour that the textures of a material are multiplied by, if the recipe's look has textures."""
         if self.recipe.look == "friction":
             return rounded(along(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
         if self.recipe.look != "wood":
@@ -145,11 +145,15 @@ def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None)
 
 
 def csv(field: StepField) -> Iterator[bytes]:
-    """Yield the lines of the CSV file: levels in units, without frames, north up; `#` starts a comment."""
-    unit = f"{decimal(field.unit * 100)} cm"
-    yield f"# block levels in units of {unit}; north up: the top row is the largest y, x grows to the right\n".encode()
-    for row in field.blocks.T[::-1]:
-        yield (",".join(map(str, row.tolist())) + "\n").encode()
+    """Yield the lines of the CSV file: levels in units, without frames, north up."""
+    return north_up(field.blocks, f"block levels in units of {decimal(field.unit * 100)} cm")
+
+
+def north_up(values: Ints | Array, head: str, repeat: int = 1) -> Iterator[bytes]:
+    """Yield values (n_x, n_y) as lines of CSV, each value `repeat` times along x and y; `#` starts a comment."""
+    yield f"# {head}; north up: the top row is the largest y, x grows to the right\n".encode()
+    for row in values.T[::-1]:
+        yield (",".join(map(decimal, row.repeat(repeat).tolist())) + "\n").encode() * repeat
 
 
 _LETTERS = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"

@@ -52,7 +52,9 @@ def boxes(field: StepField) -> Boxes:
     height to the next: whichever needs fewer boxes.
     """
     grid = label_grid(field)
-    return _placed(min(_columns(grid), _layers(grid), key=len), grid)
+    tops = merge(grid.cells // grid.materials)
+    columns = np.stack([tops.u0, tops.u1, tops.v0, tops.v1, 0 * tops.u0, tops.label], axis=1)
+    return _placed(min(columns, _layers(grid), key=len), grid)
 
 
 def box_per_block(field: StepField) -> Boxes:
@@ -62,14 +64,8 @@ def box_per_block(field: StepField) -> Boxes:
     return _placed(np.stack([x, x + 1, y, y + 1, 0 * x, grid.cells[x, y] // grid.materials], axis=1), grid)
 
 
-def _columns(grid: LabelGrid) -> Ints:
-    """Return boxes from the ground up, as lattice lines (n, 6): from and to along x, y and z."""
-    tops = merge(grid.cells // grid.materials)
-    return np.stack([tops.u0, tops.u1, tops.v0, tops.v1, 0 * tops.u0, tops.label], axis=1)
-
-
 def _layers(grid: LabelGrid) -> Ints:
-    """Return boxes in layers, as lattice lines (n, 6); equal rectangles in successive layers become one box."""
+    """Return boxes in layers as lattice lines (n, 6), from and to along x, y and z; equal ones in a pile are one."""
     top = grid.cells // grid.materials
     layers = []
     for rank in range(1, len(grid.lattice.lines[2])):

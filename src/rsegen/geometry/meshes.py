@@ -14,18 +14,12 @@ PIECE = 512
 """Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map (decision 7);
 smaller ones would have more seams."""
 
-MESHES: Mapping[str, Callable[[StepField], Mesh]] = {
-    "merged": surface,
-    "watertight": watertight,
-    "blocks": unmerged,
-}
+MESHES: Mapping[str, Callable[[StepField], Mesh]] = {"merged": surface, "watertight": watertight, "blocks": unmerged}
 """Function that makes each mesh, by the name that a recipe's `mesh` gives it."""
 
 
 def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Iterator[Mesh]:
-    """Yield the meshes of a field, or of a window of it, by a recipe's `mesh`: large fields in pieces, unless
-    watertight.
-    """
+    """Yield the meshes of a field or a window by a recipe's `mesh`: of large fields in pieces, unless watertight."""
     if mesh == "watertight":
         yield watertight(field)
         return

@@ -23,7 +23,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Ints, Mask
 
@@ -42,11 +41,11 @@ class _Runs(NamedTuple):
     def end(self) -> Ints:
         return self.start + self.length * self.step
 
-    def rows(self, which: NDArray[np.intp] | Mask) -> _Runs:
+    def rows(self, which: Ints | Mask) -> _Runs:
         return _Runs(self.start[which], self.length[which], self.step)
 
     def corners(self, *, last: bool) -> tuple[Ints, Ints]:
-        """Every corner of each run in turn, with or without the last, and the number of its run."""
+        """Return every corner of each run in turn, with or without the last, and the number of its run."""
         run, along = ragged(self.length + last)
         return self.start[run] + along * self.step, run
 
@@ -58,19 +57,18 @@ def ragged(counts: Ints) -> tuple[Ints, Ints]:
 
 
 def cuts_along_u(labels: Ints) -> Mask:
-    """Return the pairs of neighbours along v that cuts along u separate, (n_u, n_v - 1). Labels (n_u, n_v); 0 is
-    empty.
-    """
+    """Return the pairs of neighbours along v that cuts along u separate, (n_u, n_v - 1), of labels (n_u, n_v)."""
     n_u, n_v = labels.shape
     concave, along_u, along_v = _runs(labels)
     wall = np.zeros((n_u + 1) * (n_v + 1), dtype=bool)
     if not concave.any():
         return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
     # Chords first; the corners at their ends are then cut, and the others get the shorter of their two cuts.
-    kept_u, kept_v = _independent_chords(_chords(along_u, concave), _chords(along_v, concave), len(wall))
+    chords_u, chords_v = (runs.rows(concave[runs.start] & concave[runs.end]) for runs in (along_u, along_v))
+    kept_u, kept_v = _independent_chords(chords_u, chords_v, len(wall))
     wall[kept_u.corners(last=False)[0]] = True
-    for chords in (kept_u, kept_v):
-        concave[chords.start] = concave[chords.end] = False
+    for kept in (kept_u, kept_v):
+        concave[kept.start] = concave[kept.end] = False
     for cut in _shorter_cuts(concave, along_u, along_v, kept_v):
         wall[cut.corners(last=False)[0]] = True
     return wall.reshape(n_u + 1, n_v + 1)[:-1, 1:-1]
@@ -98,10 +96,6 @@ def _runs(labels: Ints) -> tuple[Mask, _Runs, _Runs]:
     column, row = np.divmod(starts, rows)
     along_u = _Runs(row * columns + column, ends - starts, columns)
     return ((down ^ up) & (left ^ right)).ravel(), along_u, along_v
-
-
-def _chords(runs: _Runs, concave: Mask) -> _Runs:
-    return runs.rows(concave[runs.start] & concave[runs.end])
 
 
 def _independent_chords(along_u: _Runs, along_v: _Runs, corners: int) -> tuple[_Runs, _Runs]:
@@ -208,7 +202,7 @@ class Rectangles(NamedTuple):
     v0: Ints
     v1: Ints
 
-    def rows(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> Rectangles:
+    def rows(self, which: Ints | Mask) -> Rectangles:
         """Return the rectangles of these indices, or of a mask."""
         return Rectangles(*(column[which] for column in self))
 
@@ -220,25 +214,17 @@ def merge(labels: Ints) -> Rectangles:
     begins, ends = there.copy(), there.copy()
     begins[:, 1:] &= apart | wall
     ends[:, :-1] &= apart | wall
-    return _stacked(labels, begins, np.flatnonzero(ends))
-
-
-def _stacked(labels: Ints, begins: NDArray[np.bool_], ends: NDArray[np.intp]) -> Rectangles:
-    """Return rectangles from strips along v, given by their first and last squares; equal strips in successive rows
-    merge.
-    """
-    n_u, n_v = labels.shape
-    starts = np.flatnonzero(begins)
+    # Strips along v have a first and a last square; equal ones in successive rows are one rectangle.
+    n_v, starts, flat = labels.shape[1], np.flatnonzero(begins), labels.ravel()
     lengths = np.zeros(labels.size, dtype=np.int32)
-    lengths[starts] = ends - starts + 1
-    flat = labels.ravel()
+    lengths[starts] = np.flatnonzero(ends) - starts + 1
     below = starts[np.searchsorted(starts, n_v) :]
     goes_on = below[(lengths[below - n_v] == lengths[below]) & (flat[below - n_v] == flat[below])]
     first, last = begins.copy(), begins
     first.ravel()[goes_on] = False
     last.ravel()[goes_on - n_v] = False
-    v0, u0 = np.divmod(np.flatnonzero(first.T), n_u)
-    u1 = np.flatnonzero(last.T) - v0 * n_u + 1
+    v0, u0 = np.divmod(np.flatnonzero(first.T), len(labels))
+    u1 = np.flatnonzero(last.T) - v0 * len(labels) + 1
     at = u0 * n_v + v0
     return Rectangles(flat[at], u0, u1, v0, v0 + lengths[at])
 
@@ -263,24 +249,19 @@ def merge_hanging(strips: Rectangles) -> Rectangles:
         strips = strips.rows(hopeful)
         if not len(strips.label):
             return Rectangles(*(np.concatenate(columns) for columns in zip(*done, strict=True)))
-        level = np.minimum(*_neighbours(strips))
+        # The lower end of the cut: the lower one of the v0 before and after each strip, at most its own v1.
+        touching = _touching(strips)
+        level = strips.v1.copy()
+        level[1:][touching] = strips.v0[:-1][touching]
+        level[:-1][touching] = np.minimum(level[:-1], strips.v0[1:])[touching]
         lowest = strips.v0 < level
         done.append(strips._replace(v1=level).rows(lowest))
         strips = _joined(strips._replace(v0=np.where(lowest, level, strips.v0)))
 
 
-def _touching(strips: Rectangles) -> NDArray[np.bool_]:
+def _touching(strips: Rectangles) -> Mask:
     """Return whether each strip and the next are adjacent."""
     return np.asarray((strips.label[1:] == strips.label[:-1]) & (strips.u0[1:] == strips.u1[:-1]))
-
-
-def _neighbours(strips: Rectangles) -> tuple[Ints, Ints]:
-    """Return the v0 of the strips before and after each; v1 if there is none."""
-    touching = _touching(strips)
-    before, after = strips.v1.copy(), strips.v1.copy()
-    before[1:][touching] = strips.v0[:-1][touching]
-    after[:-1][touching] = strips.v0[1:][touching]
-    return before, after
 
 
 def _joined(strips: Rectangles) -> Rectangles:
@@ -290,11 +271,11 @@ def _joined(strips: Rectangles) -> Rectangles:
     return strips.rows(begins[:-1])._replace(u1=strips.u1[begins[1:]])
 
 
-def _has_equal_depths(strips: Rectangles) -> NDArray[np.bool_]:
+def _has_equal_depths(strips: Rectangles) -> Mask:
     """Return which strips are in a row of at least three, two of which have the same v0."""
     row = np.zeros(len(strips.label), dtype=np.int64)
     np.cumsum(~_touching(strips), out=row[1:])
-    long: NDArray[np.bool_] = np.bincount(row)[row] >= 3
+    long: Mask = np.bincount(row)[row] >= 3
     heights = int(strips.v1.max(initial=0)) + 1
     ends = np.sort(row[long] * heights + strips.v0[long])
     has_equal = np.zeros(len(row), dtype=bool)

@@ -44,8 +44,21 @@ class TextureCoordinates(NamedTuple):
 def texture_coordinates(mesh: Mesh, field: StepField) -> TextureCoordinates:
     """Return the texture coordinates of a mesh of `field` or of a part of it."""
     vertical, frame = mesh.normals < 4, mesh.materials == 0
-    across, along = _tiles(mesh, field, vertical, frame)
-    depths, depth = _depths(mesh, field)
+    # The edges of cells at the corners of faces, counted from the sides of the field; and from them column and row.
+    x, y = (
+        np.rint((line - own[0]) / field.block_width).astype(np.int64)[mesh.places[mesh.faces, axis]]
+        for axis, (line, own) in enumerate(zip(mesh.lines, field.edges(), strict=False))
+    )
+    is_along_x = frame & (np.ptp(x, axis=1) > np.ptp(y, axis=1))
+    swapped = ((mesh.normals < 2) | (~vertical & is_along_x))[:, None]
+    shift_u, shift_v = (shift * mesh.materials[:, None] % TILES for shift in SHIFT)
+    across, along = _reduced(np.where(swapped, y, x) + shift_u), _reduced(np.where(swapped, x, y) + shift_v)
+    # The depths of corners below the top of their block, negated: distinct ones, and which of them each corner has.
+    materials = np.arange(int(mesh.materials.max(initial=0)) + 1)
+    tops = np.where(materials > 0, materials * field.unit, field.frame_height)
+    table = np.minimum(np.round((mesh.lines[2] - tops[:, None]) / field.block_width, 9) + 0.0, 0)
+    depths, index = np.unique(table, return_inverse=True)
+    depth = index.reshape(table.shape)[mesh.materials[:, None], mesh.places[mesh.faces, 2]]
     # A pair (u, v) is one integer: the column, and an index into all values of v, rows of tops before depths of sides.
     rows = int(along.max(initial=0)) + 1
     values_of_v = np.concatenate([np.arange(rows), depths])
@@ -59,36 +72,7 @@ def texture_coordinates(mesh: Mesh, field: StepField) -> TextureCoordinates:
     return TextureCoordinates(values + 0.0, corners, vertical | frame)
 
 
-def _tiles(mesh: Mesh, field: StepField, vertical: Mask, frame: Mask) -> tuple[Ints, Ints]:
-    """Return the column, and for tops the row, of the tiles at each corner, (m, 3 or 4) each, less whole images."""
-    x, y = (_cells(mesh, field, axis) for axis in (0, 1))
-    is_along_x = frame & (np.ptp(x, axis=1) > np.ptp(y, axis=1))
-    swapped = ((mesh.normals < 2) | (~vertical & is_along_x))[:, None]
-    shift_u, shift_v = (shift * mesh.materials[:, None] % TILES for shift in SHIFT)
-    return _reduced(np.where(swapped, y, x) + shift_u), _reduced(np.where(swapped, x, y) + shift_v)
-
-
-def _cells(mesh: Mesh, field: StepField, axis: int) -> Ints:
-    """Return the cell edge along an axis at each corner of the faces, counted from the side of the field: (m, 3 or
-    4).
-    """
-    edges = np.rint((mesh.lines[axis] - field.edges()[axis][0]) / field.block_width).astype(np.int64)
-    return np.asarray(edges[mesh.places[mesh.faces, axis]])
-
-
 def _reduced(tiles: Ints) -> Ints:
     """Return the tiles of each face less whole images: the lowest is in 0..TILES - 1."""
     lowest = tiles.min(axis=1, keepdims=True)
     return np.asarray(tiles - lowest + lowest % TILES)
-
-
-def _depths(mesh: Mesh, field: StepField) -> tuple[Array, Ints]:
-    """Return the distinct depths of corners below the top of their block, negated, and the index of each corner's
-    depth.
-    """
-    materials = np.arange(int(mesh.materials.max(initial=0)) + 1)
-    tops = np.where(materials > 0, materials * field.unit, field.frame_height)
-    table = np.round((mesh.lines[2][None, :] - tops[:, None]) / field.block_width, 9) + 0.0
-    values, index = np.unique(np.minimum(table, 0), return_inverse=True)
-    depth = index.reshape(table.shape)[mesh.materials[:, None], mesh.places[mesh.faces, 2]]
-    return values, np.asarray(depth)

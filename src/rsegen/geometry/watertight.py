@@ -27,7 +27,7 @@ triangulation and decimation take a third each. Whole maps only: a tile of a clo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence, Sized
+from collections.abc import Iterable, Sequence, Sized
 from itertools import pairwise
 from math import prod
 from typing import Any, NamedTuple
@@ -65,33 +65,17 @@ class _Fan(NamedTuple):
     normal: Ints
 
 
-class _Collapses(NamedTuple):
-    """Edge collapses: the vertex that is removed, and the one that it is moved onto."""
-
-    vertex: Ints
-    target: Ints
-
-    def rows(self, which: Ints | Mask) -> _Collapses:
-        return _Collapses(self.vertex[which], self.target[which])
-
-
-def decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Faces, Ints]:
+def _decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Faces, Ints]:
     """Return the triangles of all pieces without removable vertices, and which vertices are left.
 
     pieces: corners (m, 3), codes of vertices, all of which are used; in the result, indices of those left, which are in
     order. ways: (v,), where each vertex may move.
     """
     # A triangle without a removable corner never gets one, so it is left out of all rounds, and so are its vertices.
-    takes_part = [_are_removable(piece.corners) for piece in pieces]
+    takes_part = [(a | b | c) < 0 for a, b, c in (piece.corners.T for piece in pieces)]
     rows = [np.flatnonzero(part) for part in takes_part]
-    corners = np.concatenate([piece.corners.take(part, axis=0) for piece, part in zip(pieces, rows, strict=True)])
-    normals = np.concatenate([piece.normals.take(part) for piece, part in zip(pieces, rows, strict=True)])
-    used, corners = welded(_vertices(corners), len(ways))
-    at = points.owner.take(used)
-    vertices = np.empty((len(used), 3))
-    for axis, (line, place) in enumerate(zip(lattice.lines, points[1:4], strict=True)):
-        vertices[:, axis] = line.take(place.take(at))
-    place, kept = _collapsed(_Live(corners, normals, used, vertices, ways.take(used)), _FLAT * _least_area(lattice))
+    parts = [piece.rows(part) for piece, part in zip(pieces, rows, strict=True)]
+    used, place, kept = _collapsed(parts, points, ways, lattice)
     left = np.ones(len(ways), dtype=bool)
     left[used] = place == np.arange(len(used))
     number = np.cumsum(left, dtype=np.int32) - 1
@@ -121,43 +105,34 @@ def _by_material(pieces: Iterable[Faces], number: Ints) -> Faces:
     return Faces(corners, normals, materials)
 
 
-class _Live(NamedTuple):
-    """The triangles that have a removable vertex: corners (m, 3), normals (m,); and their vertices (n,).
-
-    numbers, vertices, ways: the number of each vertex in the mesh; where it is, (n, 3), metres; and the axis along
-    which it may move, or _ANYWHERE in its plane, or _NOWHERE.
+def _collapsed(parts: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Ints, Ints, Mask]:
+    """Return the numbers of the vertices of triangles that have a removable one; the index among them of the vertex
+    onto which each is moved in the end, its own if it stays; and which triangles are kept.
     """
-
-    corners: Ints
-    normals: Ints
-    numbers: Ints
-    vertices: Array
-    ways: Ints
-
-
-def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
-    """Return the vertex onto which each is moved in the end, itself if it stays, and which triangles are kept.
-
-    least: twice the area below which a triangle counts as degenerate.
-    """
-    corners, normals, numbers, vertices, ways = live
+    corners = np.concatenate([part.corners for part in parts])
+    normals = np.concatenate([part.normals for part in parts])
+    numbers, corners = welded(np.maximum(corners, ~corners), len(ways))
+    ways, at = ways.take(numbers), points.owner.take(numbers)
+    vertices = np.stack([line.take(place.take(at)) for line, place in zip(lattice.lines, points[1:4], strict=True)], 1)
+    gaps = [np.diff(line).min(initial=np.inf) for line in lattice.lines]
+    least = _FLAT * float(min(gaps[:2]) * min(gaps))  # of twice the area of the smallest triangle on the lattice
     removable, place = ways != _NOWHERE, np.arange(len(vertices), dtype=np.int32)
     rows, kept = np.arange(len(corners)), np.ones(len(corners), dtype=bool)
     tried = removable
     while True:
-        fan = _fan(corners, normals, tried)
-        possible = _without_flips(_collapses(fan, vertices, ways), fan, vertices, least)
-        collapses = _independent_collapses(possible, corners, numbers)
-        if not len(collapses.vertex):
+        movable, targets = _possible_collapses(_fan(corners, normals, tried), vertices, ways, least)
+        chosen = _are_independent(movable, corners, numbers)
+        if not chosen.any():
             break
-        place[collapses.vertex] = collapses.target
-        changed = np.flatnonzero(_any(_mask(collapses.vertex, len(place)), corners))
+        place[movable[chosen]] = targets[chosen]
+        changed = np.flatnonzero(_any(_mask(movable[chosen], len(place)), corners))
         moved = place.take(corners.take(changed, axis=0))
         # A vertex that could not move can only do so once one of its triangles has changed.
-        tried = _mask(possible.vertex, len(place))
+        tried = _mask(movable, len(place))
         tried[moved] = True
         tried &= removable
-        distinct = _are_distinct(*moved.T)
+        a, b, c = moved.T
+        distinct = (a != b) & (b != c) & (c != a)
         kept[rows[changed[~distinct]]] = False
         corners[changed] = moved
         stays = np.ones(len(corners), dtype=bool)
@@ -166,38 +141,12 @@ def _collapsed(live: _Live, least: float) -> tuple[Ints, Mask]:
         rows, corners, normals = rows.take(stay), corners.take(stay, axis=0), normals.take(stay)
     while (place != (further := place.take(place))).any():
         place = further  # a target may have been removed later
-    return place, kept
-
-
-def _pieces(faces: Faces) -> Iterator[Faces]:
-    """Yield faces in pieces of at most _PIECE."""
-    for begin in range(0, max(len(faces.normals), 1), _PIECE):
-        yield Faces(*(column[begin : begin + _PIECE] for column in faces))
+    return numbers, place, kept
 
 
 def _split(column: NDArray[Any], parts: Sequence[Sized]) -> list[NDArray[Any]]:
     """Return an array in pieces of the lengths of others."""
     return np.split(column, np.cumsum([len(part) for part in parts])[:-1])
-
-
-def _code(removable: Mask) -> Ints:
-    """Return the code of each vertex: its number, or if it is removable the complement of that, which is negative.
-
-    So a triangle's corners say whether it has a removable one, and need not look it up.
-    """
-    number = np.arange(len(removable), dtype=np.int32)
-    return np.where(removable, ~number, number)
-
-
-def _vertices(codes: Ints) -> Ints:
-    """Return the numbers of vertices of these codes."""
-    return np.maximum(codes, ~codes)
-
-
-def _are_removable(codes: Ints) -> Mask:
-    """Return which triangles (m, 3) have a removable corner."""
-    a, b, c = codes.T
-    return np.asarray((a | b | c) < 0)
 
 
 def _mask(which: Ints, length: int) -> Mask:
@@ -213,11 +162,6 @@ def _any(mask: Mask, corners: Ints) -> Mask:
     return np.asarray(mask.take(a) | mask.take(b) | mask.take(c))
 
 
-def _are_distinct(a: Ints, b: Ints, c: Ints) -> Mask:
-    """Return which triples are of three distinct numbers."""
-    return np.asarray((a != b) & (b != c) & (c != a))
-
-
 def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
     """Return the fans of triangles around removable vertices."""
     columns, parts = corners.T, []
@@ -229,23 +173,19 @@ def _fan(corners: Ints, normals: Ints, removable: Mask) -> _Fan:
     return _Fan(*(column.take(order) for column in (vertex, second, third, normal)))
 
 
-def _collapses(fan: _Fan, vertices: Array, ways: Ints) -> Ints:
-    """Return the rows of a fan whose third vertex is one that the vertex may move onto."""
-    # A triangle has one axis as its normal and may have the way as one side; the third then has to agree.
+def _possible_collapses(fan: _Fan, vertices: Array, ways: Ints, least: float) -> tuple[Ints, Ints]:
+    """Return the vertices that have an edge collapse which flips no triangle, and the vertex onto which each moves."""
+    # A triangle has one axis as its normal and may have the way as one side; the other axis then has to agree.
     way = ways.take(fan.vertex)
-    third = (3 - way - fan.normal // 2) % 3
-    along = vertices.take(3 * fan.third + third) == vertices.take(3 * fan.vertex + third)
-    return np.flatnonzero(along | (way == _ANYWHERE))
-
-
-def _without_flips(rows: Ints, fan: _Fan, vertices: Array, least: float) -> _Collapses:
-    """Return one collapse per vertex that flips no triangle, if it has one; rows: those of the fan that may be it."""
+    other = (3 - way - fan.normal // 2) % 3
+    along = vertices.take(3 * fan.third + other) == vertices.take(3 * fan.vertex + other)
+    rows = np.flatnonzero(along | (way == _ANYWHERE))
     # The collapses of all vertices, one per vertex at a time, in the order of the fan, until one is good.
     is_first = np.diff(fan.vertex, prepend=-1) != 0
     begins = np.flatnonzero(is_first)
     counts = np.diff(begins, append=len(fan.vertex))
     own = (np.cumsum(is_first) - 1).take(rows)
-    found, waiting = [rows[:0]], np.flatnonzero(np.diff(own, prepend=-1))
+    good, waiting = [rows[:0]], np.flatnonzero(np.diff(own, prepend=-1))
     while len(waiting):
         trial, waiting = waiting[:_PIECE], waiting[_PIECE:]
         # Every triangle of a vertex, with the target in its place; triangles that have the target as a corner vanish.
@@ -258,29 +198,29 @@ def _without_flips(rows: Ints, fan: _Fan, vertices: Array, least: float) -> _Col
         a, b, c = (column.take(stay) for column in (target, second, third))
         over = move.take(stay)[_twice_areas(a, b, c, fan.normal.take(corner.take(stay)), vertices) < least]
         is_good = np.bincount(over, minlength=len(trial)) == 0
-        found.append(trial[is_good])
+        good.append(trial[is_good])
         following = trial[~is_good] + 1
         following = following[following < len(own)]
         waiting = np.concatenate([waiting, following[own[following] == own[following - 1]]])
-    good = rows.take(np.sort(np.concatenate(found)))
-    return _Collapses(fan.vertex.take(good), fan.third.take(good))
+    chosen = rows.take(np.sort(np.concatenate(good)))
+    return fan.vertex.take(chosen), fan.third.take(chosen)
 
 
-def _independent_collapses(collapses: _Collapses, corners: Ints, numbers: Ints) -> _Collapses:
-    """Return collapses of which no two change the same triangle: of those that do, the one with the smallest hash.
+def _are_independent(vertex: Ints, corners: Ints, numbers: Ints) -> Mask:
+    """Return a mask of vertices of which no two have a triangle in common: of those that do, the smallest hash stays.
 
     The hash of a vertex's number in the mesh (Knuth's multiplicative one, 2^32 / golden ratio) mixes neighbouring
     vertices; with the number itself whole rows would wait for their first vertex, and there would be as many rounds as
     a row has vertices.
     """
     lot = np.full(len(numbers), 2**32 - 1, dtype=np.uint32)  # of a vertex that stays; no number below 4050964655 has it
-    lot[collapses.vertex] = numbers[collapses.vertex].astype(np.uint32) * np.uint32(2654435761)
+    lot[vertex] = numbers[vertex].astype(np.uint32) * np.uint32(2654435761)
     a, b, c = (lot.take(corner) for corner in corners.T)
     first = np.minimum(np.minimum(a, b), c)
     loses = np.zeros(len(numbers), dtype=bool)
     for corner, own in zip(corners.T, (a, b, c), strict=True):
         loses[corner.compress(own > first)] = True
-    return collapses.rows(~loses[collapses.vertex])
+    return ~loses[vertex]
 
 
 _PLANES = np.array([[1, 1, 2, 2, 0, 0], [2, 2, 0, 0, 1, 1]], dtype=np.int32)
@@ -353,9 +293,16 @@ def watertight(field: StepField) -> Mesh:
     points = _Points.of(places, grid)
     ways = _ways(points)
     told(0.4)
-    triangles = _triangulated(sides, points, _code(ways != _NOWHERE), grid.lattice)
+    # A removable vertex has a negative code, so that a triangle's corners say whether it has one.
+    number = np.arange(len(ways), dtype=np.int32)
+    orders = _Orders.of(points, np.where(ways != _NOWHERE, ~number, number), grid.lattice)
+    triangles = [
+        _fans(Faces(*(column[begin : begin + _PIECE] for column in rings)), axes, orders)
+        for axes, rings in zip(((0, 1), (1, 2), (0, 2)), sides, strict=True)
+        for begin in range(0, max(len(rings.normals), 1), _PIECE)
+    ]
     told(0.7)
-    faces, left = decimated(triangles, points, ways, grid.lattice)
+    faces, left = _decimated(triangles, points, ways, grid.lattice)
     told(1)
     owner = points.owner.compress(left)
     return grid.lattice.mesh(faces, [at.take(owner) for at in points[1:4]])
@@ -409,12 +356,6 @@ def _upright_creases(solid: Mask, labels: Ints) -> Mask:
     return np.asarray(~(solid.all(axis=(0, 1)) | flat[0] | flat[1]))
 
 
-def _least_area(lattice: Lattice) -> float:
-    """Return twice the area of the smallest triangle on a lattice, if its lines are evenly apart."""
-    gaps = [np.diff(line).min(initial=np.inf) for line in lattice.lines]
-    return float(min(gaps[:2]) * min(gaps))
-
-
 _FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 0, 0], [0, 0, 1, 1]], dtype=np.int32)
 """1 for the sides of a face at which its block lies on the side of larger y, for each of NORMALS."""
 
@@ -457,13 +398,6 @@ class _Orders(NamedTuple):
     def ranks(self, corners: Ints, axis: int) -> Ints:
         """Return where in `code` points are, in the order along an axis."""
         return corners if axis == 2 else self[1 + axis].take(corners)
-
-
-def _triangulated(sides: Sequence[Faces], points: _Points, code: Ints, lattice: Lattice) -> list[Faces]:
-    """Return triangles of vertices for rectangles whose corners are points, in pieces."""
-    orders = _Orders.of(points, code, lattice)
-    axes = (0, 1), (1, 2), (0, 2)
-    return [_fans(piece, own, orders) for own, rings in zip(axes, sides, strict=True) for piece in _pieces(rings)]
 
 
 def _fans(rings: Faces, axes: tuple[int, int], orders: _Orders) -> Faces:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from rsegen import StepField
-from rsegen.exporters.formats.parts import coloured, columns
+from rsegen.exporters.formats.parts import columns, groups
 from rsegen.geometry import surface
 from tests.exporters.formats.test_meshes import seen_from_above
 from tests.support.strategies import fields
@@ -34,7 +34,8 @@ def test_parts_of_one_colour_are_together_the_surface(field: StepField) -> None:
     from trimesh import Trimesh
     from trimesh.util import concatenate
 
-    parts = list(coloured(surface(field)))
+    mesh = surface(field)
+    parts = [(material, mesh.part(chosen)) for material, _, chosen in groups(mesh.materials)]
     assert [material for material, _ in parts] == sorted({material for material, _ in parts})
     for material, part in parts:
         assert set(part.materials) == {material}

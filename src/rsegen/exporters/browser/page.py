@@ -32,9 +32,7 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField, coarse
 
 
 def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]]:
-    """Yield name, value and meaning of the metrics of a field, lengths in the units of its recipe; none without
-    blocks.
-    """
+    """Yield name, value and meaning of the metrics of a field, in the units of lengths; none without blocks."""
     if field.frame.all():
         return
     measured = metrics(field)
@@ -66,33 +64,17 @@ _FRAME = -1
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShownMap:
-    """A map on a page: what is drawn, and the text of its recipe with the name of a file for it; empty if it has none.
-
-    units: of the heights, as in a recipe; look: of the blocks
-    """
+    """A map on a page: what is drawn, and of a scene the text of its recipe, with the name of a file for it."""
 
     drawn: Drawable
     name: str
-    description: str = ""
-    seed: int | None = None
     recipe: str = ""
     file: str = ""
-    units: str = "cm"
-    look: str = "plain"
 
     @classmethod
     def of(cls, scene: Scene, recipe: str, suffix: str) -> ShownMap:
         """Return the map of a scene, with the text of its recipe for a file of some suffix."""
-        return cls(
-            drawn=scene,
-            name=scene.name,
-            description=scene.recipe.description,
-            seed=scene.recipe.seed,
-            recipe=recipe,
-            file=f"{scene.name}{suffix}",
-            units=scene.recipe.units,
-            look=scene.recipe.look,
-        )
+        return cls(drawn=scene, name=scene.name, recipe=recipe, file=f"{scene.name}{suffix}")
 
     @classmethod
     def of_field(cls, field: StepField, name: str = "step field") -> ShownMap:
@@ -102,7 +84,7 @@ class ShownMap:
 
 def content(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
     """Return everything that the page needs of a map, as JSON values: it as it is drawn, and its metrics."""
-    return drawn(shown, factor) | {"metrics": list(figures(shown.drawn.field, lengths_in(shown.units)))}
+    return drawn(shown, factor) | {"metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
 
 
 def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
@@ -110,14 +92,20 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
 
     factor: each column that is drawn is the highest of this many cells along x and y
     """
-    field, written = shown.drawn.field, lengths_in(shown.units)
+    field, written = shown.drawn.field, lengths_in(shown.drawn.units)
+    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
+    recipe = shown.drawn.recipe if isinstance(shown.drawn, Scene) else None
+    facts = {"seed": str(recipe.seed)} if recipe and recipe.seed is not None else {}
+    facts |= {"cells": f"{n_x} × {n_y}", "size": f"{along_x} × {along_y} m"}  # noqa: RUF001  # a page has the sign
+    if not field.frame.all():
+        facts["fingerprint"] = fingerprint(field.blocks)
     materials, counts = np.unique(_materials(field), return_counts=True)
     columns = coarse(field, factor)
     # The index of each cell's entry in the palette, in as few bytes as it needs.
     cells, size = np.searchsorted(materials, _materials(columns)), 1 if len(materials) <= 256 else 2
     return {
         "name": shown.name,
-        "description": shown.description,
+        "description": recipe.description if recipe else "",
         "cells": list(columns.shape),
         "block_width": columns.block_width,
         "block": f"{written.short(_nanometres(field.block_width))} {written.unit}",
@@ -125,10 +113,10 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
         "palette": list(_palette(shown, materials, counts)),
         "bytes": size,
         "content": base64_of(cells, f"<u{size}"),
-        "facts": list(_facts(shown)),
+        "facts": list(facts.items()),
         "recipe": shown.recipe,
         "file": shown.file,
-        "look": shown.look,
+        "look": recipe.look if recipe else "plain",
         "step": field.unit,
     }
 
@@ -145,7 +133,7 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[st
     colour: as in plans, of its height unless the recipe gives one; surface: in the look of the recipe, as in previews.
     """
     # In the order of np.unique, which the cells refer to.
-    field, written = shown.drawn.field, lengths_in(shown.units)
+    field, written = shown.drawn.field, lengths_in(shown.drawn.units)
     for material, count in zip(materials.tolist(), counts.tolist(), strict=True):
         is_frame = material == _FRAME
         height = round(field.frame_height if is_frame else material * field.unit, 9)
@@ -173,17 +161,6 @@ def base64_of(values: Ints | Array | Mask, kind: str) -> str:
     return b64encode(values.astype(kind).tobytes()).decode()
 
 
-def _facts(shown: ShownMap) -> Iterator[tuple[str, str]]:
-    field = shown.drawn.field
-    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    if shown.seed is not None:
-        yield "seed", str(shown.seed)
-    yield "cells", f"{n_x} × {n_y}"  # noqa: RUF001  # a page has the sign
-    yield "size", f"{along_x} × {along_y} m"  # noqa: RUF001
-    if not field.frame.all():
-        yield "fingerprint", fingerprint(field.blocks)
-
-
 def _nanometres(metres: float) -> int:
     return round(metres * 1e9)
 
@@ -191,7 +168,9 @@ def _nanometres(metres: float) -> int:
 def page(maps: Sequence[ShownMap]) -> bytes:
     """Return the page that shows maps, one at a time, as the bytes of an HTML file; equal maps give equal bytes."""
     title = maps[0].name if len(maps) == 1 else f"{maps[0].name} and {len(maps) - 1} more"
-    data = _json({"maps": [content(shown) for shown in maps], "version": __version__})
+    data = json.dumps({"maps": [content(shown) for shown in maps], "version": __version__}, separators=(",", ":"))
+    for sign in "<>&":  # so that no tag of HTML can begin or end in it
+        data = data.replace(sign, f"\\u{ord(sign):04x}")
     return _html(title, f'<script type="application/json" id="data">{data}</script>\n').encode()
 
 
@@ -200,14 +179,16 @@ def editor_page() -> str:
     return _html("rsegen", "")
 
 
+@cache
 def policy(connect: str = "'none'") -> str:
     """Return the Content Security Policy of the page: its own script and style by their hashes, and nothing else.
 
     connect: what its script may ask for
     """
-    script, style = (_hash(text) for text in (_script(), _source("page.min.css")))
+    digests = (sha256(text.encode()).digest() for text in (_script(), _source("page.min.css")))
+    script, style = (f"'sha256-{b64encode(digest).decode()}'" for digest in digests)
     return (
-        f"default-src 'none'; script-src '{script}'; style-src '{style}'; img-src data: blob:; "
+        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; "
         f"connect-src {connect}; base-uri 'none'; form-action 'none'"
     )
 
@@ -232,17 +213,6 @@ def _script() -> str:
 
 
 @cache
-def _hash(text: str) -> str:
-    return f"sha256-{b64encode(sha256(text.encode()).digest()).decode()}"
-
-
-@cache
 def _source(name: str) -> str:
     """Return the text of a file of this folder."""
     return files("rsegen.exporters.browser").joinpath(name).read_text("utf-8")
-
-
-def _json(value: object) -> str:
-    """Return JSON of ASCII letters in which no tag of HTML can begin or end."""
-    text = json.dumps(value, separators=(",", ":"))
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy, recipe_json
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy
 from rsegen.exporters.scene import Scene, csv
+from rsegen.recipe.codec import encode
 
 _FILES = {
     "levels.npy": "int16 (n_x, n_y), level of each block in units, 0 in frame cells",
@@ -52,5 +53,5 @@ class Arrays(Format):
             "frame.npy": [npy(field.frame)],
             "levels.csv": csv(field),
             **matlab,
-            "meta.json": [as_json({**metadata(scene), "files": meaning, "recipe": recipe_json(scene)})],
+            "meta.json": [as_json({**metadata(scene), "files": meaning, "recipe": encode(scene.alone)})],
         }

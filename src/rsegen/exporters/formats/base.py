@@ -9,6 +9,7 @@ A format is a file of this folder with a class: a frozen dataclass whose annotat
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
@@ -62,9 +63,7 @@ class Format(ABC):
 
     @abstractmethod
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """Return the files by their path in the format's folder, each to be read once; equal scenes give equal
-        bytes.
-        """
+        """Return the files by path in the format's folder, each to be read once; equal scenes give equal bytes."""
 
     @property
     def left_out(self) -> str:
@@ -108,11 +107,10 @@ register = FORMATS.register
 
 def refuse_unready(formats: Iterable[Format]) -> None:
     """Raise a UserError if a format is given twice, or one that names all that is not installed and formats need."""
-    formats, seen = tuple(formats), set()
-    for format_ in formats:
-        if format_.name in seen:
-            raise ParameterError("formats", f"{format_.name} is given twice")
-        seen.add(format_.name)
+    formats = tuple(formats)
+    for name, count in Counter(format_.name for format_ in formats).items():
+        if count > 1:
+            raise ParameterError("formats", f"{name} is given twice")
     lacking = {format_.name: format_.extra for format_ in formats if format_.extra and format_.extra.is_missing}
     if not lacking:
         return
@@ -125,25 +123,22 @@ def refuse_unready(formats: Iterable[Format]) -> None:
 
 def recorded_options(formats: Sequence[Format]) -> dict[str, Json]:
     """Return the content of a map's formats.json: the options of each format, and the plug-in that it is from."""
-    return {format_.name: {**format_.options, **_origin(format_.name)} for format_ in formats}
+    return {
+        format_.name: format_.options | ({"plugin": str(source)} if (source := FORMATS.source(format_.name)) else {})
+        for format_ in formats
+    }
 
 
 def added(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """Return the files that formats add to those of a map; none without formats."""
-    files = {
+    files: dict[PurePosixPath, Iterable[bytes]] = {
         PurePosixPath(format_.name) / path: content
         for format_ in formats
         for path, content in format_.files(scene).items()
     }
-    listed = as_json(recorded_options(formats))
-    return {**files, **({PurePosixPath("formats.json"): [listed]} if formats else {})}
+    return files | ({PurePosixPath("formats.json"): [as_json(recorded_options(formats))]} if formats else {})
 
 
 def exported(scene: Scene, formats: Sequence[Format]) -> Bundle:
     """Return the files of a map in some formats alone, with the recipe that makes it again."""
     return {PurePosixPath("recipe.json"): [map_json(scene.recipe, scene.index)], **added(scene, formats)}
-
-
-def _origin(name: str) -> dict[str, Json]:
-    source = FORMATS.source(name)
-    return {"plugin": str(source)} if source else {}

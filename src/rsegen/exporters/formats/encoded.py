@@ -1,9 +1,9 @@
-"""Arrays and metadata as the bytes of NPY, MAT, CSV and JSON files, without dates."""
+"""Arrays and metadata as the bytes of NPY, MAT and JSON files, without dates."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from io import BytesIO
 from typing import Any
 
@@ -11,11 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen import __version__
-from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array
 from rsegen.params.sorts import Json
-from rsegen.recipe.codec import encode
 
 AXES = "axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest x and y; z up, the ground is z = 0"
 
@@ -24,14 +21,14 @@ _MAT_HEAD = b"MATLAB 5.0 MAT-file, written by rsegen".ljust(116)
 
 
 def npy(array: NDArray[Any]) -> bytes:
-    """An array as the bytes of an NPY file."""
+    """Return an array as the bytes of an NPY file."""
     buffer = BytesIO()
     np.lib.format.write_array(buffer, np.ascontiguousarray(array), allow_pickle=False)
     return buffer.getvalue()
 
 
 def mat(variables: Mapping[str, object]) -> bytes:
-    """Variables as the bytes of a MAT file (version 5); 1D arrays become columns."""
+    """Return variables as the bytes of a MAT file (version 5); 1D arrays become columns."""
     from scipy.io import savemat
 
     buffer = BytesIO()
@@ -39,21 +36,13 @@ def mat(variables: Mapping[str, object]) -> bytes:
     return _MAT_HEAD + buffer.getvalue()[len(_MAT_HEAD) :]
 
 
-def north_up(values: Array, head: str, repeat: int = 1) -> Iterator[bytes]:
-    """Values of shape (n_x, n_y) as lines of CSV, north up, each value repeated `repeat` times along x and y."""
-    yield f"# {head}; north up: the top row is the largest y, x grows to the right\n".encode()
-    for row in values.T[::-1]:
-        line = ",".join(text for value in row.tolist() for text in [decimal(value)] * repeat)
-        yield f"{line}\n".encode() * repeat
-
-
 def as_json(content: Mapping[str, Json]) -> bytes:
-    """A dict as the bytes of a JSON file."""
+    """Return a dict as the bytes of a JSON file."""
     return (json.dumps(content, indent=2) + "\n").encode()
 
 
 def metadata(scene: Scene) -> dict[str, Json]:
-    """The metadata of a map for JSON: name, seed, generator, lengths in metres, axes and origin."""
+    """Return the metadata of a map for JSON: name, seed, generator, lengths in metres, axes and origin."""
     field = scene.field
     return {
         "name": scene.name,
@@ -67,8 +56,3 @@ def metadata(scene: Scene) -> dict[str, Json]:
         "axes": AXES,
         "origin": "the middle of the map",
     }
-
-
-def recipe_json(scene: Scene) -> dict[str, Json]:
-    """The map's own recipe as a dict for JSON."""
-    return encode(scene.alone)

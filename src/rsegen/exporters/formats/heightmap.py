@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Annotated, ClassVar
@@ -11,11 +11,12 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.encoded import as_json, metadata, recipe_json
+from rsegen.exporters.formats.encoded import as_json, metadata
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.params.sorts import Integer, Json
+from rsegen.recipe.codec import encode
 
 WHITE = 65535
 
@@ -39,23 +40,18 @@ class Heightmap(Format):
         return 2 * self.pixels**2
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The image and its metadata."""
-        step = sample_step(scene.field)
-        content = {**metadata(scene), **self._image_metadata(scene, step), "recipe": recipe_json(scene)}
-        return {f"{scene.name}.png": self._png(scene.field, step), "heightmap.json": [as_json(content)]}
-
-    def _png(self, field: StepField, step: int) -> Iterator[bytes]:
+        """Return the image and its metadata."""
         from PIL import Image
 
-        rows = samples(field, step).T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
-        buffer = BytesIO()
+        field, step, (n_x, n_y) = scene.field, sample_step(scene.field), scene.field.shape
+        greys, buffer = samples(field, step), BytesIO()
+        rows = greys.T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
         Image.fromarray(rows).save(buffer, "png")
-        yield buffer.getvalue()
-
-    def _image_metadata(self, scene: Scene, step: int) -> dict[str, Json]:
-        field = scene.field
-        frame_error = np.abs(samples(field, step) * (field.unit / step) - field.heights).max()
-        return {
+        # Frames become blocks when the image is imported again.
+        lengths = f"--unit-cm {decimal(field.unit * 100)} --block-width-cm {decimal(field.block_width * 100)}"
+        again = f"rsegen import {scene.name}.png --levels {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"
+        about: dict[str, Json] = {
+            **metadata(scene),
             "image": f"{scene.name}.png",
             "rows": "north up: the top row is the largest y, x grows to the right",
             "metres_per_pixel": field.block_width / self.pixels,
@@ -64,13 +60,15 @@ class Heightmap(Format):
             "metres_per_grey": field.unit / step,
             "greys_per_level": step,
             "white_m": WHITE // step * field.unit,
-            "largest_error_m": round(float(frame_error), 9),
-            "import": _import_command(scene, step),
+            "largest_error_m": round(float(np.abs(greys * (field.unit / step) - field.heights).max()), 9),
+            "import": again,
+            "recipe": encode(scene.alone),
         }
+        return {f"{scene.name}.png": [buffer.getvalue()], "heightmap.json": [as_json(about)]}
 
 
 def sample_step(field: StepField) -> int:
-    """The grey values per level: the largest divisor of white with which the highest block or frame fits."""
+    """Return the grey values per level: the largest divisor of white with which the highest block or frame fits."""
     frames = field.frame_height if field.frame.any() else 0.0
     levels = max(int(field.levels.max()), int(np.ceil(frames / field.unit - 1e-9)), 1)
     if levels > WHITE:
@@ -82,13 +80,6 @@ def sample_step(field: StepField) -> int:
 
 
 def samples(field: StepField, step: int) -> Ints:
-    """The grey value of every cell, uint16 (n_x, n_y): level * step for blocks, the nearest value for frames."""
+    """Return the grey value of every cell, uint16 (n_x, n_y): level * step for blocks, the nearest value for frames."""
     frame = int(np.floor(field.frame_height / field.unit * step + 0.5)) if field.frame.any() else 0
     return np.where(field.frame, frame, field.levels.astype(np.int64) * step).astype(np.uint16)
-
-
-def _import_command(scene: Scene, step: int) -> str:
-    """The command that imports the image again; frames become blocks."""
-    field, (n_x, n_y) = scene.field, scene.field.shape
-    lengths = f"--unit-cm {decimal(field.unit * 100)} --block-width-cm {decimal(field.block_width * 100)}"
-    return f"rsegen import {scene.name}.png --levels {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"

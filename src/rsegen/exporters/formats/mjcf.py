@@ -16,8 +16,8 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.parts import Column, coloured_objs, columns, textured_objs
-from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
+from rsegen.exporters.formats.parts import Column, columns, objs
+from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
@@ -42,8 +42,7 @@ class Mjcf(Format):
         ),
     ] = "boxes"
     pixels: Annotated[
-        int,
-        Integer(1, 100, help="samples of a height field along each side of a cell; mujoco_warp takes up to 4"),
+        int, Integer(1, 100, help="samples of a height field along each side of a cell; mujoco_warp takes up to 4")
     ] = 4
 
     @property
@@ -52,13 +51,9 @@ class Mjcf(Format):
         return 8 * self.pixels**2 if self.shape == "hfield" else 0
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The map under its own name, the scene, and the mesh or height field files of the map."""
+        """Return the map under its own name, the scene, and the mesh or height field files of the map."""
         body = self._body(scene)
-        return {
-            f"{scene.name}.xml": utf8(_map(scene, body)),
-            "scene.xml": utf8(_scene(scene)),
-            **body.files,
-        }
+        return {f"{scene.name}.xml": utf8(_map(scene, body)), "scene.xml": utf8(_scene(scene)), **body.files}
 
     def _body(self, scene: Scene) -> _Body:
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
@@ -68,9 +63,11 @@ class Mjcf(Format):
             return _Body()
         if self.shape == "hfield":
             return _height_field(scene, self.pixels)
-        if scene.recipe.is_textured:
-            return _textured(scene)
-        return _meshes(scene) if self.shape == "mesh" else _boxes(scene)
+        if self.shape == "mesh" or scene.recipe.is_textured:  # only meshes have texture coordinates in MuJoCo
+            return _meshes(scene)
+        boxes = list(columns(scene.field))
+        geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in boxes)
+        return _Body(assets=_materials(scene, {column.material for column in boxes}), geoms=geoms)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -83,57 +80,32 @@ class _Body:
     collisions: str = ""
 
 
-def _boxes(scene: Scene) -> _Body:
-    """Boxes for both visual and collision geometry."""
-    boxes = list(columns(scene.field))
-    geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in boxes)
-    return _Body(assets=_materials(scene, {column.material for column in boxes}), geoms=geoms)
-
-
 def _meshes(scene: Scene) -> _Body:
-    """A visual mesh per colour, and collision boxes."""
-    objs = coloured_objs(scene)
-    named = {_material(scene, material): content for material, content in objs.items()}
-    return _shown(scene, _materials(scene, objs), named)
-
-
-def _textured(scene: Scene) -> _Body:
-    """A visual mesh per material and texture, and collision boxes; only meshes have texture coordinates in MuJoCo."""
-    images = texture_files(scene)
+    """Return visual meshes, one per material and texture, and collision boxes in group 3, which viewers hide."""
+    images, files = texture_files(scene), {}
     assets = [f'    <texture name="{name.removesuffix(".png")}" type="2d" file="{name}"/>\n' for name in images]
-    named = {}
-    for material, part, content in textured_objs(scene):
-        name = f"{scene.name}_{textured_name(material, part)}"
+    for material, part, content in objs(scene, textured=bool(images)):
+        name = _material(scene, material, part)
+        texture = f' texture="{texture_name(scene, part).removesuffix(".png")}"' if part else ""
         rgba = numbers((*scene.tint(material), 1))
-        texture = texture_name(scene, part).removesuffix(".png")
-        assets.append(f'    <material name="{name}" texture="{texture}" rgba="{rgba}" specular="0.1"/>\n')
-        named[name] = content
-    return _shown(scene, assets, named, images)
-
-
-def _shown(
-    scene: Scene,
-    assets: Iterable[str],
-    named: Mapping[str, Iterable[bytes]],
-    images: Mapping[str, Iterable[bytes]] | None = None,
-) -> _Body:
-    """Visual meshes, each with the material of its name, and collision boxes in group 3, which viewers hide."""
-    meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in named)
+        assets.append(f'    <material name="{name}"{texture} rgba="{rgba}" specular="0.1"/>\n')
+        files[name] = content
+    # Each mesh has the material of its name.
+    meshes = (f'    <mesh name="{name}" file="{name}.obj" inertia="shell"/>\n' for name in files)
     visuals = (
         f'      <geom type="mesh" mesh="{name}" material="{name}" mass="0" contype="0" conaffinity="0" group="2"/>\n'
-        for name in named
+        for name in files
     )
-    collisions = (_box(scene, column) for column in columns(scene.field))
     return _Body(
         assets=chain(assets, meshes),
-        geoms=chain(visuals, collisions),
-        files={f"{name}.obj": content for name, content in named.items()} | dict(images or {}),
+        geoms=chain(visuals, (_box(scene, column) for column in columns(scene.field))),
+        files={f"{name}.obj": content for name, content in files.items()} | images,
         collisions=' group="3"',
     )
 
 
 def _height_field(scene: Scene, pixels: int) -> _Body:
-    """A height field of samples at the centres of small squares, `pixels` per side of a cell; it loses half a square.
+    """Return a height field of samples at the centres of small squares, `pixels` per side of a cell, less half a one.
 
     MuJoCo scales samples to 0..1, so the position of the geom gives the lowest one; and it puts the first and the last
     sample of a row on the sides of the field, which therefore are those of the outermost samples.
@@ -152,7 +124,13 @@ def _height_field(scene: Scene, pixels: int) -> _Body:
             f'      <geom type="hfield" hfield="{scene.name}" pos="0 0 {decimal(low)}" '
             f'material="{_material(scene, scene.recipe.top_level)}"/>\n'
         ],
-        files={f"{scene.name}.hfield": _samples((heights - low) / (high - low or 1.0))},
+        # Rows and columns, then rows of single precision from the smallest y on.
+        files={
+            f"{scene.name}.hfield": [
+                np.array(heights.shape[::-1], dtype="<i4").tobytes(),
+                ((heights - low) / (high - low or 1.0)).T.astype("<f4").tobytes(),
+            ]
+        },
     )
 
 
@@ -161,17 +139,11 @@ _BASE = 0.01
 
 
 def _sampled(field: StepField, pixels: int) -> Array:
-    """The heights of small squares; at least two along each axis, the minimum of MuJoCo."""
+    """Return the heights of small squares; at least two along each axis, the minimum of MuJoCo."""
     heights = field.heights
     for axis, cells in enumerate(field.shape):
         heights = heights.repeat(max(pixels, 3 - cells), axis=axis)
     return heights
-
-
-def _samples(heights: Array) -> Iterator[bytes]:
-    """A binary height field file: rows and columns, then rows of single precision from the smallest y on."""
-    yield np.array(heights.shape[::-1], dtype="<i4").tobytes()
-    yield heights.T.astype("<f4").tobytes()
 
 
 def _map(scene: Scene, body: _Body) -> Iterator[str]:
@@ -235,13 +207,13 @@ def _materials(scene: Scene, materials: Iterable[int]) -> Iterator[str]:
         yield f'    <material name="{_material(scene, material)}" rgba="{rgba}" specular="0.1"/>\n'
 
 
-def _material(scene: Scene, material: int) -> str:
-    """The name of a material with the map's name, so that two maps can be in one scene."""
-    return f"{scene.name}_{material_name(material)}"
+def _material(scene: Scene, material: int, part: str = "") -> str:
+    """Return the name of a material with the map's name, so that two maps can be in one scene."""
+    return f"{scene.name}_{material_name(material, part)}"
 
 
 def _box(scene: Scene, column: Column, material: str = "") -> str:
-    """The <geom> of a box; its friction is only written if it is not the map's."""
+    """Return the <geom> of a box; its friction is only written if it is not the map's."""
     friction = scene.friction_of(column.material)
     own = "" if friction == scene.friction else f" {_friction(friction)}"
     place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
@@ -249,5 +221,5 @@ def _box(scene: Scene, column: Column, material: str = "") -> str:
 
 
 def _friction(sliding: float) -> str:
-    """The friction attribute; torsional and rolling friction are left to the engine, of which some have none."""
+    """Return the friction attribute; torsional and rolling friction are left to the engine, of which some have none."""
     return f'friction="{decimal(sliding)}"'

@@ -1,23 +1,22 @@
-"""Parts of a map that several formats need: boxes of a colour, meshes split by material or texture, linear colours.
+"""Parts of a map that several formats need: boxes of a colour, faces of one material and texture, linear colours.
 
-columns        boxes on the ground, each of one material, for both visual and collision geometry: mjcf, learning
-coloured_objs  the surface in a file per material: mjcf, urdf
-textured_...   the surface in parts of one material and one texture: mjcf, glb, usd
+columns   boxes on the ground, each of one material, for both visual and collision geometry: mjcf, learning
+groups    the faces of a mesh of one material and texture: ply, glb, usd
+objs      the surface in a file per material and texture: mjcf, urdf
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from rsegen.exporters.colours import Colour, linear, rounded
-from rsegen.exporters.formats.solid import Solid
 from rsegen.exporters.gazebo.obj import PARTS, obj
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Mask, StepField
-from rsegen.geometry import Mesh, surface, texture_coordinates
+from rsegen.field.stepfield import Ints, Mask, StepField
+from rsegen.geometry import surface, texture_coordinates
 from rsegen.geometry.mesh import label_grid
 from rsegen.geometry.rectangles import merge
 
@@ -42,33 +41,27 @@ def columns(field: StepField) -> Iterator[Column]:
     return (Column(tuple(centre), tuple(size), kind) for centre, size, kind in rows)
 
 
-def coloured_objs(scene: Scene) -> Mapping[int, Iterable[bytes]]:
-    """Return an OBJ file per material of the map; the colours are in the map's MTL file in the same folder."""
-    return {material: obj([part], f"{scene.name}.mtl") for material, part in coloured(surface(scene.field))}
+def groups(materials: Ints, sides: Mask | None = None) -> Iterator[tuple[int, str, Mask]]:
+    """Yield each material of some faces with each texture that it has, `top` or `side`, and the mask of its faces.
 
-
-def textured_objs(scene: Scene) -> Iterator[tuple[int, str, Iterable[bytes]]]:
-    """Yield an OBJ file with texture coordinates per material of the map and per texture, `top` or `side`."""
-    for material, mesh in coloured(surface(scene.field)):
-        sides = texture_coordinates(mesh, scene.field).sides
-        for part, chosen in zip(PARTS, (~sides, sides), strict=True):
-            if chosen.any():
-                yield material, part, obj([mesh.part(chosen)], f"{scene.name}.mtl", scene.field)
-
-
-def coloured(mesh: Mesh) -> Iterator[tuple[int, Mesh]]:
-    """Yield each material with the mesh of its faces and the vertices that they use."""
-    for material in np.unique(mesh.materials).tolist():
-        yield material, mesh.part(mesh.materials == material)
-
-
-def textured_groups(mesh: Solid) -> Iterator[tuple[int, str, Mask]]:
-    """Yield each material with each texture that it has, and its triangles as a mask."""
-    for material in np.unique(mesh.materials).tolist():
-        for part, sides in zip(PARTS, (~mesh.sides, mesh.sides), strict=True):
-            chosen = (mesh.materials == material) & sides
+    sides: which faces have the texture of sides; without it none has a texture, and the name of the texture is empty
+    """
+    for material in np.unique(materials).tolist():
+        own = materials == material
+        for part, chosen in [("", own)] if sides is None else zip(PARTS, (own & ~sides, own & sides), strict=True):
             if chosen.any():
                 yield material, part, chosen
+
+
+def objs(scene: Scene, *, textured: bool = False) -> Iterator[tuple[int, str, Iterable[bytes]]]:
+    """Yield an OBJ file of the surface per material, whose colour is in the map's MTL file in the same folder.
+
+    textured: a file per texture too, with texture coordinates
+    """
+    mesh, field = surface(scene.field), scene.field if textured else None
+    sides = texture_coordinates(mesh, field).sides if field else None
+    for material, part, chosen in groups(mesh.materials, sides):
+        yield material, part, obj([mesh.part(chosen)], f"{scene.name}.mtl", field)
 
 
 def srgb_to_linear(colour: Colour) -> Colour:

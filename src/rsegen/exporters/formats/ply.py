@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from rsegen.exporters.formats.base import Format, Step, register
+from rsegen.exporters.formats.parts import groups
 from rsegen.exporters.formats.solid import solid
 from rsegen.exporters.scene import Scene
 from rsegen.params.extras import MESH, Extra
@@ -27,13 +28,13 @@ class Ply(Format):
 
 
 def _ply(scene: Scene) -> Iterator[bytes]:
-    """The PLY file; each colour has vertices of its own, so that colours are not interpolated."""
+    """Yield the PLY file; each colour has vertices of its own, so that colours are not interpolated."""
     from trimesh import Trimesh
     from trimesh.util import concatenate
 
-    parts = []
-    for material, part in solid(scene.field).parts():
-        parts.append(part.mesh)
+    whole, parts = solid(scene.field), []
+    for material, _, chosen in groups(whole.materials):
+        parts.append(whole.part(chosen).mesh)
         parts[-1].visual.vertex_colors = [*scene.surface_colour(material), 1.0]
     mesh: Any = concatenate(parts) if parts else Trimesh()
     yield mesh.export(file_type="ply", vertex_normal=False)

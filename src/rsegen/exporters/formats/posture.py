@@ -19,56 +19,41 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.encoded import as_json, mat, metadata, north_up, npy, recipe_json
+from rsegen.exporters.formats.encoded import as_json, mat, metadata, npy
 from rsegen.exporters.numbers import decimal
-from rsegen.exporters.scene import Scene
+from rsegen.exporters.scene import Scene, north_up
 from rsegen.field.metrics.graphs import connected, neighbours
 from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.params.sorts import NANOMETRE_DIGITS, Cell, Float, Integer, Json
+from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, Json
 from rsegen.recipe.building import placed
+from rsegen.recipe.codec import encode
 
 _BLOCK, _FRAME, _GROUND = range(3)
 """Sorts of cells, for plateaus."""
 
 
-class ObstacleCells(NamedTuple):
-    """A barrier or peak of the recipe: its number in the list, its kind, key and ends, and its cells (n_x, n_y).
+def _obstacle_cells(scene: Scene) -> Iterator[tuple[dict[str, Any], Mask]]:
+    """Yield every barrier and peak of the recipe as a dict for JSON, and its cells (n_x, n_y).
 
-    The ends count block cells without frames, as a recipe does. The cells are those in which its own level is 1 or
-    more, whatever later obstacles do there.
+    Its ends count block cells without frames, as a recipe does. Its cells are those in which its own level is 1 or
+    more, whatever later obstacles do there. A matrix and random kinds have none.
     """
-
-    number: int
-    kind: str
-    key: str
-    first: Cell
-    last: Cell
-    cells: Mask
-
-    def entry(self) -> dict[str, Json]:
-        """Return the obstacle as a dict for JSON, with the number of its cells."""
-        named = {"number": self.number, "kind": self.kind, "key": self.key}
-        return {**named, "first": list(self.first), "last": list(self.last), "cells": int(self.cells.sum())}
-
-
-def obstacle_cells(scene: Scene) -> Iterator[ObstacleCells]:
-    """Yield the cells of every barrier and peak of the recipe; a matrix and random kinds have none."""
     field, recipe = scene.field, scene.recipe
-    inside = np.ix_(field.inside(0), field.inside(1))
     for index, obstacle in recipe.enabled_obstacles:
         if isinstance(obstacle, Shaped):
             first, last, patch = placed(recipe, obstacle, scene.index)
             blocks = np.zeros(recipe.grid.shape, dtype=bool)
             blocks[patch.window] = patch.footprint
             cells = np.zeros(field.shape, dtype=bool)
-            cells[inside] = blocks
-            yield ObstacleCells(index, obstacle.kind, obstacle.key or "", first, last, cells)
+            cells[np.ix_(field.inside(0), field.inside(1))] = blocks
+            named = {"number": index, "kind": obstacle.kind, "key": obstacle.key or ""}
+            yield {**named, "first": list(first), "last": list(last), "cells": int(cells.sum())}, cells
 
 
 def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
@@ -80,27 +65,16 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
     alike = (height[a] == height[b]) & (kind[a] == kind[b])
     plateau = connected(height.size, a[alike], b[alike])
     a, b = plateau[a[~alike]], plateau[b[~alike]]
-    rise = round(limit * 10**NANOMETRE_DIGITS)
-    peaks, pits = (
-        _numbered(plateau, _beyond(sign * height, a, b, rise)[plateau] & (kind == _BLOCK)).reshape(tops.shape)
-        for sign in (1, -1)
-    )
-    return peaks[1:-1, 1:-1], pits[1:-1, 1:-1]
-
-
-def _beyond(height: Ints, a: Ints, b: Ints, rise: int) -> Mask:
-    """Return which plateaus are higher than each adjacent plateau by more than `rise`."""
-    least = np.full(height.size, np.iinfo(np.int64).max)
-    np.minimum.at(least, a, height[a] - height[b])
-    np.minimum.at(least, b, height[b] - height[a])
-    return np.asarray(least > rise)
-
-
-def _numbered(plateau: Ints, chosen: Mask) -> Ints:
-    """Return the plateau index of chosen cells, from 0 in the order of first cells; -1 for all others."""
-    indices = np.full(plateau.size, -1)
-    indices[chosen] = np.unique(plateau[chosen], return_inverse=True)[1].ravel()
-    return indices
+    peaks, pits = np.full((2, height.size), -1)
+    for indices, sign in ((peaks, 1), (pits, -1)):
+        # By how much each plateau is higher than the highest of its neighbours; upside down, lower than the lowest.
+        least = np.full(height.size, np.iinfo(np.int64).max)
+        np.minimum.at(least, a, sign * (height[a] - height[b]))
+        np.minimum.at(least, b, sign * (height[b] - height[a]))
+        chosen = (least > round(limit * 10**NANOMETRE_DIGITS))[plateau] & (kind == _BLOCK)
+        # Plateaus count from 0 in the order of their first cells.
+        indices[chosen] = np.unique(plateau[chosen], return_inverse=True)[1].ravel()
+    return peaks.reshape(tops.shape)[1:-1, 1:-1], pits.reshape(tops.shape)[1:-1, 1:-1]
 
 
 COLUMNS = {
@@ -190,105 +164,80 @@ class Posture(Format):
         """Bytes of the raster, for every cell."""
         return 8 * self.per_block**2
 
-    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """Arrays with axis 0 along x, tables of heights north up, and metadata; lengths in metres."""
-        features = self._features(scene)
-        raster = scene.field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
-        variables = {"raster": raster, **self._variables(features)}
-        head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
-        return {
-            "raster.npy": [npy(raster)],
-            "raster.csv": north_up(scene.field.heights, head, self.per_block),
-            "edges.csv": _table(COLUMNS, (map(decimal, row) for row in features.edges.tolist())),
-            "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], features.tagged()),
-            **({} if self.left_out else {"posture.mat": [mat(variables)]}),
-            "posture.json": [as_json(self._metadata(features))],
-        }
-
-    def _features(self, scene: Scene) -> _Features:
-        field = scene.field
-        limit = field.unit if self.climb_cm is None else self.climb_cm / 100
-        peaks, pits = peaks_and_pits(field, limit)
-        return _Features(scene, limit, edges(field), tuple(obstacle_cells(scene)), peaks, pits)
-
     def _pose(self, field: StepField, side: int) -> dict[str, Json]:
-        """Return the start pose, west of the map (side -1), or the goal pose, east of it (side 1), both heading
-        east.
-        """
+        """Return the start pose, west of the map (side -1), or the goal pose, east of it (side 1); both head east."""
         x = side * (field.extent[0] / 2 + self.clearance_cm / 100)
         return {"x": round(x, NANOMETRE_DIGITS), "y": 0.0, "z": 0.0, "yaw": 0.0}
 
-    def _variables(self, features: _Features) -> dict[str, object]:
-        """Return the variables for MATLAB, in which plateaus are numbered from 1, and 0 is none."""
-        # Texts as arrays of objects become cell arrays; masks of obstacles are stacked along a third axis.
-        field = features.scene.field
-        return {
+    def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
+        """Return arrays with axis 0 along x, tables of heights north up, and metadata; lengths in metres."""
+        field = scene.field
+        limit = field.unit if self.climb_cm is None else self.climb_cm / 100
+        peaks, pits = peaks_and_pits(field, limit)
+        obstacles, lines = list(_obstacle_cells(scene)), edges(field)
+        named = [obstacle for obstacle, _ in obstacles]
+        raster = field.heights.repeat(self.per_block, axis=0).repeat(self.per_block, axis=1)
+        start, goal = (self._pose(field, side) for side in (-1, 1))
+        # For MATLAB: texts as arrays of objects become cell arrays; masks of obstacles are stacked along a third axis,
+        # also if there are none; plateaus are numbered from 1, and 0 is none.
+        masks = np.array([cells for _, cells in obstacles], dtype=bool)
+        variables = {
+            "raster": raster,
             "levels": field.levels,
             "heights": field.heights,
             "frame": field.frame,
             "cells_per_block": self.per_block,
             "unit": field.unit,
             "block_width": field.block_width,
-            "edges": features.edges,
+            "edges": lines,
             "edge_columns": np.array(list(COLUMNS), dtype=object),
-            "start": [list(self._pose(field, -1).values())],
-            "goal": [list(self._pose(field, 1).values())],
-            "shapes": _stacked([shape.cells for shape in features.shapes], field),
-            "shape_kinds": np.array([shape.kind for shape in features.shapes], dtype=object),
-            "peaks": features.peaks + 1,
-            "pits": features.pits + 1,
-            "limit": features.limit,
-            "seed": np.int64(features.scene.recipe.seed),
-            "name": features.scene.name,
+            "start": [list(start.values())],
+            "goal": [list(goal.values())],
+            "shapes": np.moveaxis(masks.reshape(len(obstacles), *field.shape), 0, 2),
+            "shape_kinds": np.array([obstacle["kind"] for obstacle in named], dtype=object),
+            "peaks": peaks + 1,
+            "pits": pits + 1,
+            "limit": limit,
+            "seed": np.int64(scene.recipe.seed),
+            "name": scene.name,
         }
-
-    def _metadata(self, features: _Features) -> dict[str, Json]:
-        scene = features.scene
         # Every file is explained here, as no other program writes this format.
-        plateaus = {tag: int(where.max()) + 1 for tag, where in (("peaks", features.peaks), ("pits", features.pits))}
-        return {
+        about: dict[str, Json] = {
             **metadata(scene),
             "cells_per_block": self.per_block,
-            "cell_m": scene.field.block_width / self.per_block,
+            "cell_m": field.block_width / self.per_block,
             "raster": _RASTER,
-            "start": self._pose(scene.field, -1),
-            "goal": self._pose(scene.field, 1),
+            "start": start,
+            "goal": goal,
             "poses": "metres and radians; on the flat ground, which goes on around the map; yaw 0 heads along +x",
-            "edges": {"count": len(features.edges), "columns": COLUMNS},
+            "edges": {"count": len(lines), "columns": COLUMNS},
             "tags": {
                 "columns": _TAGS,
-                "limit_m": features.limit,
-                "recipe": [shape.entry() for shape in features.shapes],
-                "field": plateaus,
+                "limit_m": limit,
+                "recipe": named,
+                "field": {"peaks": int(peaks.max()) + 1, "pits": int(pits.max()) + 1},
             },
-            "recipe": recipe_json(scene),
+            "recipe": encode(scene.alone),
+        }
+        head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
+        return {
+            "raster.npy": [npy(raster)],
+            "raster.csv": north_up(field.heights, head, self.per_block),
+            "edges.csv": _table(COLUMNS, (map(decimal, row) for row in lines.tolist())),
+            "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], _tagged(field, obstacles, peaks, pits)),
+            **({} if self.left_out else {"posture.mat": [mat(variables)]}),
+            "posture.json": [as_json(about)],
         }
 
 
-class _Features(NamedTuple):
-    """Edges, obstacle cells, peaks and pits of a map, computed once for all files; limit: metres."""
-
-    scene: Scene
-    limit: float
-    edges: Array
-    shapes: tuple[ObstacleCells, ...]
-    peaks: Ints
-    pits: Ints
-
-    def tagged(self) -> Iterator[tuple[str, ...]]:
-        """Yield the rows of tags.csv: cells of the recipe's obstacles, then of peaks, then of pits."""
-        levels = self.scene.field.levels
-        for shape in self.shapes:
-            for i, j in np.argwhere(shape.cells).tolist():
-                yield str(i), str(j), str(levels[i, j]), shape.kind, "recipe", str(shape.number)
-        for tag, where in (("peak", self.peaks), ("pit", self.pits)):
-            for i, j in np.argwhere(where >= 0).tolist():
-                yield str(i), str(j), str(levels[i, j]), tag, "field", str(where[i, j])
-
-
-def _stacked(masks: Sequence[Mask], field: StepField) -> Mask:
-    """Return masks stacked to (n_x, n_y, number of masks), also if there are none."""
-    return np.moveaxis(np.array(masks, dtype=bool).reshape(len(masks), *field.shape), 0, 2)
+def _tagged(
+    field: StepField, obstacles: Sequence[tuple[dict[str, Any], Mask]], peaks: Ints, pits: Ints
+) -> Iterator[list[str]]:
+    """Yield the rows of tags.csv: cells of the recipe's obstacles, then of peaks, then of pits."""
+    tags = [(named["kind"], "recipe", np.where(cells, named["number"], -1)) for named, cells in obstacles]
+    for tag, source, numbers in (*tags, ("peak", "field", peaks), ("pit", "field", pits)):
+        for i, j in np.argwhere(numbers >= 0).tolist():
+            yield [str(i), str(j), str(field.levels[i, j]), tag, source, str(numbers[i, j])]
 
 
 def _table(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> Iterator[bytes]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
@@ -16,10 +16,9 @@ from rsegen.exporters.gazebo import sdf, single
 from rsegen.exporters.ros2.elevation import layer_files
 from rsegen.exporters.ros2.package import common_files
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import StepField
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Json, Text
 from rsegen.params.streams import generator
-from rsegen.standing.kinds import ROBOTS, Standing
+from rsegen.standing.kinds import ROBOTS
 from rsegen.standing.spots import spots
 
 _DROP_HEIGHT = 0.1
@@ -76,43 +75,39 @@ class Ros2(Format):
         return self.package or ""
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The files of the package, in a folder of its name."""
+        """Return the files of the package, in a folder of its name."""
         package = self.package or package_name(scene.name)
         common = common_files(package, self._robot_files(), self.robot or "none")
         contents: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common.items()}
-        contents |= _model(scene)
+        # The map's model, as of mesh type `single`; the package has a world of its own.
+        model = {path: content for path, content in single.files(scene).items() if path != f"{scene.name}.world"}
+        contents |= {f"models/{scene.name}/{path}": content for path, content in model.items()}
         contents |= urdf_files(scene, f"urdf/{scene.name}/", f"package://{package}/urdf/{scene.name}/")
         contents |= {f"maps/{scene.name}/{path}": content for path, content in self._map(scene).items()}
         contents[f"worlds/{scene.name}.world"] = sdf.utf8(sdf.world(scene, [_INCLUDE.format(name=scene.name)]))
         return {f"{package}/{path}": content for path, content in contents.items()}
 
     def _robot_files(self) -> dict[str, Mapping[str, str]]:
-        """The files of rsegen's own robots, and of the one that is spawned by default, by their kinds."""
-        robots: dict[str, Standing] = {robot.kind: robot for robot in ROBOTS.own()}
-        if self.robot is not None:
-            robots[self.robot] = ROBOTS[self.robot]
-        described = {kind: robots[kind].ros_files() for kind in sorted(robots)}
-        return {kind: texts for kind, texts in described.items() if texts}
+        """Return the files of rsegen's own robots, and of the one that is spawned by default, by their kinds."""
+        kinds = {robot.kind for robot in ROBOTS.own()} | ({self.robot} if self.robot else set())
+        return {kind: texts for kind in sorted(kinds) if (texts := ROBOTS[kind].ros_files())}
 
     def _map(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The occupancy grid, the layers of a grid_map, which have the default margin, and the start poses."""
+        """Return the occupancy grid, the layers of a grid_map, which have the default margin, and the start poses."""
         margin = min(_MARGIN, _MOST_CELLS * scene.field.block_width) * 100
         plain = Occupancy(climb_cm=self.climb_cm, margin_cm=margin)
         grid = plain if self.margin_cm is None else replace(plain, margin_cm=self.margin_cm)
-        poses = {"ground": self._on_ground(scene.field), **self._on_spot(scene)}
+        # On the ground west of the map, heading east.
+        x = round(-scene.field.extent[0] / 2 - self.clearance_cm / 100, NANOMETRE_DIGITS)
+        ground = dict(zip(_POSE, (x, 0.0, _DROP_HEIGHT, 0.0, 0.0, 0.0), strict=True))
         return {
             **grid.files(scene),
             **layer_files(scene, plain.margin(scene.field)),
-            "start_poses.json": [as_json(poses)],
+            "start_poses.json": [as_json({"ground": ground, **self._on_spot(scene)})],
         }
 
-    def _on_ground(self, field: StepField) -> dict[str, Json]:
-        """The pose on the ground west of the map, heading east, metres and radians."""
-        x = -field.extent[0] / 2 - self.clearance_cm / 100
-        return dict(zip(_POSE, (round(x, NANOMETRE_DIGITS), 0.0, _DROP_HEIGHT, 0.0, 0.0, 0.0), strict=True))
-
     def _on_spot(self, scene: Scene) -> dict[str, Json]:
-        """The pose of the robot on a spot of the map, by its kind; nothing if the map has none."""
+        """Return the pose of the robot on a spot of the map, by its kind; nothing if the map has none."""
         if self.robot is None:
             return {}
         rng = generator(scene.recipe.seed, scene.index, "start pose")
@@ -128,16 +123,9 @@ _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 def package_name(name: str) -> str:
-    """A map's name as a ROS package name (REP 144): lower case, digits, single underscores, a letter first."""
+    """Return a map's name as a ROS package name (REP 144): lower case, digits, single underscores, a letter first."""
     plain = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     return plain if plain[:1].isalpha() else f"map_{plain}"
-
-
-def _model(scene: Scene) -> Iterator[tuple[str, Iterable[bytes]]]:
-    """The files of the map's model, made by mesh type `single`; the package has a world of its own."""
-    for path, content in single.files(scene).items():
-        if path != f"{scene.name}.world":
-            yield f"models/{scene.name}/{path}", content
 
 
 _INCLUDE = """\

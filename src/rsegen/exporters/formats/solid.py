@@ -10,7 +10,6 @@ a vertical edge, four faces would then meet in it. So the faces of one of the bl
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,15 +22,15 @@ from rsegen.geometry import TILES, texture_coordinates, watertight
 class Solid(NamedTuple):
     """A mesh: vertices (n, 3) in metres, z up; triangles (m, 3), counterclockwise from outside; materials (m,).
 
-    sides: (m,) and coordinates: (m, 3, 2), the texture and the texture coordinates of the corners, in images; both
-    empty if it has none.
+    sides: (m,) and coordinates: (m, 3, 2), the texture and the texture coordinates of the corners, in images; without
+    textures these are (m, 3, 0).
     """
 
     vertices: Array
     triangles: Ints
     materials: Ints
-    sides: Mask = np.zeros(0, dtype=bool)
-    coordinates: Array = np.zeros((0, 3, 2))
+    sides: Mask
+    coordinates: Array
 
     @property
     def mesh(self) -> Any:
@@ -40,20 +39,11 @@ class Solid(NamedTuple):
 
         return trimesh.Trimesh(self.vertices, self.triangles, process=False)
 
-    def parts(self) -> Iterator[tuple[int, Solid]]:
-        """Yield each material with the mesh of its triangles, which has vertices of its own."""
-        for material in np.unique(self.materials).tolist():
-            yield material, self.of([material])
-
-    def of(self, materials: Sequence[int]) -> Solid:
-        """Return the mesh of the triangles of some materials, with vertices of its own."""
-        chosen = np.isin(self.materials, materials)
-        used, corners = np.unique(self.triangles[chosen], return_inverse=True)
-        triangles = corners.reshape(-1, 3)
-        if not len(self.sides):
-            return Solid(self.vertices[used], triangles, self.materials[chosen])
-        own = self.sides[chosen], self.coordinates[chosen]
-        return Solid(self.vertices[used], triangles, self.materials[chosen], *own)
+    def part(self, which: Mask) -> Solid:
+        """Return the mesh of the triangles in a mask (m,), with vertices of its own."""
+        used, corners = np.unique(self.triangles[which], return_inverse=True)
+        own = self.materials[which], self.sides[which], self.coordinates[which]
+        return Solid(self.vertices[used], corners.reshape(-1, 3), *own)
 
 
 def solid(field: StepField, *, textured: bool = False) -> Solid:
@@ -70,10 +60,11 @@ def solid(field: StepField, *, textured: bool = False) -> Solid:
     edge = np.unique(_numbered(places[edges], len(places)), return_inverse=True)[1].reshape(own.shape)
     lowest = np.full(own.size, np.iinfo(np.int64).max)
     np.minimum.at(lowest, edge, own)
-    closed = Solid(mesh.vertices, mesh.triangles, mesh.materials)
+    sides, coordinates = np.zeros(len(mesh.triangles), dtype=bool), np.zeros((len(mesh.triangles), 3, 0))
     if textured:
         texture = texture_coordinates(mesh, field)
-        closed = closed._replace(sides=texture.sides, coordinates=texture.values[texture.corners] / TILES)
+        sides, coordinates = texture.sides, texture.values[texture.corners] / TILES
+    closed = Solid(mesh.vertices, mesh.triangles, mesh.materials, sides, coordinates)
     return _bisected(closed, own, own != lowest[edge])
 
 
@@ -92,12 +83,9 @@ def _bisected(mesh: Solid, edges: Ints, chosen: Ints) -> Solid:
     vertices = np.concatenate([mesh.vertices, middles.reshape(len(known), 3)])
     triangles = _halved(mesh.triangles, cut, side, len(mesh.vertices) + edge.ravel())
     faces = np.concatenate([np.delete(np.arange(len(mesh.triangles)), cut), cut, cut])
-    made = Solid(vertices, triangles, mesh.materials[faces])
-    if not len(mesh.sides):
-        return made
     between = (mesh.coordinates[cut, side] + mesh.coordinates[cut, (side + 1) % 3]) / 2
     coordinates = _halved(mesh.coordinates, cut, side, between)
-    return made._replace(sides=mesh.sides[faces], coordinates=coordinates)
+    return Solid(vertices, triangles, mesh.materials[faces], mesh.sides[faces], coordinates)
 
 
 def _halved(corners: NDArray[Any], cut: Ints, side: Ints, middle: NDArray[Any]) -> NDArray[Any]:

@@ -7,17 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import chain
 from typing import Annotated, ClassVar
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.parts import coloured_objs
-from rsegen.exporters.gazebo.obj import material_name, plain_mtl
+from rsegen.exporters.formats.parts import objs
+from rsegen.exporters.gazebo.obj import material_name, mtl
 from rsegen.exporters.gazebo.sdf import numbers, utf8
 from rsegen.exporters.gazebo.shapes import split_by_friction
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import StepField
 from rsegen.geometry import boxes
 from rsegen.params.sorts import Flag
 
@@ -35,23 +33,23 @@ class Urdf(Format):
     ] = False
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
-        """The URDF file, and the visual meshes in the folder meshes."""
+        """Return the URDF file, and the visual meshes in the folder meshes."""
         return urdf_files(scene, world=self.world)
 
 
 def urdf_files(scene: Scene, folder: str = "", root: str = "", *, world: bool = False) -> dict[str, Iterable[bytes]]:
-    """The files of a map's URDF below `folder`; its mesh URIs start with `root`, else they are relative to the file.
+    """Return the files of a map's URDF below `folder`; its mesh URIs start with `root`, or are relative to the file.
 
     world: hold the map by a joint to a link of that name
     """
-    objs = coloured_objs(scene)
-    meshes = {folder + _mesh(scene, material): content for material, content in objs.items()}
-    colours = {f"{folder}meshes/{scene.name}.mtl": plain_mtl(scene)} if meshes else {}
-    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, objs, root, world=world)), **meshes, **colours}
+    surfaces = {material: content for material, _, content in objs(scene)}
+    meshes = {folder + _mesh(scene, material): content for material, content in surfaces.items()}
+    colours = {f"{folder}meshes/{scene.name}.mtl": mtl(scene, textured=False)} if meshes else {}
+    return {f"{folder}{scene.name}.urdf": utf8(_robot(scene, surfaces, root, world=world)), **meshes, **colours}
 
 
 def _robot(scene: Scene, materials: Iterable[int], root: str, *, world: bool) -> Iterator[str]:
-    """The URDF text: one link per friction coefficient; the first has the map's name and all visual meshes."""
+    """Yield the URDF text: one link per friction coefficient; the first has the map's name and all visual meshes."""
     hint = "" if root else "\n     In a ROS package, write package://PACKAGE/PATH/meshes/ for meshes/."
     yield f"""\
 <?xml version="1.0"?>
@@ -61,24 +59,32 @@ def _robot(scene: Scene, materials: Iterable[int], root: str, *, world: bool) ->
     if world:
         yield '  <link name="world"/>\n'
         yield _joint("world", scene.name)
-    visuals = [_visual(scene, material, root) for material in materials]
     for index, (friction, field) in enumerate(split_by_friction(scene, scene.field)):
         name = f"{scene.name}_friction_{decimal(friction)}" if index else scene.name
-        yield from _link(name, friction, chain([] if index else visuals, _collisions(field)))
-        if index:
-            yield _joint(scene.name, name)
-    yield "</robot>\n"
-
-
-def _link(name: str, friction: float, shapes: Iterable[str]) -> Iterator[str]:
-    """The text of a link; Bullet reads friction from <contact>, and takes a link without a mass for one of 1 kg."""
-    yield f"""\
+        # Bullet reads friction from <contact>, and takes a link without a mass for one of 1 kg.
+        yield f"""\
   <link name="{name}">
     <inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
     <contact><lateral_friction value="{decimal(friction)}"/></contact>
 """
-    yield from shapes
-    yield "  </link>\n"
+        for material in () if index else materials:
+            rgba = numbers((*scene.surface_colour(material), 1))
+            yield f"""\
+    <visual name="{material_name(material)}">
+      <geometry><mesh filename="{root}{_mesh(scene, material)}"/></geometry>
+      <material name="{scene.name}_{material_name(material)}"><color rgba="{rgba}"/></material>
+    </visual>
+"""
+        cut = boxes(field)
+        for size, centre in zip(cut.sizes.tolist(), cut.centres.tolist(), strict=True):
+            yield f"""\
+    <collision>
+      <origin xyz="{numbers(centre)}"/>
+      <geometry><box size="{numbers(size)}"/></geometry>
+    </collision>
+"""
+        yield "  </link>\n" + (_joint(scene.name, name) if index else "")
+    yield "</robot>\n"
 
 
 def _joint(parent: str, child: str) -> str:
@@ -87,27 +93,6 @@ def _joint(parent: str, child: str) -> str:
     <parent link="{parent}"/>
     <child link="{child}"/>
   </joint>
-"""
-
-
-def _visual(scene: Scene, material: int, root: str) -> str:
-    rgba = numbers((*scene.surface_colour(material), 1))
-    return f"""\
-    <visual name="{material_name(material)}">
-      <geometry><mesh filename="{root}{_mesh(scene, material)}"/></geometry>
-      <material name="{scene.name}_{material_name(material)}"><color rgba="{rgba}"/></material>
-    </visual>
-"""
-
-
-def _collisions(field: StepField) -> Iterator[str]:
-    cut = boxes(field)
-    for size, centre in zip(cut.sizes.tolist(), cut.centres.tolist(), strict=True):
-        yield f"""\
-    <collision>
-      <origin xyz="{numbers(centre)}"/>
-      <geometry><box size="{numbers(size)}"/></geometry>
-    </collision>
 """
 
 

@@ -16,9 +16,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.exporters.formats.base import Format, Step, register
-from rsegen.exporters.formats.parts import srgb_to_linear, textured_groups
+from rsegen.exporters.formats.parts import groups, srgb_to_linear
 from rsegen.exporters.formats.solid import Solid, solid
-from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name, textured_name
+from rsegen.exporters.gazebo.obj import material_name, texture_files, texture_name
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.params.extras import USD, Extra
@@ -37,35 +37,36 @@ def _bind(root: Any, scene: Scene, mesh: Any, surface: Solid) -> None:
         st.Set(Vt.Vec2fArray.FromNumpy(values.astype(np.float32)))
         st.SetIndices(Vt.IntArray.FromNumpy(index.ravel().astype(np.int32)))
     binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
-    kinds = ((material, "", surface.materials == material) for material in np.unique(surface.materials).tolist())
-    for material, part, chosen in textured_groups(surface) if textured else kinds:
+    for material, part, chosen in groups(surface.materials, surface.sides if textured else None):
         faces = Vt.IntArray.FromNumpy(np.flatnonzero(chosen).astype(np.int32))
-        name = textured_name(material, part) if textured else material_name(material)
-        subset = binding.CreateMaterialBindSubset(name, faces)
-        look = _textured_material(root, scene, material, part) if textured else _material(root, scene, material)
-        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(look)
+        subset = binding.CreateMaterialBindSubset(material_name(material, part), faces)
+        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(_material(root, scene, material, part))
     binding.SetMaterialBindSubsetsFamilyType(UsdGeom.Tokens.partition)
 
 
-def _textured_material(root: Any, scene: Scene, material: int, part: str) -> Any:
-    """Return the material of a surface without gloss: an image times the tint of the material."""
+def _material(root: Any, scene: Scene, material: int, part: str) -> Any:
+    """Return the material of a surface without gloss: of its tint, times the image of its texture if it has one."""
     from pxr import Gf, Sdf, UsdShade
 
-    types, (stage, path) = Sdf.ValueTypeNames, _look(root, textured_name(material, part))
-    result = UsdShade.Material.Define(stage, path)
+    types, (stage, path) = Sdf.ValueTypeNames, _look(root, material_name(material, part))
+    result, tint = UsdShade.Material.Define(stage, path), srgb_to_linear(scene.tint(material))
     # Three shaders in a row: texture coordinates -> image -> surface.
-    reader = _shader(stage, path.AppendChild("st"), "UsdPrimvarReader_float2")
-    reader.CreateInput("varname", types.String).Set("st")
-    image = _shader(stage, path.AppendChild("image"), "UsdUVTexture")
-    image.CreateInput("file", types.Asset).Set(f"./{texture_name(scene, part)}")
-    image.CreateInput("sourceColorSpace", types.Token).Set("sRGB")
-    for wrap in ("wrapS", "wrapT"):
-        image.CreateInput(wrap, types.Token).Set("repeat")
-    image.CreateInput("scale", types.Float4).Set(Gf.Vec4f(*srgb_to_linear(scene.tint(material)), 1))
-    image.CreateInput("st", types.Float2).ConnectToSource(reader.CreateOutput("result", types.Float2))
+    if part:
+        reader = _shader(stage, path.AppendChild("st"), "UsdPrimvarReader_float2")
+        reader.CreateInput("varname", types.String).Set("st")
+        image = _shader(stage, path.AppendChild("image"), "UsdUVTexture")
+        image.CreateInput("file", types.Asset).Set(f"./{texture_name(scene, part)}")
+        image.CreateInput("sourceColorSpace", types.Token).Set("sRGB")
+        for wrap in ("wrapS", "wrapT"):
+            image.CreateInput(wrap, types.Token).Set("repeat")
+        image.CreateInput("scale", types.Float4).Set(Gf.Vec4f(*tint, 1))
+        image.CreateInput("st", types.Float2).ConnectToSource(reader.CreateOutput("result", types.Float2))
     surface = _shader(stage, path.AppendChild("preview"), "UsdPreviewSurface")
     colour = surface.CreateInput("diffuseColor", types.Color3f)
-    colour.ConnectToSource(image.CreateOutput("rgb", types.Float3))
+    if part:
+        colour.ConnectToSource(image.CreateOutput("rgb", types.Float3))
+    else:
+        colour.Set(Gf.Vec3f(*tint))
     surface.CreateInput("roughness", types.Float).Set(1.0)
     result.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
     return result
@@ -96,25 +97,21 @@ class Usd(Format):
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Return a USD file, and the images of its textures if the recipe's look has any."""
         images = texture_files(scene) if scene.field.stands() else {}
-        if self.binary:
-            return {f"{scene.name}.usdc": _binary(scene), **images}
-        return {f"{scene.name}.usda": _text(scene), **images}
+        return {f"{scene.name}.usd{'c' if self.binary else 'a'}": _layer(scene, binary=self.binary), **images}
 
 
 def prim_name(name: str) -> str:
-    """The name of a map as a USD prim name: letters, digits and _, no digit first."""
+    """Return the name of a map as a USD prim name: letters, digits and _, no digit first."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return f"_{plain}" if plain[0].isdigit() else plain
 
 
-def _text(scene: Scene) -> Iterator[bytes]:
+def _layer(scene: Scene, *, binary: bool) -> Iterator[bytes]:
+    """Yield the bytes of a layer; of a binary one by way of a temporary file, the only target that pxr supports."""
     stage = _stage(scene)  # which keeps its layer alive
-    yield stage.GetRootLayer().ExportToString().encode()
-
-
-def _binary(scene: Scene) -> Iterator[bytes]:
-    """The bytes of a binary layer, by way of a temporary file, the only target that pxr supports."""
-    stage = _stage(scene)
+    if not binary:
+        yield stage.GetRootLayer().ExportToString().encode()
+        return
     with TemporaryDirectory() as folder:
         path = Path(folder) / "map.usdc"
         stage.GetRootLayer().Export(str(path))
@@ -123,7 +120,7 @@ def _binary(scene: Scene) -> Iterator[bytes]:
 
 
 def _stage(scene: Scene) -> Any:
-    """The stage with the map as default prim, an Xform of its name, and without a physics scene."""
+    """Return the stage with the map as default prim, an Xform of its name, and without a physics scene."""
     from pxr import Kind, Usd, UsdGeom
 
     stage = Usd.Stage.CreateInMemory()
@@ -134,7 +131,12 @@ def _stage(scene: Scene) -> Any:
     Usd.ModelAPI(root).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
     surface = solid(scene.field, textured=scene.recipe.is_textured)
-    for index, (friction, part) in enumerate(_by_friction(scene, surface)):
+    # Each friction coefficient with its part of the surface; most often there is only one.
+    frictions = [
+        (friction, surface if materials is None else surface.part(np.isin(surface.materials, materials)))
+        for friction, materials in scene.by_friction(scene.field)
+    ]
+    for index, (friction, part) in enumerate(pair for pair in frictions if len(pair[1].triangles)):
         own = f"friction_{decimal(friction).replace('.', '_')}" if index else "friction"
         mesh = _mesh(root, scene, part, f"surface_{own}" if index else "surface")
         _bind(root, scene, mesh, part)
@@ -142,16 +144,8 @@ def _stage(scene: Scene) -> Any:
     return stage
 
 
-def _by_friction(scene: Scene, surface: Solid) -> Iterator[tuple[float, Solid]]:
-    """Yield each friction coefficient with its part of a surface; most often there is only one."""
-    for friction, materials in scene.by_friction(scene.field):
-        part = surface if materials is None else surface.of(materials)
-        if len(part.triangles):
-            yield friction, part
-
-
 def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
-    """A mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
+    """Return a mesh prim: triangles with a colour and a normal each, in single precision, as in USD."""
     from pxr import UsdGeom, Vt
 
     # Everything that viewers need even if they know no materials: points, faces, normals, a colour per face.
@@ -175,22 +169,8 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     return mesh
 
 
-def _material(root: Any, scene: Scene, kind: int) -> Any:
-    """The material of a matte surface of one colour."""
-    from pxr import Gf, Sdf, UsdShade
-
-    stage, path = _look(root, material_name(kind))
-    material = UsdShade.Material.Define(stage, path)
-    shader = _shader(stage, path.AppendChild("preview"), "UsdPreviewSurface")
-    colour = Gf.Vec3f(*srgb_to_linear(scene.colour(kind)))
-    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(colour)
-    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(1.0)
-    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
-    return material
-
-
 def _look(root: Any, name: str) -> tuple[Any, Any]:
-    """The stage, and the path of a material of a name in the scope of materials."""
+    """Return the stage, and the path of a material of a name in the scope of materials."""
     from pxr import UsdGeom
 
     stage, looks = root.GetPrim().GetStage(), root.GetPath().AppendChild("Looks")

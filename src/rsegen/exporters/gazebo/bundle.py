@@ -1,7 +1,4 @@
-"""The bundle of one map: its files as bytes, before they are written.
-
-Scene --export--> Bundle
-"""
+"""The bundle of one map: its files as bytes, before they are written."""
 
 from __future__ import annotations
 
@@ -23,20 +20,20 @@ class MeshType(Protocol):
     """A way to make models of a map: a module of this package with these three functions."""
 
     def files(self, scene: Scene) -> dict[str, Iterable[bytes]]:
-        """The world file and all other files that it needs."""
+        """Return the world file and all other files that it needs."""
 
     def model_count(self, scene: Scene) -> int:
-        """The number of models in the world."""
+        """Return the number of models in the world."""
 
     def collision_count(self, scene: Scene) -> int:
-        """The number of collision shapes in the world."""
+        """Return the number of collision shapes in the world."""
 
 
 MESH_TYPES: Mapping[str, MeshType] = {"single": single, "multi": multi, "pallet": pallet}
 
 
 def export(scene: Scene) -> Bundle:
-    """All files of a map: world and models by its mesh type, levels, the map's own recipe, the constraint report."""
+    """Return all files of a map: world and models by its mesh type, levels, its recipe, the constraint report."""
     files = MESH_TYPES[scene.recipe.mesh_type].files(scene)
     files["levels.csv"] = csv(scene.field)
     if scene.recipe.is_constrained:

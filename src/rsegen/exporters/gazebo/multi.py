@@ -17,8 +17,17 @@ from rsegen.params.sorts import NANOMETRE_DIGITS
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """Return the world file, generated while it is written, and the meshes of textured blocks."""
-    return {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene))), **_mesh_files(scene)}
+    """Return the world file, generated while it is written, and the meshes of textured blocks, VARIANTS per level."""
+    contents: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene)))}
+    for material in _heights(scene.field) if scene.recipe.is_textured else ():
+        for variant in range(VARIANTS):
+            # A row of cells with one block or frame, whose cell decides its texture.
+            levels, frame = np.zeros((VARIANTS, 1), dtype=np.int16), np.zeros((VARIANTS, 1), dtype=bool)
+            levels[variant], frame[variant] = material, not material
+            block = replace(scene.field, levels=levels, frame=frame)
+            mesh = obj([surface(block)], f"{scene.name}.mtl", block)
+            contents[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
+    return contents | (shapes.material_files(scene) if len(contents) > 1 else {})
 
 
 def model_count(scene: Scene) -> int:
@@ -34,7 +43,7 @@ def collision_count(scene: Scene) -> int:
 
 
 def boxes(scene: Scene) -> Iterator[str]:
-    """The SDF text of one model per cell above the ground, row by row of x.
+    """Yield the SDF text of one model per cell above the ground, row by row of x.
 
     Names are `block_X_Y` by block cell, `frame_I_J` by cell with frames counted.
     """
@@ -54,7 +63,7 @@ def boxes(scene: Scene) -> Iterator[str]:
 
 
 def _heights(field: StepField) -> dict[int, float]:
-    """The height of every material in metres, except those at z = 0."""
+    """Return the height of every material in metres, except those at z = 0."""
     heights = {level: level * field.unit or field.frame_height for level in [0, *field.level_counts()]}
     return {material: height for material, height in heights.items() if round(height, NANOMETRE_DIGITS)}
 
@@ -65,41 +74,22 @@ for one pair; each is a mesh file."""
 
 
 def _templates(scene: Scene, material: int, height: float) -> list[str]:
-    """The models of a box, one per variant, each with three placeholders: its name, x and y."""
-    size = (scene.field.block_width, scene.field.block_width, height)
-    collision = sdf.box("collision", size)._replace(friction=scene.friction_of(material))
+    """Return the models of a box, one per variant, each with three placeholders: its name, x and y."""
+    width = scene.field.block_width
+    collision = sdf.box("collision", (width, width, height))._replace(friction=scene.friction_of(material))
+    visual = sdf.box("visual", (width, width, height))._replace(material=sdf.material(scene.colour(material)))
+    visuals = [visual] * VARIANTS
     if scene.recipe.is_textured:
-        visuals = [_textured(scene, material, height, variant) for variant in range(VARIANTS)]
-    else:
-        visuals = [sdf.box("visual", size)._replace(material=sdf.material(scene.colour(material)))] * VARIANTS
+        # A mesh has its block in one of several cells, and is moved until that is in the middle.
+        visuals = [
+            sdf.mesh("visual", f"meshes/{_mesh_name(scene, material, variant)}")._replace(
+                centre=((VARIANTS - 1 - 2 * variant) / 2 * width, 0, -height / 2)
+            )
+            for variant in range(VARIANTS)
+        ]
     place = f"%s %s {decimal(height / 2)}"
     return ["".join(sdf.model("%s", [visual], [collision], place)) for visual in visuals]
 
 
-def _textured(scene: Scene, material: int, height: float, variant: int) -> sdf.Shape:
-    """The visual of a block as a mesh, which stands where `_block` has it."""
-    x = (VARIANTS - 1 - 2 * variant) / 2 * scene.field.block_width
-    shape = sdf.mesh("visual", f"meshes/{_mesh_name(scene, material, variant)}")
-    return shape._replace(centre=(x, 0, -height / 2))
-
-
-def _mesh_files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The meshes of textured blocks, VARIANTS per level, and their materials."""
-    contents: dict[str, Iterable[bytes]] = {}
-    for material in _heights(scene.field) if scene.recipe.is_textured else ():
-        for variant in range(VARIANTS):
-            block = _block(scene.field, material, variant)
-            mesh = obj([surface(block)], f"{scene.name}.mtl", block)
-            contents[f"meshes/{_mesh_name(scene, material, variant)}"] = mesh
-    return contents | (shapes.material_files(scene) if contents else {})
-
-
 def _mesh_name(scene: Scene, material: int, variant: int) -> str:
     return f"{scene.name}_{material_name(material)}_{variant}.obj"
-
-
-def _block(field: StepField, material: int, variant: int) -> StepField:
-    """A row of VARIANTS cells with one block or frame in the cell `variant`, which decides its texture."""
-    levels, frame = np.zeros((VARIANTS, 1), dtype=np.int16), np.zeros((VARIANTS, 1), dtype=bool)
-    levels[variant], frame[variant] = material, not material
-    return replace(field, levels=levels, frame=frame)

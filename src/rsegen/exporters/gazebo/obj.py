@@ -12,7 +12,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.exporters.colours import Colour
 from rsegen.exporters.numbers import decimal
 from rsegen.exporters.scene import Scene
 from rsegen.exporters.textures.looks import textures
@@ -28,48 +27,45 @@ STRIP = 2**15
 
 
 def obj(meshes: Iterable[Mesh], mtl_name: str, textured: StepField | None = None) -> Iterator[bytes]:
-    """The OBJ file of meshes, one after the other, with the materials of the file `mtl_name` in the same folder.
+    """Yield the OBJ file of meshes, one after the other, with the materials of the file `mtl_name` in the same folder.
 
     With the field `textured`, of which they are meshes, they have texture coordinates.
     """
     yield f"# metres, z up; made by rsegen\nmtllib {mtl_name}\n".encode()
     yield "".join(f"vn {x} {y} {z}\n" for x, y, z in NORMALS).encode()
+    # OBJ counts vertices and texture coordinates from the beginning of the file, so over all meshes.
     vertices = coordinates = 0
     for mesh in meshes:
         texture = None if textured is None else texture_coordinates(mesh, textured)
-        yield from _vertices(mesh)
+        lines = [_texts([f" {decimal(value)}" for value in line.tolist()]) for line in mesh.lines]
+        for strip in _strips(len(mesh.places), "vertices"):
+            columns = [line[at] for line, at in zip(lines, mesh.places[strip].T, strict=True)]
+            yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
         values = texture.values if texture else np.zeros((0, 2))
         for strip in _strips(len(values), "textures"):
-            columns = (values[strip] / TILES).round(9).T.tolist()
-            yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in zip(*columns, strict=True)).encode()
+            pairs = (values[strip] / TILES).round(9).tolist()
+            yield "".join(f"vt {decimal(u)} {decimal(v)}\n" for u, v in pairs).encode()
         yield from _faces(mesh, vertices + 1, texture, coordinates + 1)
         coordinates += len(values)
         vertices += len(mesh.places)
 
 
 def face_count(piece: bytes) -> int:
-    """The number of faces in a chunk of an OBJ file."""
+    """Return the number of faces in a chunk of an OBJ file."""
     return piece.count(b"\nf ") + piece.startswith(b"f ")
 
 
-def mtl(scene: Scene) -> Iterator[bytes]:
-    """The MTL file with every material that maps of the scene's recipe can have, with its textures if it has any."""
-    yield from plain_mtl(scene)
-    for material in range(scene.recipe.highest_level + 1) if scene.recipe.is_textured else ():
+def mtl(scene: Scene, *, textured: bool) -> Iterator[bytes]:
+    """Yield the MTL file with every material that maps of the scene's recipe can have; textured: and its textures."""
+    levels = range(scene.recipe.highest_level + 1)
+    materials = [(material_name(level), scene.surface_colour(level), "") for level in levels]
+    for level in levels if textured else ():
         for part in PARTS:
-            lines = _material(textured_name(material, part), scene.tint(material))
-            yield f"{lines}map_Kd {texture_name(scene, part)}\n".encode()
-
-
-def plain_mtl(scene: Scene) -> Iterator[bytes]:
-    """The MTL file without textures, for meshes without texture coordinates."""
-    for material in range(scene.recipe.highest_level + 1):
-        yield _material(material_name(material), scene.surface_colour(material)).encode()
-
-
-def _material(name: str, colour: Colour) -> str:
-    rgb = " ".join(map(decimal, colour))
-    return f"newmtl {name}\nKa {rgb}\nKd {rgb}\nKs 0 0 0\nd 1\nillum 1\n"
+            image = f"map_Kd {texture_name(scene, part)}\n"
+            materials.append((material_name(level, part), scene.tint(level), image))
+    for name, colour, image in materials:
+        rgb = " ".join(map(decimal, colour))
+        yield f"newmtl {name}\nKa {rgb}\nKd {rgb}\nKs 0 0 0\nd 1\nillum 1\n{image}".encode()
 
 
 PARTS = ("top", "side")
@@ -77,33 +73,21 @@ PARTS = ("top", "side")
 
 
 def texture_name(scene: Scene, part: str) -> str:
-    """The name of the image of tops or of sides, which no other map in a world has."""
+    """Return the name of the image of tops or of sides, which no other map in a world has."""
     return f"{scene.name}_{part}.png"
 
 
 def texture_files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The images of the recipe's look by name; none if it has no textures."""
+    """Return the images of the recipe's look by name; none if it has no textures."""
     if not scene.recipe.is_textured:
         return {}
     images = textures(scene.recipe.look, scene.recipe.seed or 0)
     return {texture_name(scene, part): [image] for part, image in zip(PARTS, images, strict=True)}
 
 
-def material_name(material: int) -> str:
-    """The name of a material in OBJ and MTL: `frame` for 0, `level_N` for any other number."""
-    return f"level_{material}" if material else "frame"
-
-
-def textured_name(material: int, part: str) -> str:
-    """The name of a material with the texture of tops or of sides."""
-    return f"{material_name(material)}_{part}"
-
-
-def _vertices(mesh: Mesh) -> Iterator[bytes]:
-    texts = [_texts([f" {decimal(value)}" for value in line.tolist()]) for line in mesh.lines]
-    for strip in _strips(len(mesh.places), "vertices"):
-        columns = [text[at] for text, at in zip(texts, mesh.places[strip].T, strict=True)]
-        yield _bare(_page([b"v", *columns, b"\n"], len(columns[0])))
+def material_name(material: int, part: str = "") -> str:
+    """Return the name of a material in OBJ and MTL, with its texture `part` if it has one: `frame` for 0, `level_3`."""
+    return (f"level_{material}" if material else "frame") + (part and f"_{part}")
 
 
 def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coordinate: int) -> Iterator[bytes]:
@@ -117,6 +101,7 @@ def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coo
         groups, order = 2 * groups.astype(int) + texture.sides, np.lexsort((texture.sides, mesh.materials))
         own = _texts([f"/{index}" for index in range(first_coordinate, first_coordinate + len(texture.values))])
     normals = _texts([f"{'/' if texture else '//'}{row + 1}" for row in range(len(NORMALS))])
+    # Lines of bytes per strip of faces, cut where a group ends; the first line of a group is preceded by its name.
     before = -1
     for strip in _strips(len(mesh.faces), "faces"):
         rows = strip if order is None else order[strip]
@@ -125,20 +110,15 @@ def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coo
         for corner in range(mesh.faces.shape[1]):
             at = [own[texture.corners[rows, corner]]] if texture else []
             corners += [b" ", numbers[mesh.faces[rows, corner]], *at, normal]
-        page = _page([b"f", *corners, b"\n"], len(normal))
-        for group, lines in _groups(groups[rows]):
+        page, own_groups = _page([b"f", *corners, b"\n"], len(normal)), groups[rows]
+        changes = np.flatnonzero(np.diff(own_groups)) + 1
+        for low, high in pairwise([0, *changes.tolist(), len(own_groups)]):
+            group = int(own_groups[low])
             if group != before:
-                name = textured_name(group // 2, PARTS[group % 2]) if texture else material_name(group)
+                name = material_name(group // 2, PARTS[group % 2]) if texture else material_name(group)
                 yield f"g {name}\nusemtl {name}\n".encode()
-            yield _bare(page[lines])
+            yield _bare(page[low:high])
             before = group
-
-
-def _groups(materials: Ints) -> Iterator[tuple[int, slice]]:
-    """Each material and the slice of faces that have it."""
-    changes = np.flatnonzero(materials[1:] != materials[:-1]) + 1
-    for low, high in pairwise([0, *changes.tolist(), len(materials)]):
-        yield int(materials[low]), slice(low, high)
 
 
 def _strips(count: int, what: str) -> Iterator[slice]:
@@ -155,7 +135,7 @@ def _texts(texts: Sequence[str]) -> _Texts:
 
 
 def _counted(first: int, count: int) -> _Texts:
-    """The texts of the numbers from `first` on, put together from texts of four digits each."""
+    """Return the texts of the numbers from `first` on, put together from texts of four digits each."""
     numbers = np.arange(first, first + count)
     if first + count > 10**8:  # more than eight digits
         return _texts(numbers.astype("S").tolist())
@@ -170,7 +150,7 @@ _BARE = np.array([f"{number}" if number else "" for number in range(10_000)], dt
 
 
 def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
-    """`count` lines, each with the texts of all parts one after the other; a part of bytes is in every line."""
+    """Return `count` lines, each with the texts of all parts one after the other; a part of bytes is in every line."""
     widths = [f"S{len(part)}" if isinstance(part, bytes) else part.dtype for part in parts]
     page = np.empty(count, dtype=[(str(index), width) for index, width in enumerate(widths)])
     for index, part in enumerate(parts):
@@ -179,5 +159,5 @@ def _page(parts: Sequence[_Texts | bytes], count: int) -> _Texts:
 
 
 def _bare(page: _Texts) -> bytes:
-    """The lines as bytes, without padding."""
+    """Return the lines as bytes, without padding."""
     return page.tobytes().translate(None, b"\0")

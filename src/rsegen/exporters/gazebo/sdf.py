@@ -61,10 +61,12 @@ _CAMERA = """
 
 
 def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
-    """The text of a world file: physics, light, a ground plane much larger than the map, and `models`."""
+    """Yield the text of a world file: physics, light, a ground plane much larger than the map, and `models`."""
+    # The camera sees the whole map from the south-south-east and above.
+    pose = numbers(round(0.95 * hypot(*scene.field.extent) * part, 3) for part in (0.4, -0.7, 0.6))
     yield HEADER + _WORLD.format(
         name=scene.name,
-        gui=_CAMERA.format(pose=_overview(scene)) if scene.recipe.is_textured else "",
+        gui=_CAMERA.format(pose=f"{pose} 0 0.6398 2.09") if scene.recipe.is_textured else "",
         shadows="true" if scene.recipe.shadows else "false",
         sky="\n      <sky></sky>" if scene.recipe.sky else "",
         side=decimal(max(100.0, 2 * max(scene.field.extent))),
@@ -72,13 +74,6 @@ def world(scene: Scene, models: Iterable[str]) -> Iterator[str]:
     )
     yield from models
     yield "  </world>\n" + FOOTER
-
-
-def _overview(scene: Scene) -> str:
-    """The pose of a camera that sees the whole map from the south-south-east and above, as x y z roll pitch yaw."""
-    away = 0.95 * hypot(*scene.field.extent)
-    x, y, z = (round(away * part, 3) for part in (0.4, -0.7, 0.6))
-    return f"{numbers((x, y, z))} 0 0.6398 2.09"
 
 
 class Shape(NamedTuple):
@@ -92,34 +87,21 @@ class Shape(NamedTuple):
 
 
 def mesh(name: str, uri: str) -> Shape:
-    """The shape of a mesh file."""
+    """Return the shape of a mesh file."""
     return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
 
 
 def box(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape:
-    """The shape of an axis-aligned box, its size in metres."""
+    """Return the shape of an axis-aligned box, its size in metres."""
     return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre)
 
 
-def model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape], place: str = "0 0 0") -> Iterator[str]:
-    """The text of a static model of visual and collision shapes, in pieces; `place` is x, y and z in metres."""
-    yield f"""\
-    <model name="{name}">
+_STATIC = """\
       <static>true</static>
       <pose>{place} 0 0 0</pose>
       <link name="link">
 """
-    yield from _shapes(visuals, collisions)
-
-
-def body_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
-    """The text of a model that is a body which nothing moves (decision 17).
-
-    Gazebo Classic takes it for kinematic, and the joint does nothing; Gazebo Sim does not know `kinematic`, and the
-    joint holds it.
-    """
-    yield f"""\
-    <model name="{name}">
+_BODY = """\
       <joint name="to_world" type="fixed"><parent>world</parent><child>link</child></joint>
       <link name="link">
         <gravity>false</gravity>
@@ -129,61 +111,60 @@ def body_model(name: str, visuals: Iterable[Shape], collisions: Iterable[Shape])
           <inertia><ixx>1000000</ixx><iyy>1000000</iyy><izz>1000000</izz></inertia>
         </inertial>
 """
-    yield from _shapes(visuals, map(_raised, collisions))
+"""The beginning of a model that is static, and of one that is a body which nothing moves (decision 17).
+
+Gazebo Classic takes the body for kinematic, and the joint does nothing; Gazebo Sim does not know `kinematic`, and the
+joint holds it.
+"""
+
+LIFT = 0.00001
+"""Metres by which a model that is a body is above the ground plane, so that they are not in contact in every step."""
 
 
-def _shapes(visuals: Iterable[Shape], collisions: Iterable[Shape]) -> Iterator[str]:
-    yield from map(_collision, collisions)
-    yield from map(_visual, visuals)
+def model(
+    name: str, visuals: Iterable[Shape], collisions: Iterable[Shape], place: str = "0 0 0", *, is_body: bool = False
+) -> Iterator[str]:
+    """Yield the text of a model of visual and collision shapes, in pieces; `place` is x, y and z in metres.
+
+    is_body: a body in the origin, which nothing moves, in place of a static model
+    """
+    yield f'    <model name="{name}">\n' + (_BODY if is_body else _STATIC.format(place=place))
+    for shape in collisions:
+        (x, y, z), friction = shape.centre or (0, 0, 0), _friction(shape.friction)
+        raised = shape._replace(centre=(x, y, z + LIFT)) if is_body else shape
+        # `kd` 1000 lets soft wheels roll over seams between coplanar triangles in ODE.
+        yield f"""\
+        <collision name="{shape.name}">{_pose(raised)}
+          <geometry>{shape.geometry}</geometry>
+          <surface>
+            <contact><ode><kd>1000</kd></ode></contact>
+            {friction}
+          </surface>
+        </collision>
+"""
+    for shape in visuals:
+        yield f"""\
+        <visual name="{shape.name}">{_pose(shape)}
+          <geometry>{shape.geometry}</geometry>{shape.material and _LINE + shape.material}
+        </visual>
+"""
     yield "      </link>\n    </model>\n"
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Numbers as SDF text, separated by spaces."""
+    """Return numbers as SDF text, separated by spaces."""
     return " ".join(map(decimal, values))
 
 
 def material(colour: Colour) -> str:
-    """The text of a <material> of one colour."""
+    """Return the text of a <material> of one colour."""
     rgba = numbers((*colour, 1))
     return f"<material><ambient>{rgba}</ambient><diffuse>{rgba}</diffuse></material>"
 
 
 def utf8(texts: Iterable[str]) -> Iterator[bytes]:
-    """Texts as UTF-8 bytes, piece by piece."""
+    """Return texts as UTF-8 bytes, piece by piece."""
     return (text.encode() for text in texts)
-
-
-LIFT = 0.00001
-"""Metres by which a model that is a body is above the ground plane, so that it has no contacts with it in every
-step.
-"""
-
-
-def _raised(shape: Shape) -> Shape:
-    x, y, z = shape.centre or (0, 0, 0)
-    return shape._replace(centre=(x, y, z + LIFT))
-
-
-def _collision(shape: Shape) -> str:
-    """The text of a <collision>; `kd` 1000 lets soft wheels roll over seams between coplanar triangles in ODE."""
-    return f"""\
-        <collision name="{shape.name}">{_pose(shape)}
-          <geometry>{shape.geometry}</geometry>
-          <surface>
-            <contact><ode><kd>1000</kd></ode></contact>
-            {_friction(shape.friction)}
-          </surface>
-        </collision>
-"""
-
-
-def _visual(shape: Shape) -> str:
-    return f"""\
-        <visual name="{shape.name}">{_pose(shape)}
-          <geometry>{shape.geometry}</geometry>{shape.material and _LINE + shape.material}
-        </visual>
-"""
 
 
 def _pose(shape: Shape) -> str:
@@ -214,7 +195,7 @@ _ONE_WORD = ("NavSat", "ForceTorque")
 
 
 def system_name(kind: str, backend: str) -> SystemName:
-    """The name of a system, such as `DiffDrive`; backend: `fortress`, or `sim` for all later versions."""
+    """Return the name of a system, such as `DiffDrive`; backend: `fortress`, or `sim` for all later versions."""
     library, namespace = prefixes(backend)
     if kind in _ONE_WORD:
         return SystemName(f"{library}-{kind.lower()}-system", f"{namespace}::systems::{kind}")

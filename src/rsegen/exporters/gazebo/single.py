@@ -10,10 +10,10 @@ from rsegen.exporters.scene import Scene
 
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
-    """The model package, and a world that has this model."""
+    """Return the model package, and a world that has this model."""
     name = scene.name
     return {
-        "model.config": [_config(name).encode()],
+        "model.config": [_CONFIG.format(name=name, version=sdf.VERSION).encode()],
         "model.sdf": sdf.utf8(chain([sdf.HEADER], _model(scene, f"model://{name}/"), [sdf.FOOTER])),
         f"{name}.world": sdf.utf8(sdf.world(scene, _model(scene))),
         **shapes.mesh_files(scene, scene.field, name),
@@ -21,29 +21,27 @@ def files(scene: Scene) -> dict[str, Iterable[bytes]]:
 
 
 def model_count(scene: Scene) -> int:
-    """The number of models: one."""
+    """Return the number of models: one."""
     return 1
 
 
 def collision_count(scene: Scene) -> int:
-    """The number of its meshes (tiles, or parts of one friction) or boxes."""
+    """Return the number of its meshes (tiles, or parts of one friction) or boxes."""
     return shapes.collision_count(scene, scene.field)
 
 
 def _model(scene: Scene, root: str = "") -> Iterator[str]:
-    """The text of the map as a model; its mesh URIs start with `root`."""
-    visuals, collisions = (shape(scene, scene.field, scene.name, root) for shape in (shapes.visuals, shapes.collisions))
-    model = sdf.body_model if scene.recipe.simulator == "classic" else sdf.model
-    return model(scene.name, visuals, collisions)
+    """Return the text of the map as a model; its mesh URIs start with `root`."""
+    own = shapes.shapes(scene, scene.field, scene.name, root)
+    return sdf.model(scene.name, *own, is_body=scene.recipe.simulator == "classic")
 
 
-def _config(name: str) -> str:
-    return f"""\
+_CONFIG = """\
 <?xml version="1.0"?>
 <model>
   <name>{name}</name>
   <version>1.0</version>
-  <sdf version="{sdf.VERSION}">model.sdf</sdf>
+  <sdf version="{version}">model.sdf</sdf>
   <author>
     <name>rsegen</name>
   </author>

@@ -1,13 +1,8 @@
-"""Pictures of measured fields, north up: how a scan was read, what is built wrong, how far heights were rounded.
-
-scan_plot         the points from above with the grid that was found, and how far each top is from its level
-comparison_plot   what to change, for the person with the mallet, and the field as it should be
-rounding_plot     how far each measured height is from its level
-"""
+"""Pictures of measured fields, north up: how a scan was read, what is built wrong, how far heights were rounded."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,9 +19,7 @@ if TYPE_CHECKING:
 
 
 _MOST_POINTS = 60_000
-"""Points that are drawn: a point is 3 pixels wide, so they cover half of the plot; more take longer and hide the
-grid.
-"""
+"""Points that are drawn: of 3 pixels, so that they cover half of the plot; more take longer and hide the grid."""
 
 _FARTHEST = 1e9
 """Metres beyond which points are left out, as matplotlib fails on them."""
@@ -78,8 +71,7 @@ def _draw_points(axes: Axes, scan: Scan, points: Array, written: Lengths) -> Non
         vmax=highest * written.per_metre,
         rasterized=True,
     )
-    figure = axes.figure
-    figure.colorbar(drawn, ax=axes, label=f"height above the ground [{written.unit}]")
+    axes.figure.colorbar(drawn, ax=axes, label=f"height above the ground [{written.unit}]")
     for cells, half, other, line in ((0, half_x, half_y, axes.vlines), (1, half_y, half_x, axes.hlines)):
         line(np.linspace(-half, half, scan.levels.shape[cells] + 1), -other, other, colors="#d62728", linewidth=0.8)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="the points from above, and the grid that was found", aspect="equal")
@@ -102,12 +94,8 @@ def _draw_errors(axes: Axes, scan: Scan, written: Lengths) -> None:
     axes.set_title(f"levels, and how far the tops are from them{unseen}")
 
 
-_TOO_HIGH, _TOO_LOW, _RIGHT, _UNSEEN_CELL = (
-    (0.84, 0.19, 0.15),
-    (0.13, 0.40, 0.67),
-    (0.93, 0.95, 0.92),
-    (0.73, 0.73, 0.73),
-)
+_TOO_HIGH, _TOO_LOW = (0.84, 0.19, 0.15), (0.13, 0.40, 0.67)
+_RIGHT, _UNSEEN_CELL = (0.93, 0.95, 0.92), (0.73, 0.73, 0.73)
 """Red and blue of about equal lightness (ends of ColorBrewer's RdBu), which colour-blind people tell apart; greys."""
 
 
@@ -154,20 +142,16 @@ def _draw_changes(axes: Axes, comparison: Comparison, written: Lengths) -> None:
         axes.set_yticks(edges_y, minor=True)
         axes.grid(which="minor", color="white", linewidth=1.5)
         axes.tick_params(which="minor", length=0)
-        _write_changes(axes, comparison, written)
+        # Heights that are right, and of the others both: that which stands, and that which should.
+        middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in (edges_x, edges_y))
+        style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": min(10.0, 110 / max(off.shape))}
+        for x, y in np.argwhere(~comparison.wrong & ~comparison.wanted.frame):
+            right = written.measured(float(comparison.wanted.heights[x, y]), 3)
+            axes.text(middle_x[x], middle_y[y], right if comparison.seen[x, y] else "?", color="#8a8f88", **style)
+        for x, y, height, wanted in comparison.changes():
+            text = f"{written.measured(height, 1)}\n\u2192 {written.measured(wanted, 1)}"
+            axes.text(middle_x[x], middle_y[y], text, color="white", weight="bold", **style)
     axes.set_title(f"what to change [{written.unit}]; red: too high, blue: too low, grey: not seen")
-
-
-def _write_changes(axes: Axes, comparison: Comparison, written: Lengths) -> None:
-    middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in comparison.wanted.edges())
-    size = min(10.0, 110 / max(comparison.wanted.shape))
-    for x, y in np.argwhere(~comparison.wrong & ~comparison.wanted.frame):
-        wanted_height = written.measured(float(comparison.wanted.heights[x, y]), 3)
-        text = wanted_height if comparison.seen[x, y] else "?"
-        axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=size, color="#8a8f88")
-    for x, y, height, wanted in comparison.changes():
-        text = f"{written.measured(height, 1)}\n\u2192 {written.measured(wanted, 1)}"
-        axes.text(middle_x[x], middle_y[y], text, ha="center", va="center", fontsize=size, color="white", weight="bold")
 
 
 def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
@@ -183,12 +167,7 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
     errors = errors_cm / 100 * written.per_metre
     half = scene.recipe.unit_cm / 200 * written.per_metre
     shown = axes.imshow(
-        np.ma.masked_array(errors, holes).T,
-        cmap="RdBu_r",
-        vmin=-half,
-        vmax=half,
-        origin="lower",
-        interpolation="none",
+        np.ma.masked_array(errors, holes).T, cmap="RdBu_r", vmin=-half, vmax=half, origin="lower", interpolation="none"
     )
     axes.set_facecolor("#999999")  # holes
     axes.set(xlabel="x [cells]", ylabel="y [cells]", title=f"measured height above that of the block [{written.unit}]")

@@ -111,9 +111,8 @@ def number_cells(axes: Axes, field: StepField) -> None:
         own.set_ticks(list(middles[::step]), [str(cell) for cell in range(0, len(middles), step)])
         own.set_label_text(f"{name} [cells]")
         metres = axes.secondary_yaxis("right") if axis else axes.secondary_xaxis("top")
-        (metres.yaxis if axis else metres.xaxis).set_major_locator(
-            MaxNLocator(max(2, int(inches / 0.7)), steps=[1, 2, 5, 10])
-        )
+        locator = MaxNLocator(max(2, int(inches / 0.7)), steps=[1, 2, 5, 10])
+        (metres.yaxis if axis else metres.xaxis).set_major_locator(locator)
         (metres.set_ylabel if axis else metres.set_xlabel)(f"{name} [m]")
 
 
@@ -149,30 +148,29 @@ def draw_outlines(axes: Axes, scene: Scene) -> list[tuple[str, str]]:
         for line, drawn in ((width + 1.6, "white"), (width, colour)):
             axes.add_collection(LineCollection(list(lines), colors=drawn, linewidths=line, capstyle="projecting"))
         if cells.any():
-            _write_number(axes, cells, edges, str(index), colour)
+            # Its number is on the covered cell that is the leftmost of the highest row.
+            j = int(np.flatnonzero(cells.any(axis=0))[-1])
+            x, y = edges[0][np.flatnonzero(cells[:, j])[0]], edges[1][j + 1]
+            style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 9, "fontweight": "bold", "zorder": 5}
+            box = {"facecolor": colour, "edgecolor": "white", "boxstyle": "round,pad=0.25"}
+            axes.text(x, y, str(index), color="white", bbox=box, **style)
         shown.append((colour, f"{index}  {obstacle.kind}"))
     return shown
 
 
 def covered(scene: Scene, obstacle: Obstacle) -> Mask:
-    """Return the cells that an obstacle covers, with frames between them, (n_x, n_y); later ones may replace it
-    there.
-    """
+    """Return the cells that an obstacle covers at first, with frames between them, (n_x, n_y)."""
     _, _, patch = placed(scene.recipe, obstacle, scene.index)
     cells = np.zeros(scene.field.shape, dtype=bool)
     i, j = (np.flatnonzero(scene.field.inside(axis))[patch.window[axis]] for axis in (0, 1))
     cells[np.ix_(i, j)] = patch.footprint
     for axis, lines in enumerate((i, j)):
         between = np.setdiff1d(np.arange(lines.min(), lines.max()), lines)
-        before, after = (np.take(cells, _nearest(lines, between, side), axis) for side in (-1, 1))
+        # Frame lines between covered ones have what the nearest of these before and after them both have.
+        at = np.searchsorted(lines, between)
+        before, after = (np.take(cells, lines[nearest], axis) for nearest in (at - 1, at))
         cells[(slice(None),) * axis + (between,)] = before & after
     return cells
-
-
-def _nearest(lines: Ints, between: Ints, side: int) -> Ints:
-    """Return the nearest of some sorted lines before (side -1) or after (side 1) each line between them."""
-    at = np.searchsorted(lines, between)
-    return lines[at if side > 0 else at - 1]
 
 
 def boundary(cells: Mask, edges_x: Array, edges_y: Array) -> Array:
@@ -187,12 +185,3 @@ def changes(region: Array | Mask, edges_x: Array, edges_y: Array) -> Array:
     i, j = np.nonzero(region[1:-1, 1:] != region[1:-1, :-1])
     level = np.stack([np.stack([edges_x[i + side], edges_y[j]], axis=-1) for side in (0, 1)], axis=1)
     return np.concatenate([upright, level])
-
-
-def _write_number(axes: Axes, cells: Mask, edges: tuple[Array, Array], text: str, colour: str) -> None:
-    """Write a number on the covered cell that is the leftmost of the highest row."""
-    j = int(np.flatnonzero(cells.any(axis=0))[-1])
-    i = int(np.flatnonzero(cells[:, j])[0])
-    x, y = edges[0][i], edges[1][j + 1]
-    box = {"facecolor": colour, "edgecolor": "white", "boxstyle": "round,pad=0.25"}
-    axes.text(x, y, text, ha="center", va="center", fontsize=9, color="white", fontweight="bold", bbox=box, zorder=5)

@@ -16,7 +16,7 @@ from rsegen.exporters.pictures.robot_drawing import draw_robot
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.resting import REASONS, Poses, poses
+from rsegen.standing.resting import REASONS, poses
 from rsegen.standing.settling import reach_of
 
 if TYPE_CHECKING:
@@ -39,29 +39,25 @@ def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, 
     heading: radians; robot: its name in the title. The margin is the angle by which it must be turned to tip over.
     """
     x, y = _places(scene.field)
-    found = poses(scene.field, body, x[:, None], y[None, :], np.array(heading))
-    shape = (len(x), len(y))
+    rests = poses(scene.field, body, x[:, None], y[None, :], np.array(heading))
     along_x, along_y = scene.field.extent
     figure = figure_of(15, 3.9 * along_y / along_x + 1.7, 3.2, 16)
     tilt, margin, reason = figure.subplots(1, 3, sharex=True, sharey=True)
-    tilts, margins = (np.degrees(np.where(found.stands, angle, np.nan)) for angle in (found.tilt, found.tip_angle))
+    tilts, margins = (np.degrees(np.where(rests.stands, angle, np.nan)) for angle in (rests.tilt, rests.tip_angle))
+    shape = (len(x), len(y))
     _draw_angles(tilt, scene.field, tilts.reshape(shape), "tilt", colours="magma_r")
     _draw_angles(margin, scene.field, margins.reshape(shape), "margin", colours="viridis", most=_MOST_MARGIN)
-    _draw_reasons(reason, scene.field, found.reason.reshape(shape))
-    tilt.set(ylabel="y [m]", title="tilt" + _draw_steepest(tilt, scene.field, body, found))
+    _draw_reasons(reason, scene.field, rests.reason.reshape(shape))
+    # The robot is drawn where it is steepest of all places at which it is on the map.
+    reach, drawn = reach_of(body), ""
+    inside = (np.abs(rests.x) < along_x / 2 - reach) & (np.abs(rests.y) < along_y / 2 - reach)
+    if (rests.stands & inside).any():
+        draw_robot(tilt, body, rests, int(np.where(rests.stands & inside, rests.tilt, -1).argmax()))
+        drawn = "; drawn: the robot where it is steepest"
+    tilt.set(ylabel="y [m]", title=f"tilt{drawn}")
     margin.set(title="margin: the turn that tips it over")
     figure.suptitle(f"{scene.name}: {robot}, heading {degrees(heading) % 360:.3g} degrees")
     return figure_bytes(figure, scene, format)
-
-
-def _draw_steepest(axes: Axes, field: StepField, body: Body, found: Poses) -> str:
-    """Draw the robot where it is steepest of all places at which it is on the map; return what the title should say."""
-    reach = reach_of(body)
-    inside = (np.abs(found.x) < field.extent[0] / 2 - reach) & (np.abs(found.y) < field.extent[1] / 2 - reach)
-    if not (found.stands & inside).any():
-        return ""
-    draw_robot(axes, body, found, int(np.where(found.stands & inside, found.tilt, -1).argmax()))
-    return "; drawn: the robot where it is steepest"
 
 
 def _places(field: StepField) -> tuple[Array, Array]:

@@ -85,11 +85,17 @@ class Layout:
 
 def layout(plan: float, view: float, legend: float) -> Layout:
     """Return the layout for a plan and a view of some ratios of width to height and a legend of a width in inches."""
-    return (_one_below_the_other if plan > _LONG else _side_by_side)(plan, view, legend)
-
-
-def _side_by_side(plan: float, view: float, legend: float) -> Layout:
-    """Return the layout in a row; the view is higher than the plan, as it has no numbers above and below."""
+    if plan > _LONG:  # one below the other
+        width = WIDTH - 2 * _BESIDE - legend - _EDGE
+        below, above = min(width / view, _TALLEST), width / plan
+        low = _EDGE + below + _HEAD + _BELOW
+        return Layout(
+            size=(WIDTH, low + above + _ABOVE + _TITLE),
+            plan=(_BESIDE, low, width, above),
+            view=(_BESIDE, _EDGE, width, below),
+            legend=WIDTH - legend,
+        )
+    # In a row; the view is higher than the plan, as it has no numbers above and below.
     more = _BELOW + _ABOVE - _HEAD - _EDGE
     free = WIDTH - 2 * _BESIDE - _GAP - legend - _EDGE
     height = min((free - more * view) / (plan + view), _TALLEST)
@@ -100,18 +106,6 @@ def _side_by_side(plan: float, view: float, legend: float) -> Layout:
         plan=(_BESIDE, _BELOW, height * plan, height),
         view=(left, _EDGE, (height + more) * view, height + more),
         legend=right,
-    )
-
-
-def _one_below_the_other(plan: float, view: float, legend: float) -> Layout:
-    width = WIDTH - 2 * _BESIDE - legend - _EDGE
-    below, above = min(width / view, _TALLEST), width / plan
-    low = _EDGE + below + _HEAD + _BELOW
-    return Layout(
-        size=(WIDTH, low + above + _ABOVE + _TITLE),
-        plan=(_BESIDE, low, width, above),
-        view=(_BESIDE, _EDGE, width, below),
-        legend=WIDTH - legend,
     )
 
 
@@ -200,7 +194,14 @@ def draw_view(axes: Axes, drawn: Drawable, robot: Robot | None = None) -> str:
     (left, low), (right, high) = view_bounds(drawn)
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", anchor="C")
     axes.set_axis_off()
-    _draw_axes(axes, drawn)
+    # Arrows along x and y, from the corner of smallest x and y.
+    mean = _mean_side(drawn)
+    start = np.array([-side / 2 - _APART * mean for side in drawn.field.extent])
+    for name, along in (("x", (1, 0)), ("y", (0, 1))):
+        end = start + _ARROW * mean * np.array(along)
+        points = _project(*np.array([[*start, 0], [*end, 0]]).T)
+        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
+        text.set(ha="center", va="center", annotation_clip=False)
     return "seen from the south-east" + (f" (each column the highest of {factor} x {factor})" if factor > 1 else "")
 
 
@@ -234,17 +235,6 @@ def _project(x: Array, y: Array, z: Array) -> Array:
     return np.stack([across, z * np.cos(_ELEVATION) + away * np.sin(_ELEVATION)], axis=-1)
 
 
-def _draw_axes(axes: Axes, drawn: Drawable) -> None:
-    """Draw arrows along x and y, from the corner of smallest x and y."""
-    mean = _mean_side(drawn)
-    start = np.array([-side / 2 - _APART * mean for side in drawn.field.extent])
-    for name, along in (("x", (1, 0)), ("y", (0, 1))):
-        end = start + _ARROW * mean * np.array(along)
-        points = _project(*np.array([[*start, 0], [*end, 0]]).T)
-        text = axes.annotate(name, xy=points[0], xytext=points[1], arrowprops={"arrowstyle": "<-"})
-        text.set(ha="center", va="center", annotation_clip=False)
-
-
 def _mean_side(drawn: Drawable) -> float:
     """Return the side of a square of the area of a map, metres."""
     along_x, along_y = drawn.field.extent
@@ -275,11 +265,14 @@ def preview(
     scene = shown if isinstance(shown, Scene) else None
     field = shown.field if isinstance(shown, Scene) else shown
     drawn = (robot, poses(field, robot, *at)) if robot else None
-    title, recipe = "" if paper else _title(field, scene), to_json(scene.alone) if scene else ""
+    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
+    title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
+    if scene:
+        title = f"{scene.name}: {title}, seed {scene.recipe.seed}"
     with rc_context(_PAPER if paper else {}):
         coloured, outlined = scene or ColouredField(field=field), scene if outlines else None
-        figure = preview_figure(coloured, title, outlined=outlined, robot=drawn, paper=paper)
-        return encoded(figure, format, recipe, is_stamped=not paper)
+        figure = preview_figure(coloured, "" if paper else title, outlined=outlined, robot=drawn, paper=paper)
+        return encoded(figure, format, to_json(scene.alone) if scene else "", is_stamped=not paper)
 
 
 def preview_figure(
@@ -287,10 +280,16 @@ def preview_figure(
 ) -> Figure:
     """Return the plan and the 3D view of a field with a legend; outlined: the scene whose obstacles are on the plan."""
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
     along_x, along_y = drawn.field.extent
     wide, high = np.ptp(view_bounds(drawn), axis=0)
-    ratios, entries = (along_x / along_y, float(wide / high)), _entries(drawn)
+    ratios = along_x / along_y, float(wide / high)
+    # A swatch for every height that the map has, at most _SWATCHES of them, and one for its frames.
+    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
+    if drawn.field.frame.any():
+        frame = lengths_in(drawn.units).said(drawn.field.frame_height, 3)
+        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
     if paper:
         placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
     else:
@@ -310,12 +309,12 @@ def preview_figure(
     return figure
 
 
-def _how_it_stands(found: Poses) -> str:
+def _how_it_stands(rests: Poses) -> str:
     """Return in words how the one robot of some poses stands."""
-    reason = REASONS[int(found.reason[0])]
-    if not found.stands[0]:
+    reason = REASONS[int(rests.reason[0])]
+    if not rests.stands[0]:
         return f"the robot {reason}"
-    tilt, margin = (degrees(float(angles[0])) for angles in (found.tilt, found.tip_angle))
+    tilt, margin = (degrees(float(angles[0])) for angles in (rests.tilt, rests.tip_angle))
     what = f", and {reason}" if reason else ""
     return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
 
@@ -347,17 +346,13 @@ def encoded(
     from matplotlib import rc_context
 
     if is_stamped:
-        _stamp(figure)
+        wide, high = figure.get_size_inches()
+        style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
+        figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "rsegen"}):
         figure.savefig(stream, format=format, metadata=_metadata(format, recipe))
     return stream.getvalue()
-
-
-def _stamp(figure: Figure) -> None:
-    wide, high = figure.get_size_inches()
-    style: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6, "color": "0.55", "in_layout": False}
-    figure.text(1 - 0.05 / wide, 0.05 / high, _MAKER, **style)
 
 
 def pdf_bytes(figures: Iterable[Figure], scene: Scene) -> bytes:
@@ -379,18 +374,6 @@ def image_format(path: Path) -> str:
     return name
 
 
-def _entries(drawn: Drawable) -> list[Any]:
-    """Return a swatch for every height that the map has, at most _SWATCHES of them, and one for its frames."""
-    from matplotlib.patches import Patch
-
-    # A legend of more than one column of entries is smaller.
-    entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
-    if drawn.field.frame.any():
-        frame = lengths_in(drawn.units).said(drawn.field.frame_height, 3)
-        entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
-    return entries
-
-
 def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
     """Return a swatch for each level with its height; of more than `most` for every second, third, ..."""
     from matplotlib.patches import Patch
@@ -404,27 +387,20 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
     """Draw the swatches and a line for every outline, from `left` on, a share of the picture; None: below all else."""
     from matplotlib.lines import Line2D
 
-    entries = list(entries)
-    for colour, text in outlines[:_SWATCHES]:
-        entries.append(Line2D([], [], color=colour, linewidth=2.5, label=text))
+    lines = [Line2D([], [], color=colour, linewidth=2.5, label=text) for colour, text in outlines[:_SWATCHES]]
+    entries = [*entries, *lines]
     if len(outlines) > _SWATCHES:
         entries.append(Line2D([], [], linewidth=0, label=f"and {len(outlines) - _SWATCHES} more"))
     if entries and left is None:
         room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 1.2, "handletextpad": 0.4, "borderaxespad": 0.1}
         figure.legend(handles=entries, loc="lower center", ncols=_ACROSS, frameon=False, **room)
     elif entries:
-        size = 10 if len(entries) <= _SWATCHES else 6
+        size = 10 if len(entries) <= _SWATCHES else 6  # of more than one column of entries
         figure.legend(handles=entries, loc="center left", bbox_to_anchor=(left, 0.5), frameon=False, fontsize=size)
 
 
 _SWATCHES = 18
 """Entries of a legend, of each sort, at most."""
-
-
-def _title(field: StepField, scene: Scene | None) -> str:
-    (n_x, n_y), (along_x, along_y) = field.shape, map(decimal, field.extent)
-    size = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
-    return f"{scene.name}: {size}, seed {scene.recipe.seed}" if scene else size
 
 
 _MAKER = f"rsegen {__version__}"

@@ -23,9 +23,9 @@ _DRIVEN, _UNDRIVEN = "#00a3ff", "#ff2d95"
 """Colours of outlines, which no level and no map has."""
 
 
-def draw_robot(axes: Axes, body: Body, found: Poses, index: int = 0) -> None:
+def draw_robot(axes: Axes, body: Body, rests: Poses, index: int = 0) -> None:
     """Draw the outlines of a robot's parts at one of its poses, driven ones in another colour, and an arrow forward."""
-    turned, at = axes_of(found, index), np.array([found.x[index], found.y[index]])
+    turned, at = axes_of(rests, index), np.array([rests.x[index], rests.y[index]])
     for part, known in enumerate(body.parts):
         own = body.points[body.part == part]
         if len(own):
@@ -40,10 +40,10 @@ def draw_robot(axes: Axes, body: Body, found: Poses, index: int = 0) -> None:
     axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
 
 
-def axes_of(found: Poses, index: int) -> Array:
+def axes_of(rests: Poses, index: int) -> Array:
     """Return the axes of a robot as columns, (3, 3): turned by roll, then pitch, then yaw, as in Gazebo."""
     (cr, sr), (cp, sp), (cy, sy) = (
-        (np.cos(angles[index]), np.sin(angles[index])) for angles in (found.roll, found.pitch, found.yaw)
+        (np.cos(angles[index]), np.sin(angles[index])) for angles in (rests.roll, rests.pitch, rests.yaw)
     )
     return np.array(
         [
@@ -75,26 +75,26 @@ def hull(points: Array) -> Array:
 
 
 def silhouettes(
-    body: Body, found: Poses, project: Callable[[Array, Array, Array], Array], toward: Array
+    body: Body, rests: Poses, project: Callable[[Array, Array, Array], Array], toward: Array
 ) -> Iterator[tuple[Array, str]]:
     """Yield outline and colour of each part of a robot in a view, the farthest first.
 
     project: from x, y, z to the plane of the picture, (n, 2); toward: the direction to the viewer, (3,)
     """
-    placed = _placed(body, found)
+    placed = _placed(body, rests)
     parts = [placed[body.part_of_surface == number] for number in range(len(body.parts))]
     for number in np.argsort([float((part @ toward).mean()) for part in parts], kind="stable"):
         yield hull(project(*parts[number].T)), _DRIVEN if body.parts[number].drives else _UNDRIVEN
 
 
-def in_front(field: StepField, body: Body, found: Poses) -> Mask:
+def in_front(field: StepField, body: Body, rests: Poses) -> Mask:
     """Return which cells of a field are east or south of a robot, so in front of it as seen from there, (n_x, n_y)."""
-    placed = _placed(body, found)
+    placed = _placed(body, rests)
     east, south = placed[:, 0].max(), placed[:, 1].min()
     edges_x, edges_y = field.edges()
     return np.asarray(np.logical_or.outer(edges_x[:-1] > east, edges_y[1:] < south))
 
 
-def _placed(body: Body, found: Poses) -> Array:
+def _placed(body: Body, rests: Poses) -> Array:
     """Return the surface of a robot at its one pose, in the world, (m, 3)."""
-    return np.asarray(body.surface @ axes_of(found, 0).T + np.array([found.x[0], found.y[0], found.z[0]]))
+    return np.asarray(body.surface @ axes_of(rests, 0).T + np.array([rests.x[0], rests.y[0], rests.z[0]]))

@@ -13,7 +13,6 @@ from rsegen.exporters.pictures.plan import GROUND_GREY, boundary, draw_plan, sho
 from rsegen.exporters.pictures.preview import figure_bytes, figure_of
 from rsegen.exporters.scene import Scene
 from rsegen.field.metrics import Crossing, StepLimits, Traversability
-from rsegen.field.stepfield import Array
 from rsegen.standing.spots import Outline, Spot
 from rsegen.standing.ways import Reach, Way
 
@@ -108,20 +107,14 @@ def spots_plot(scene: Scene, outline: Outline, spots: Sequence[Spot], format: st
 
 def _draw_spot(axes: Axes, outline: Outline, spot: Spot, text: str) -> None:
     """Draw the outline, a text at its rear half, and an arrow from its middle to its front."""
-    low_x, high_x = outline.low_x, outline.high_x
-    middle_x, middle_y = outline.middle
-    corners = outline.at(spot)
+    corners, (middle_x, middle_y) = outline.at(spot), outline.middle
     axes.fill(*corners.T, facecolor=_COLOUR, alpha=0.35)
     axes.plot(*np.concatenate([corners, corners[:1]]).T, color=_COLOUR, linewidth=1.5)
-    tail, head, name = _placed(spot, [(middle_x, middle_y), (high_x, middle_y), (low_x + outline.length / 4, middle_y)])
-    axes.annotate(
-        "", xy=head, xytext=tail, arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
-    )
-    label = {"facecolor": "white", "edgecolor": "none", "pad": 1}
-    axes.text(float(name[0]), float(name[1]), text, ha="center", va="center", fontsize=8, bbox=label)
-
-
-def _placed(spot: Spot, points: Sequence[tuple[float, float]]) -> Array:
-    """Return points of the frame of a robot in the frame of the map, shape (n, 2)."""
+    # From the frame of the robot into that of the map.
     c, s = cos(spot.yaw), sin(spot.yaw)
-    return np.array([(spot.x + c * x - s * y, spot.y + s * x + c * y) for x, y in points])
+    points = [(middle_x, middle_y), (outline.high_x, middle_y), (outline.low_x + outline.length / 4, middle_y)]
+    tail, head, name = ((spot.x + c * x - s * y, spot.y + s * x + c * y) for x, y in points)
+    arrow = {"arrowstyle": "-|>", "color": "black", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=head, xytext=tail, arrowprops=arrow)
+    label = {"facecolor": "white", "edgecolor": "none", "pad": 1}
+    axes.text(*name, text, ha="center", va="center", fontsize=8, bbox=label)

@@ -3,13 +3,6 @@
 They find maps and robots in the folder of the package, and keep to ament_flake8: single quotes, lines of at most 99
 characters. Robots and bridges use the time of the simulation, which runs there in any case; files that run without one
 too have the argument `use_sim_time`, which is false unless gazebo_sim.launch.py includes them.
-
-    SIM, CLASSIC    open a world in Gazebo Sim or Gazebo Classic, and include
-    SPAWN_ROBOT     which spawns a robot with its description, frames and bridge
-    MAP_SERVER      publishes the occupancy grid; a lifecycle node, so a manager has to configure and activate it
-    NAVIGATION      starts Nav2's planner, controller, recoveries and navigator, and MAP_SERVER
-    ELEVATION       publishes heights and friction of the map as a grid_map
-    RVIZ            shows the URDF of the map, the robot, and what the others publish, in the frame map
 """
 
 from __future__ import annotations

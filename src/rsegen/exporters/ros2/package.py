@@ -12,7 +12,7 @@ installed version: `ignition-gazebo-...` in Fortress, `gz-sim-...` from Garden o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from importlib.resources import files
 
 from rsegen.exporters.gazebo.sdf import system_name
@@ -21,79 +21,66 @@ from rsegen.exporters.ros2.elevation import NODE
 from rsegen.exporters.ros2.launch import CLASSIC, ELEVATION, MAP_SERVER, NAVIGATION, RVIZ, SIM, SPAWN_ROBOT, TEST
 from rsegen.exporters.ros2.rviz import RVIZ_CONFIG
 
-_EXEC_DEPENDS = (
-    "grid_map_msgs",
-    "grid_map_rviz_plugin",
-    "launch",
-    "launch_ros",
-    "nav2_behaviors",
-    "nav2_bt_navigator",
-    "nav2_controller",
-    "nav2_costmap_2d",
-    "nav2_lifecycle_manager",
-    "nav2_map_server",
-    "nav2_navfn_planner",
-    "nav2_planner",
-    "nav2_regulated_pure_pursuit_controller",
-    "python3-numpy",
-    "rclpy",
-    "robot_state_publisher",
-    "ros_gz_bridge",
-    "ros_gz_sim",
-    "rviz2",
-    "sdformat_urdf",
-    "std_msgs",
-    "teleop_twist_keyboard",
-    "tf2_ros",
-    "xacro",
-)
-_LINTERS = ("ament_cmake_flake8", "ament_cmake_lint_cmake", "ament_cmake_pep257", "ament_cmake_xmllint")
-
-
-def package_xml(package: str) -> str:
-    """Return the text of package.xml, which depends on gazebo_ros if the distribution has it, as up to Humble and
-    Iron.
-    """
-    # Format 3 (REP 149), which has conditions.
-    return f"""\
+_PACKAGE_XML = """\
 <?xml version="1.0"?>
 <package format="3">
-  <name>{package}</name>
+  <name>@PACKAGE@</name>
   <version>1.0.0</version>
   <description>Random Step Environments as worlds and models for Gazebo, RViz and Nav2; made by rsegen.</description>
   <maintainer email="you@example.com">you</maintainer>
   <license file="LICENSE">Apache-2.0</license>
   <url type="website">https://example.com</url>
   <buildtool_depend>ament_cmake</buildtool_depend>
-{_depends("exec_depend", _EXEC_DEPENDS)}\
+  <exec_depend>grid_map_msgs</exec_depend>
+  <exec_depend>grid_map_rviz_plugin</exec_depend>
+  <exec_depend>launch</exec_depend>
+  <exec_depend>launch_ros</exec_depend>
+  <exec_depend>nav2_behaviors</exec_depend>
+  <exec_depend>nav2_bt_navigator</exec_depend>
+  <exec_depend>nav2_controller</exec_depend>
+  <exec_depend>nav2_costmap_2d</exec_depend>
+  <exec_depend>nav2_lifecycle_manager</exec_depend>
+  <exec_depend>nav2_map_server</exec_depend>
+  <exec_depend>nav2_navfn_planner</exec_depend>
+  <exec_depend>nav2_planner</exec_depend>
+  <exec_depend>nav2_regulated_pure_pursuit_controller</exec_depend>
+  <exec_depend>python3-numpy</exec_depend>
+  <exec_depend>rclpy</exec_depend>
+  <exec_depend>robot_state_publisher</exec_depend>
+  <exec_depend>ros_gz_bridge</exec_depend>
+  <exec_depend>ros_gz_sim</exec_depend>
+  <exec_depend>rviz2</exec_depend>
+  <exec_depend>sdformat_urdf</exec_depend>
+  <exec_depend>std_msgs</exec_depend>
+  <exec_depend>teleop_twist_keyboard</exec_depend>
+  <exec_depend>tf2_ros</exec_depend>
+  <exec_depend>xacro</exec_depend>
   <exec_depend condition="$ROS_DISTRO == humble or $ROS_DISTRO == iron">gazebo_ros</exec_depend>
-{_depends("test_depend", (*_LINTERS, "ament_cmake_pytest", "ament_lint_auto"))}\
+  <test_depend>ament_cmake_flake8</test_depend>
+  <test_depend>ament_cmake_lint_cmake</test_depend>
+  <test_depend>ament_cmake_pep257</test_depend>
+  <test_depend>ament_cmake_xmllint</test_depend>
+  <test_depend>ament_cmake_pytest</test_depend>
+  <test_depend>ament_lint_auto</test_depend>
   <export>
     <build_type>ament_cmake</build_type>
   </export>
 </package>
 """
+"""The manifest, of format 3 (REP 149), whose conditions leave out gazebo_ros from Jazzy on, which has none."""
 
-
-def _depends(tag: str, packages: Sequence[str]) -> str:
-    return "".join(f"  <{tag}>{package}</{tag}>\n" for package in packages)
-
-
-def cmake_lists(package: str) -> str:
-    """Return the text of CMakeLists.txt; if ROS's linters and pytest are not installed, it builds without tests."""
-    # Nothing is compiled: files are installed, and the hook adds the models to Gazebo's search paths.
-    return f"""\
+_CMAKE_LISTS = """\
 cmake_minimum_required(VERSION 3.8)
-project({package} NONE)
+project(@PACKAGE@ NONE)
 
 find_package(ament_cmake REQUIRED)
 
-install(FILES LICENSE README.md DESTINATION share/${{PROJECT_NAME}})
+install(FILES LICENSE README.md DESTINATION share/${PROJECT_NAME})
 install(
   DIRECTORY config launch maps models nodes robots urdf worlds
-  DESTINATION share/${{PROJECT_NAME}}
+  DESTINATION share/${PROJECT_NAME}
 )
-ament_environment_hooks("${{CMAKE_CURRENT_SOURCE_DIR}}/env-hooks/${{PROJECT_NAME}}.dsv.in")
+ament_environment_hooks("${CMAKE_CURRENT_SOURCE_DIR}/env-hooks/${PROJECT_NAME}.dsv.in")
 
 if(BUILD_TESTING)
   find_package(ament_lint_auto QUIET)
@@ -108,7 +95,10 @@ endif()
 
 ament_package()
 """
+"""The build file: nothing is compiled, and the hook adds the models to Gazebo's search paths.
 
+If ROS's linters and pytest are not installed, it builds without tests.
+"""
 
 ENVIRONMENT_HOOK = "".join(
     f"prepend-non-duplicate;{variable};share/@PROJECT_NAME@/models\n"
@@ -124,6 +114,7 @@ _SYSTEMS = (
 
 
 def _config(backend: str) -> str:
+    """Return the server's configuration; backend: as of `system_name`."""
     plugins = ""
     for kind in _SYSTEMS:
         name, parameters = system_name(kind, backend), "<render_engine>ogre2</render_engine>" * (kind == "Sensors")
@@ -135,17 +126,11 @@ def _config(backend: str) -> str:
     return f"<server_config>\n  <plugins>\n{plugins}  </plugins>\n</server_config>\n"
 
 
-FORTRESS = _config("fortress")
-GARDEN_AND_LATER = _config("sim")
-
-
-_STATIC = """\
+_LAYERS = """\
+      plugins: [static_layer, obstacle_layer, inflation_layer]
       static_layer:
         plugin: nav2_costmap_2d::StaticLayer
         map_subscribe_transient_local: true
-"""
-
-_OBSTACLES = """\
       obstacle_layer:
         plugin: nav2_costmap_2d::ObstacleLayer
         observation_sources: scan
@@ -155,28 +140,12 @@ _OBSTACLES = """\
           max_obstacle_height: 2.0
           marking: true
           clearing: true
-"""
-
-_INFLATION = """\
       inflation_layer:
         plugin: nav2_costmap_2d::InflationLayer
         cost_scaling_factor: 3.0
 """
 
-
-def _costmap(name: str, own: str, layers: str) -> str:
-    return f"""\
-{name}_costmap:
-  {name}_costmap:
-    ros__parameters:
-      robot_base_frame: base_link
-{own}{layers}"""
-
-
-_LAYERS = "      plugins: [static_layer, obstacle_layer, inflation_layer]\n" + _STATIC + _OBSTACLES + _INFLATION
-
-_NAV2 = (
-    """\
+_NAV2 = f"""\
 # Nav2's parameters for all robots; robots/KIND/nav2.yaml has those of one
 planner_server:
   ros__parameters:
@@ -203,10 +172,10 @@ bt_navigator:
     global_frame: map
     robot_base_frame: base_link
     odom_topic: /odom
-"""
-    + _costmap(
-        "local",
-        """\
+local_costmap:
+  local_costmap:
+    ros__parameters:
+      robot_base_frame: base_link
       global_frame: odom
       rolling_window: true
       width: 4
@@ -214,19 +183,14 @@ bt_navigator:
       resolution: 0.05
       update_frequency: 5.0
       publish_frequency: 2.0
-""",
-        _LAYERS,
-    )
-    + _costmap(
-        "global",
-        """\
+{_LAYERS}global_costmap:
+  global_costmap:
+    ros__parameters:
+      robot_base_frame: base_link
       global_frame: map
       update_frequency: 1.0
       publish_frequency: 1.0
-""",
-        _LAYERS,
-    )
-)
+{_LAYERS}"""
 """Nav2's parameters that are the same for all robots; those of a robot are in a file of its own.
 
 Only what differs from Nav2's defaults is in it, with names that Humble and Jazzy have both: a planner of paths on the
@@ -237,7 +201,7 @@ stand in the launch file.
 
 
 def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: str) -> Mapping[str, str]:
-    """The text of each file of a package of this name by its path, except those of its maps.
+    """Return the text of each file of a package of this name by its path, except those of its maps.
 
     robots: the files of each robot by its kind; robot: the one that is spawned by default, or `none`
     """
@@ -245,15 +209,15 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
     return {
         "LICENSE": files("rsegen.exporters.ros2").joinpath("LICENSE").read_text("utf-8"),
         "README.md": _readme(package, robots),
-        "package.xml": package_xml(package),
-        "CMakeLists.txt": cmake_lists(package),
+        "package.xml": _PACKAGE_XML.replace("@PACKAGE@", package),
+        "CMakeLists.txt": _CMAKE_LISTS.replace("@PACKAGE@", package),
         f"env-hooks/{package}.dsv.in": ENVIRONMENT_HOOK,
         "config/clock_bridge.yaml": bridge_yaml("the time of Gazebo Sim", [CLOCK]),
-        "config/fortress_server.config": FORTRESS,
+        "config/fortress_server.config": _config("fortress"),
         "config/map.rviz": RVIZ_CONFIG,
         "config/nav2.yaml": _NAV2,
         "config/robot_bridge.yaml": bridge_yaml(own, robot_topics()),
-        "config/server.config": GARDEN_AND_LATER,
+        "config/server.config": _config("sim"),
         "launch/elevation.launch.py": ELEVATION,
         "launch/gazebo_classic.launch.py": CLASSIC,
         "launch/gazebo_sim.launch.py": SIM,

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from rsegen import __version__
 from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.numbers import Lengths, decimal, lengths_in
 from rsegen.exporters.scene import Scene, fingerprint
 from rsegen.exporters.sheet.timber import (
     CuttingPlan,
-    NumberedPallet,
     building_order,
     length,
     length_counts,
@@ -48,7 +45,12 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
         yield f"# fingerprint of {pallet.name}: {fingerprint(pallet.levels)}\n"
     yield ",".join((*COLUMNS[:-1], f"height_{written.unit}")) + "\n"
     for pallet in pallets:
-        yield from _rows(pallet, scene, written)
+        levels, order = pallet.levels, placing_order(pallet.levels)
+        for j in range(levels.shape[1])[::-1]:
+            for i in range(levels.shape[0]):
+                x, y = pallet.corner[0] + i, pallet.corner[1] + j
+                height = written.short(length(int(levels[i, j]), scene.field))
+                yield f"{pallet.name},{order[i, j] or ''},{x},{y},{height}\n"
 
 
 def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[str]:
@@ -74,12 +76,3 @@ def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[
     for pattern in plan.patterns:
         parts = " + ".join(f"{count} x {written.tape(part)} {written.unit}" for part, count in pattern.parts)
         yield f"# {saw}: {pattern.pieces} pieces into {parts}\n"
-
-
-def _rows(numbered: NumberedPallet, scene: Scene, written: Lengths) -> Iterator[str]:
-    levels, order = numbered.levels, placing_order(numbered.levels)
-    for j in range(levels.shape[1])[::-1]:
-        for i in range(levels.shape[0]):
-            x, y = np.add(numbered.corner, (i, j)).tolist()
-            height = written.short(length(int(levels[i, j]), scene.field))
-            yield f"{numbered.name},{order[i, j] or ''},{x},{y},{height}\n"

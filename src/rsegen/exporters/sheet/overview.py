@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from rsegen import __version__
-from rsegen.exporters.cut_settings import CutSettings, nanometres
+from rsegen.exporters.cut_settings import CutSettings
 from rsegen.exporters.numbers import Lengths, decimal
 from rsegen.exporters.scene import Scene, fingerprint
-from rsegen.exporters.sheet.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan, draw_run
+from rsegen.exporters.sheet.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan
 from rsegen.exporters.sheet.timber import CuttingPlan, Materials, NumberedPallet, frame_price, length, together
 from rsegen.field.stepfield import StepField
 
@@ -24,53 +24,39 @@ _ABREAST = 3
 
 def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float, float], bottom: float) -> float:
     """Draw the cut list above `bottom`, counting what does not fit; return the y of the next line."""
-    x, y = place
+    (x, y), written = place, page.written
+    columns = [x + 20, x + 40, x + 60, x + COLUMN]
     y = page.heading(x, y, "Blocks to cut", COLUMN)
     counts = {level: count for level, count in field.level_counts().items() if level}
+    lengths = {level: length(level, field) for level in counts}
     room = max(1, int((bottom - y) / ROW) - 2)
-    draw = _draw_table if len(counts) < room else _draw_narrow
-    y = draw(page, scene, counts, (x, y), room)
-    whole = sum(length(level, field) * count for level, count in counts.items())
+    if len(counts) < room:
+        y = page.table(y, columns, [("level", f"length {written.name}", "number", "timber")], size=8, color=GREY)
+        for level, count in counts.items():
+            page.swatch(x, y, scene.plan_colour(level))
+            row = str(level), written.tape(lengths[level]), f"{count:,}", written.long(lengths[level] * count)
+            y = page.table(y, columns, [row])
+    else:
+        # Several levels per line, in narrow columns.
+        page.text(x, y, f"number x length in {written.name}", 8, color=GREY)
+        rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
+        for at, (level, count) in enumerate(list(counts.items())[: rows * _ABREAST]):
+            left, down = x + at // rows * ((COLUMN + 4) / _ABREAST), y + (at % rows + 1) * ROW
+            page.swatch(left, down, scene.plan_colour(level))
+            page.text(left + 8, down, f"{count:,} x {written.tape(lengths[level])}", 8)
+        y += (rows + 1) * ROW
+        if len(counts) > rows * _ABREAST:
+            more = len(counts) - rows * _ABREAST
+            page.text(x, y, f"and {more} more lengths, which the sheet as CSV has", 8, color=GREY)
+            y += ROW
     page.line((x, x + COLUMN), (y - 3.6, y - 3.6))
-    total = ("together", f"{sum(counts.values()):,}", page.written.long(whole))
-    y = page.table(y, _columns(x)[1:], [total], fontweight="bold")
+    whole = sum(lengths[level] * count for level, count in counts.items())
+    y = page.table(y, columns[1:], [("together", f"{sum(counts.values()):,}", written.long(whole))], fontweight="bold")
     page.swatch(x, y, EMPTY)
     page.text(x + 3, y, "0", 8, ha="center", color=GREY)
     empty = field.level_counts().get(0, 0)
     page.text(x + 9, y, f"no block: {empty:,} cell{'s'[: empty != 1]}", 9)
     return y + ROW
-
-
-def _columns(x: float) -> list[float]:
-    return [x + 20, x + 40, x + 60, x + COLUMN]
-
-
-def _draw_table(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
-    """Draw a line per level; return the y of the next line."""
-    (x, y), written = place, page.written
-    y = page.table(y, _columns(x), [("level", f"length {written.name}", "number", "timber")], size=8, color=GREY)
-    for level, count in counts.items():
-        page.swatch(x, y, scene.plan_colour(level))
-        block = length(level, scene.field)
-        y = page.table(y, _columns(x), [(str(level), written.tape(block), f"{count:,}", written.long(block * count))])
-    return y
-
-
-def _draw_narrow(page: Page, scene: Scene, counts: Mapping[int, int], place: tuple[float, float], room: int) -> float:
-    """Draw several levels per line, in narrow columns; return the y of the next line."""
-    (x, y), width = place, (COLUMN + 4) / _ABREAST
-    page.text(x, y, f"number x length in {page.written.name}", 8, color=GREY)
-    rows = max(1, min(room - 2, -(-len(counts) // _ABREAST)))
-    for at, (level, count) in enumerate(list(counts.items())[: rows * _ABREAST]):
-        here = x + at // rows * width, y + (at % rows + 1) * ROW
-        page.swatch(*here, scene.plan_colour(level))
-        page.text(here[0] + 8, here[1], f"{count:,} x {page.written.tape(length(level, scene.field))}", 8)
-    y += (rows + 1) * ROW
-    if len(counts) > rows * _ABREAST:
-        more = len(counts) - rows * _ABREAST
-        page.text(x, y, f"and {more} more lengths, which the sheet as CSV has", 8, color=GREY)
-        y += ROW
-    return y
 
 
 _LISTS = 127.0
@@ -89,9 +75,11 @@ _BROAD = 30
 def draw_overview(page: Page, scene: Scene, pallets: Sequence[NumberedPallet], needed: Materials) -> None:
     """Draw the whole page."""
     _draw_head(page, scene, len(pallets))
-    y = _draw_map(page, scene, pallets) + 12
-    below = draw_cut_list(page, scene, scene.field, (page.left, y), page.bottom)
-    below = max(below, _draw_cutting_plan(page, scene, needed, y))
+    top = _draw_map(page, scene, pallets) + 12
+    below = draw_cut_list(page, scene, scene.field, (page.left, top), page.bottom)
+    y = page.heading(page.second, top, "Timber to buy", COLUMN)
+    y = page.amounts(page.second, y, _timber(needed, page.written))
+    below = max(below, _draw_patterns(page, needed.blocks, y + 4))
     _draw_boxes(page, scene, pallets, below + 6)
 
 
@@ -133,7 +121,11 @@ def _draw_map(page: Page, scene: Scene, pallets: Sequence[NumberedPallet]) -> fl
         page.rectangle((plan.left, plan.top), (cells_x * cell, cells_y * cell), linewidth=1.2)
         if len(pallets) > 1:
             _draw_name(plan, pallet)
-    draw_run(page, (left, left + n_x * cell), bottom - n_y * cell / 2)
+    # A run starts in the west, and its goal is in the east.
+    for x, text in ((left - 3, "start"), (left + n_x * cell + 3, "goal")):
+        style = {"ha": "center", "va": "center", "color": GREY}
+        page.text(x, bottom - n_y * cell / 2, text, 8, rotation=90, **style)
+        page.text(x, bottom - n_y * cell / 2 - 7, "\N{RIGHTWARDS ARROW}", 9, **style)
     if len(pallets) == 1:
         return bottom
     rule = "Pallets are built row by row from the north-west; A1 is the one of smallest x and y, as on a chess board."
@@ -145,27 +137,13 @@ def _draw_name(plan: PrintedPlan, pallet: NumberedPallet) -> None:
     """Draw the name of a pallet on a white card in its middle, with the number if there is room."""
     n_x, n_y = plan.field.shape
     x, y = plan.middle((n_x - 1) / 2, (n_y - 1) / 2)
-    room = n_x * plan.cell / POINT
-    text = f"{pallet.number}: {pallet.name}"
-    if _size(text, room) < SMALLEST:
-        text = pallet.name
+    for text in (f"{pallet.number}: {pallet.name}", pallet.name):
+        # A letter is 0.72 of the font's size wide, and the card needs one more point per point.
+        size = min(15.0, n_x * plan.cell / POINT / (0.72 * len(text) + 1))
+        if size >= SMALLEST:
+            break
     card = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "black", "linewidth": 0.5}
-    plan.page.text(x, y, text, _size(text, room), ha="center", va="center", fontweight="bold", bbox=card)
-
-
-def _size(text: str, room: float) -> float:
-    """Return the font size with which a text and its card fit into `room` points; a letter is 0.72 of it wide."""
-    return min(15.0, room / (0.72 * len(text) + 1))
-
-
-def _draw_cutting_plan(page: Page, scene: Scene, needed: Materials, y: float) -> float:
-    """Draw what to buy and how every piece is cut; return the y of the next line."""
-    y = page.heading(page.second, y, "Timber to buy", COLUMN)
-    for text, amount in _timber(scene, needed, page.written):
-        page.text(page.second, y, text)
-        page.text(page.second + COLUMN, y, amount, ha="right")
-        y += ROW
-    return _draw_patterns(page, needed.blocks, y + 4)
+    plan.page.text(x, y, text, size, ha="center", va="center", fontweight="bold", bbox=card)
 
 
 def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
@@ -176,9 +154,8 @@ def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
         texts = (f"{count} x {written.tape(part)}".replace(" ", "\xa0") for part, count in pattern.parts)
         parts, offcut = wrap(" + ".join(texts), _BROAD), written.tape(pattern.offcut(plan.settings))
         if y + len(parts) * ROW > page.bottom:
-            page.text(
-                page.second, y, f"and {len(plan.patterns) - drawn} more ways, which the sheet as CSV has", 8, color=GREY
-            )
+            more = len(plan.patterns) - drawn
+            page.text(page.second, y, f"and {more} more ways, which the sheet as CSV has", 8, color=GREY)
             return y + ROW
         page.text(page.second + 10, y, f"{pattern.pieces:,} x", ha="right")
         for at, line in enumerate(parts):
@@ -188,10 +165,9 @@ def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
     return y
 
 
-def _timber(scene: Scene, needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
+def _timber(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
     """Yield the lines about timber, each a text and an amount."""
-    plan, known = needed.blocks, needed.frames
-    settings, (width, high) = plan.settings, _section_of_frames(scene)
+    plan, settings, (width, _) = needed.blocks, needed.blocks.settings, needed.section
     stock = written.stock(settings.stock)
     yield f"blocks: {stock} of {_by((width, width), written)}", _pieces(plan.pieces)
     yield from _sold_as((width, width), written)
@@ -200,24 +176,23 @@ def _timber(scene: Scene, needed: Materials, written: Lengths) -> Iterator[tuple
     if plan.trimmed:
         yield f"  ends, {written.tape(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
     yield "  left over", written.long(plan.offcuts)
-    if known:
+    if needed.frames:
         pieces = _pieces(needed.boards.pieces) if needed.boards else "too short"
-        yield f"frames: {stock} of {_by((width, high), written)}", pieces
-        yield from _sold_as((width, high), written)
-        for board, count in known.items():
-            yield f"  {count:,} boards of {written.tape(board)} {written.unit}", written.long(board * count)
+        yield f"frames: {stock} of {_by(needed.section, written)}", pieces
+        yield from _sold_as(needed.section, written)
+        yield from _boards(needed.frames, written)
 
 
 def _sold_as(section: tuple[int, int], written: Lengths) -> Iterator[tuple[str, str]]:
     """Yield a line with the name by which lumber of a section is sold, if it has one."""
-    name = written.section(section)
-    if name:
+    if name := written.section(section):
         yield f"  sold as {name}, dry and planed", ""
 
 
-def _section_of_frames(scene: Scene) -> tuple[int, int]:
-    """Return the sides of a frame board in nanometres, of which the first is the width of a block."""
-    return nanometres(scene.recipe.block_width_cm), nanometres(scene.recipe.frame_height_cm)
+def _boards(frames: Mapping[int, int], written: Lengths, boards: str = " boards") -> Iterator[tuple[str, str]]:
+    """Yield a line per length of boards."""
+    for board, count in frames.items():
+        yield f"  {count:,}{boards} of {written.tape(board)} {written.unit}", written.long(board * count)
 
 
 def _pieces(count: int) -> str:
@@ -268,33 +243,31 @@ def draw_materials(page: Page, scene: Scene, needed: Materials) -> None:
     settings, written = needed.blocks.settings, page.written
     page.text(page.left, 22, "Frames, bases and cost", 20, fontweight="bold")
     page.fitted((page.left, 29), scene.name, 9, page.across)
+    weights = [(f"blocks, of {written.density(settings.density)}", written.weight(needed.block_weight))]
+    if needed.frames:
+        weights.append(("frames", written.weight(needed.frame_weight)))
     # The left column says what is needed, the right one how to cut the boards and how to build.
     y = 40.0
     for heading, rows in (
-        ("Frames", list(_frames(needed, scene, written))),
+        ("Frames", _frames(needed, written)),
         ("Base boards", [(f"{needed.bases:,} of {_by(needed.base, written)}", "")]),
-        ("Weight", list(_weight(needed, settings, written))),
-        ("Cost", list(_cost(needed, scene, settings))),
+        ("Weight", weights),
+        ("Cost", _cost(needed, scene, settings)),
     ):
         y = page.heading(page.left, y, heading, COLUMN)
-        for text, amount in rows:
-            page.text(page.left, y, text)
-            page.text(page.left + COLUMN, y, amount, ha="right")
-            y += ROW
-        y += 4
+        y = page.amounts(page.left, y, rows) + 4
     y = 40.0
     if needed.boards:
         y = _draw_patterns(page, needed.boards, y) + 4
     page.instructions(y, _STEPS)
 
 
-def _frames(needed: Materials, scene: Scene, written: Lengths) -> Iterator[tuple[str, str]]:
+def _frames(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
     if not needed.frames:
         yield "none", ""
         return
-    yield f"boards, {_by(_section_of_frames(scene), written)} high", written.long(together(needed.frames))
-    for board, count in needed.frames.items():
-        yield f"  {count:,} of {written.tape(board)} {written.unit}", written.long(board * count)
+    yield f"boards, {_by(needed.section, written)} high", written.long(together(needed.frames))
+    yield from _boards(needed.frames, written, "")
     stock = written.stock(needed.blocks.settings.stock)
     if needed.boards:
         yield f"stock of {stock}", _pieces(needed.boards.pieces)
@@ -304,12 +277,6 @@ def _frames(needed: Materials, scene: Scene, written: Lengths) -> Iterator[tuple
 
 def _by(sides: tuple[int, ...], written: Lengths) -> str:
     return f"{' x '.join(map(written.tape, sides))} {written.unit}"
-
-
-def _weight(needed: Materials, settings: CutSettings, written: Lengths) -> Iterator[tuple[str, str]]:
-    yield f"blocks, of {written.density(settings.density)}", written.weight(needed.block_weight)
-    if needed.frames:
-        yield "frames", written.weight(needed.frame_weight)
 
 
 def _cost(needed: Materials, scene: Scene, settings: CutSettings) -> Iterator[tuple[str, str]]:

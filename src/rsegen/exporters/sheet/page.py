@@ -81,9 +81,8 @@ class Page:
         """Draw a rectangle from its upper left corner."""
         from matplotlib.patches import Rectangle
 
-        self.paper.add_patch(
-            Rectangle(place, *size, **{"linewidth": 0.4, "edgecolor": INK, "facecolor": "none", **style})
-        )
+        style = {"linewidth": 0.4, "edgecolor": INK, "facecolor": "none", **style}
+        self.paper.add_patch(Rectangle(place, *size, **style))
 
     def heading(self, x: float, y: float, text: str, width: float) -> float:
         """Draw a heading with a line under it; return the y of the next line."""
@@ -104,6 +103,13 @@ class Page:
             for x, text in zip(columns, row, strict=True):
                 self.text(x, y, text, ha="right", **style)
             y += ROW
+        return y
+
+    def amounts(self, x: float, y: float, rows: Iterable[tuple[str, str]]) -> float:
+        """Draw lines of a text and an amount in a column; return the y of the next line."""
+        for text, amount in rows:
+            self.text(x, y, text)
+            y = self.table(y, [x + COLUMN], [(amount,)])
         return y
 
     def swatch(self, x: float, y: float, colour: Colour) -> None:
@@ -147,7 +153,12 @@ class PrintedPlan:
         from matplotlib.collections import LineCollection, PolyCollection
 
         if self.field.frame.any():
-            self._draw_frame()
+            # The frame is hatched boards over the whole field.
+            (n_x, n_y), colour = self.field.shape, self.scene.plan_colour(0)
+            place, size = (self.left, self.top), (n_x * self.cell, n_y * self.cell)
+            pale = tuple(0.8 + 0.2 * part for part in colour)
+            self.page.rectangle(place, size, facecolor=pale, edgecolor=colour, hatch="////", linewidth=0)
+            self.page.rectangle(place, size, linewidth=0.8)
         blocks = np.nonzero(~self.field.frame)
         colours = [block_colour(self.scene, level) for level in self.field.levels[blocks].tolist()]
         squares = PolyCollection(list(self._corners(*blocks)), facecolors=colours, edgecolors=INK, linewidths=line)
@@ -157,27 +168,11 @@ class PrintedPlan:
         marks = np.stack([corners, corners + _MARKED * (middles - corners)], axis=2).reshape(-1, 2, 2)
         self.page.paper.add_collection(LineCollection(list(marks), colors=_MARK, linewidths=line), autolim=False)
 
-    def _draw_frame(self) -> None:
-        """Draw the frame as hatched boards over the whole field."""
-        n_x, n_y = self.field.shape
-        colour = self.scene.plan_colour(0)
-        size = n_x * self.cell, n_y * self.cell
-        pale = tuple(0.8 + 0.2 * part for part in colour)
-        self.page.rectangle((self.left, self.top), size, facecolor=pale, edgecolor=colour, hatch="////", linewidth=0)
-        self.page.rectangle((self.left, self.top), size, linewidth=0.8)
-
     def _corners(self, i: Ints, j: Ints) -> Array:
         """Return the corners of cells on the page in order, shape (m, 4, 2)."""
         x, y = self.left + i * self.cell, self.top + (self.field.shape[1] - 1 - j) * self.cell
         round_it = ((0, 0), (self.cell, 0), (self.cell, self.cell), (0, self.cell))
         return np.stack([np.stack([x + aside, y + down], axis=-1) for aside, down in round_it], axis=1)
-
-
-def draw_run(page: Page, ends: tuple[float, float], y: float) -> None:
-    """Draw where a run starts, in the west, and its goal, in the east, beside a plan between two x on the page."""
-    for x, text in ((ends[0] - 3, "start"), (ends[1] + 3, "goal")):
-        page.text(x, y, text, 8, ha="center", va="center", rotation=90, color=GREY)
-        page.text(x, y - 7, "\N{RIGHTWARDS ARROW}", 9, ha="center", va="center", color=GREY)
 
 
 def block_colour(scene: Scene, level: int) -> Colour:

@@ -17,9 +17,7 @@ from rsegen.exporters.sheet.page import GREY, INK, POINT, Page, PrintedPlan, blo
 from rsegen.exporters.sheet.timber import NumberedPallet, length, placing_order
 
 ORDERED = 12
-"""Blocks per side up to which a pallet has the placing order in its cells: smaller cells have no room for two
-numbers.
-"""
+"""Blocks per side up to which a pallet's cells have the placing order: smaller ones have no room for two numbers."""
 
 _TOP, _LISTS = 40.0, 70.0
 """Upper end of the plan, and height of the lists below it, in millimetres; the plan has the rest of the page."""
@@ -41,20 +39,6 @@ _RULE = (
 
 def draw_pallet(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
     """Draw the whole page."""
-    _draw_head(page, scene, numbered, pallets)
-    field = numbered.chunk.field
-    cell = (page.bottom - _LISTS - _TOP) / max(field.shape)
-    left = page.left + (page.across - field.shape[0] * cell) / 2
-    plan = PrintedPlan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
-    plan.draw(0.5)
-    _draw_rulers(plan, numbered)
-    notes = _draw_blocks(plan, numbered)
-    y = _TOP + field.shape[1] * cell + 14
-    draw_cut_list(page, scene, field, (page.left, y), page.bottom + 3)
-    page.instructions(y, (*_PLACING, "", *notes, "", *_RULE))
-
-
-def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int) -> None:
     (x, y), (n_x, n_y) = numbered.corner, numbered.levels.shape
     page.text(page.left, 22, f"Pallet {numbered.name}", 20, fontweight="bold")
     where = f"cells {x}..{x + n_x - 1} along x, {y}..{y + n_y - 1} along y"
@@ -64,6 +48,17 @@ def _draw_head(page: Page, scene: Scene, numbered: NumberedPallet, pallets: int)
     page.compass()
     if pallets > 1:
         _draw_position(page, scene, numbered)
+    # The plan, and below it the lists.
+    field = numbered.chunk.field
+    cell = (page.bottom - _LISTS - _TOP) / max(field.shape)
+    left = page.left + (page.across - field.shape[0] * cell) / 2
+    plan = PrintedPlan(page=page, scene=scene, field=field, left=left, top=_TOP, cell=cell)
+    plan.draw(0.5)
+    _draw_rulers(plan, numbered)
+    notes = _draw_blocks(plan, numbered)
+    below = _TOP + field.shape[1] * cell + 14
+    draw_cut_list(page, scene, field, (page.left, below), page.bottom + 3)
+    page.instructions(below, (*_PLACING, "", *notes, "", *_RULE))
 
 
 def _draw_position(page: Page, scene: Scene, numbered: NumberedPallet) -> None:

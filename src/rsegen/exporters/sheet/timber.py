@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -102,13 +102,8 @@ def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> 
         unchanged = pattern.pieces - full - bool(last)
         for pieces, parts in ((full, most), (int(bool(last)), last), (unchanged, 0)):
             if pieces:
-                yield _cut(replace(pattern, pieces=pieces), length, parts, kerf)
-
-
-def _cut(pattern: Pattern, length: int, count: int, kerf: int) -> Pattern:
-    if not count:
-        return pattern
-    return replace(pattern, parts=(*pattern.parts, (length, count)), room=pattern.room - count * (length + kerf))
+                cut = (*pattern.parts, (length, parts)) if parts else pattern.parts
+                yield Pattern(pieces=pieces, parts=cut, room=pattern.room - parts * (length + kerf))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -132,10 +127,7 @@ def building_order(scene: Scene) -> tuple[NumberedPallet, ...]:
     chunks = sorted(scene.field.chunks(side), key=lambda chunk: (-chunk.index[1], chunk.index[0]))
     return tuple(
         NumberedPallet(
-            number=position,
-            name=name(chunk.index),
-            corner=(chunk.index[0] * side, chunk.index[1] * side),
-            chunk=chunk,
+            number=position, name=name(chunk.index), corner=(chunk.index[0] * side, chunk.index[1] * side), chunk=chunk
         )
         for position, chunk in enumerate(chunks, 1)
     )
@@ -193,12 +185,14 @@ _METRE = 10**9
 class Materials:
     """The cutting plans of blocks and frames, base boards (number, sides in nm), weights [kg] and the total price.
 
-    frames: boards of each length; boards: None if there are none, or if one is longer than the stock
+    frames: boards of each length; section: width of a block, and height of a board, in nm
+    boards: None if there are none, or if one is longer than the stock
     price: None if none was given
     """
 
     blocks: CuttingPlan
     frames: Mapping[int, int]
+    section: tuple[int, int]
     boards: CuttingPlan | None
     bases: int
     base: tuple[int, int]
@@ -212,24 +206,25 @@ def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materi
     blocks, known = plan_cuts(length_counts(field), settings), frames(recipe, settings.play)
     boards = plan_cuts(known, settings) if known and max(known) <= settings.usable else None
     side, high = recipe.block_width_cm / 100, recipe.frame_height_cm / 100
-    bases, base = _bases(recipe, settings)
+    # A base board is below each chunk with its frame, or below a map in one frame.
+    (bases, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
+    rim = 2 * width + settings.play if recipe.boundary != "none" else 0
+    price, board_price = settings.price, frame_price(recipe, settings)
+    if price is not None:
+        price *= blocks.pieces
+        if known:
+            price = price + boards.pieces * board_price if boards and board_price is not None else None
     return Materials(
         blocks=blocks,
         frames=known,
+        section=(width, nanometres(recipe.frame_height_cm)),
         boards=boards,
         bases=bases,
-        base=base,
+        base=(n_x * width + rim, n_y * width + rim),
         block_weight=blocks.timber / _METRE * side**2 * settings.density,
         frame_weight=together(known) / _METRE * side * high * settings.density,
-        price=_price(blocks, boards, recipe, settings, framed=bool(known)),
+        price=price,
     )
-
-
-def _bases(recipe: Recipe, settings: CutSettings) -> tuple[int, tuple[int, int]]:
-    """Return number and sides of base boards: one below each chunk with its frame, or one below a map in one frame."""
-    (count, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
-    rim = 2 * width + settings.play if recipe.boundary != "none" else 0
-    return count, (n_x * width + rim, n_y * width + rim)
 
 
 def _bodies(recipe: Recipe) -> tuple[int, Cell]:
@@ -242,13 +237,3 @@ def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
     """Return the price of a piece of stock for frames: as for blocks if none is given and the sections are equal."""
     same = recipe.frame_height_cm == recipe.block_width_cm
     return settings.price if settings.frame_price is None and same else settings.frame_price
-
-
-def _price(
-    blocks: CuttingPlan, boards: CuttingPlan | None, recipe: Recipe, settings: CutSettings, *, framed: bool
-) -> float | None:
-    """Return the price of all timber; None if the price of some of it is not given."""
-    price = frame_price(recipe, settings)
-    if settings.price is None or (framed and (boards is None or price is None)):
-        return None
-    return blocks.pieces * settings.price + (boards.pieces * (price or 0) if boards else 0)

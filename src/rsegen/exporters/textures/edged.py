@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.exporters.textures.images import one_per_image
-from rsegen.field.stepfield import Array, Mask
+from rsegen.field.stepfield import Array
 from rsegen.geometry import TILES
 
 PIXELS = 32
@@ -24,22 +24,20 @@ _EDGE = 0.35
 """Tone of edges: dark, but not as dark as a gap."""
 
 
+_IS_EDGE = np.isin(np.arange(TILES * PIXELS) % PIXELS, (0, PIXELS - 1))
+"""Whether a pixel along a side of an image is the first or the last one of a tile."""
+
+
 def top(rng: np.random.Generator) -> Array:
     """Return the tones, 0 black to 1 white, of the tops of TILES x TILES blocks."""
     tones = one_per_image(rng, TILES * TILES, *_PAINT).reshape(TILES, TILES)
     tones = tones.repeat(PIXELS, axis=0).repeat(PIXELS, axis=1)
-    edge = _is_edge(TILES * PIXELS)
-    return np.where(edge[:, None] | edge[None, :], _EDGE, tones)
+    return np.where(_IS_EDGE[:, None] | _IS_EDGE, _EDGE, tones)
 
 
 def side(rng: np.random.Generator) -> Array:
     """Return the tones of the sides of TILES blocks, with an edge at their top."""
     tones = np.tile(one_per_image(rng, TILES, *_PAINT).ravel().repeat(PIXELS), (TILES * PIXELS, 1))
-    tones[:, _is_edge(TILES * PIXELS)] = _EDGE
+    tones[:, _IS_EDGE] = _EDGE
     tones[0] = _EDGE
     return tones
-
-
-def _is_edge(pixels: int) -> Mask:
-    """Return whether a pixel is the first or the last one of a tile."""
-    return np.isin(np.arange(pixels) % PIXELS, (0, PIXELS - 1))

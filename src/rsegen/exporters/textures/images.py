@@ -17,9 +17,7 @@ from rsegen.field.stepfield import Array
 
 
 def noise(rng: np.random.Generator, shape: tuple[int, int, int], cells: tuple[int, int]) -> Array:
-    """Return images (count, rows, columns) of values -1..1 that change smoothly between random ones on a grid of
-    `cells`.
-    """
+    """Return images (count, rows, columns) of values -1..1, smooth between random ones on a grid of `cells`."""
     count, rows, columns = shape
     known = rng.random((count, cells[0] + 1, cells[1] + 1)) * 2 - 1
     (top, bottom, down), (left, right, across) = (_between(n, k) for n, k in ((rows, cells[0]), (columns, cells[1])))
@@ -41,22 +39,17 @@ def one_per_image(rng: np.random.Generator, count: int, low: float, high: float)
     return low + (high - low) * rng.random((count, 1, 1))
 
 
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
-
-
 def png(indices: Array, palette: Array) -> bytes:
     """Return the PNG file of an image: indices uint8 (rows, columns) into a palette uint8 (n, 3) of sRGB colours."""
     rows, columns = indices.shape
-    head = struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0)
     lines = np.pad(indices, ((0, 0), (1, 0)))  # each line begins with its filter, 0
-    parts = (
-        (b"IHDR", head),
-        (b"PLTE", palette.tobytes()),
-        (b"IDAT", zlib.compress(lines.tobytes(), 9)),
-        (b"IEND", b""),
-    )
-    return _SIGNATURE + b"".join(_chunk(kind, content) for kind, content in parts)
-
-
-def _chunk(kind: bytes, content: bytes) -> bytes:
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    parts = {
+        b"IHDR": struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0),
+        b"PLTE": palette.tobytes(),
+        b"IDAT": zlib.compress(lines.tobytes(), 9),
+        b"IEND": b"",
+    }
+    file = b"\x89PNG\r\n\x1a\n"
+    for kind, content in parts.items():
+        file += struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    return file

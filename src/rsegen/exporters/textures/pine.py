@@ -45,14 +45,16 @@ def top(rng: np.random.Generator) -> Array:
     # The rim of a block is a gap of one pixel and a worn edge of another.
     rim = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y)) * PIXELS
     tones = np.where(rim < 1, 0, np.where(rim < 2, 0.72 * tones, tones))
-    return np.asarray(_grid(tones, TILES))
+    # The tiles as one image, row by row.
+    rows = tones.reshape(TILES, TILES, PIXELS, PIXELS).transpose(0, 2, 1, 3)
+    return np.asarray(rows.reshape(TILES * PIXELS, TILES * PIXELS))
 
 
 def side(rng: np.random.Generator) -> Array:
     """Return long grain: the tones of TILES posts side by side, with a few knots, and an edge at their top."""
     rows = TILES * PIXELS
     shape = (TILES, rows, PIXELS)
-    x, y = _middles(PIXELS)[None, None, :], _middles(PIXELS, rows)[None, :, None]
+    x, y = _middles(PIXELS)[None, None, :], _middles(rows)[None, :, None]
     distance = np.abs(x - one_per_image(rng, TILES, -0.2, 1.2)) + 0.05 * noise(rng, shape, (4, 1))
     distance += 0.01 * noise(rng, shape, (16, 4))
     bent, dark = _knots(rng, x, y)
@@ -96,12 +98,6 @@ def _knots(rng: np.random.Generator, x: Array, y: Array) -> tuple[Array, Array]:
     return bent, dark
 
 
-def _middles(pixels: int, count: int | None = None) -> Array:
-    """Return the centres of `count` pixels (default: `pixels`), of which `pixels` have a length of 1."""
-    return np.asarray((np.arange(count or pixels) + 0.5) / pixels)
-
-
-def _grid(tiles: Array, columns: int) -> Array:
-    """Return tiles (n, side, side) as one image, row by row."""
-    side = tiles.shape[1]
-    return tiles.reshape(-1, columns, side, side).transpose(0, 2, 1, 3).reshape(-1, columns * side)
+def _middles(count: int) -> Array:
+    """Return the centres of `count` pixels, of which PIXELS have a length of 1."""
+    return np.asarray((np.arange(count) + 0.5) / PIXELS)
