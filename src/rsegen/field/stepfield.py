@@ -121,6 +121,11 @@ class StepField:
         """Return the coordinates of the cell edges, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
         return _edges(self.shape[0], self.block_width), _edges(self.shape[1], self.block_width)
 
+    def middles(self) -> tuple[Array, Array]:
+        """Return the coordinates of the middles of cells, metres: x of shape (n_x,) and y of shape (n_y,)."""
+        x, y = ((line[:-1] + line[1:]) / 2 for line in self.edges())
+        return x, y
+
     def level_counts(self) -> dict[int, int]:
         """Return the number of blocks of each level, without frames; lowest level first."""
         counts = np.bincount(self.levels[~self.frame])

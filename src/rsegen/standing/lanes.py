@@ -196,12 +196,6 @@ def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles
     return passed
 
 
-def middles_of(field: StepField, axis: int) -> Array:
-    """Return the middles of the cells along an axis, metres."""
-    edges = field.edges()[axis]
-    return np.asarray((edges[1:] + edges[:-1]) / 2)
-
-
 def lines_along(field: StepField, axis: int) -> Mask:
     """Return on which lines of cells along an axis a robot may drive, counted across it.
 
@@ -213,7 +207,7 @@ def lines_along(field: StepField, axis: int) -> Mask:
 
 def across(field: StepField, axis: int) -> Array:
     """Return the middles of the lines of cells along an axis on which a robot may drive, metres."""
-    return middles_of(field, 1 - axis)[lines_along(field, axis)]
+    return field.middles()[1 - axis][lines_along(field, axis)]
 
 
 def entry(field: StepField, body: Body, axis: int) -> float:

@@ -30,7 +30,6 @@ from rsegen.standing.lanes import (
     drive,
     entry,
     lines_along,
-    middles_of,
     origins,
     step_of,
     straight,
@@ -141,7 +140,7 @@ class Lattice:
     def __init__(self, field: StepField, body: Body, best: str = "length", watch: Watch = _unwatched) -> None:
         self.field, self.body, self.best, self.watch = field, body, best, watch
         self.ground = PaddedGround.of(field, reach_of(body))
-        self.x, self.y = middles_of(field, 0), middles_of(field, 1)
+        self.x, self.y = field.middles()
         shape = (*field.shape, HEADINGS)
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
@@ -406,7 +405,7 @@ class Lattice:
     def _ends(self, axis: int) -> tuple[dict[_Place, float], dict[_Place, float]]:
         """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
         numbers, middles = np.flatnonzero(lines_along(self.field, axis)), across(self.field, axis)
-        first, last = middles_of(self.field, axis)[0], self.field.shape[axis] - 1
+        first, last = self.field.middles()[axis][0], self.field.shape[axis] - 1
         edge, yaw = entry(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
         ends = []

@@ -48,7 +48,7 @@ def boxes(scene: Scene) -> Iterator[str]:
     Names are `block_X_Y` by block cell, `frame_I_J` by cell with frames counted.
     """
     field = scene.field
-    x, y = ([decimal(at) for at in ((line[:-1] + line[1:]) / 2).tolist()] for line in field.edges())
+    x, y = ([decimal(at) for at in line.tolist()] for line in field.middles())
     block_x, block_y = (field.numbered(axis).tolist() for axis in (0, 1))
     # A model differs from others of its material in name, x and y only, so it is one text with three placeholders.
     templates = {material: _templates(scene, material, height) for material, height in _heights(field).items()}

@@ -85,7 +85,7 @@ def _draw_errors(axes: Axes, scan: Scan, written: Lengths) -> None:
     axes.set_facecolor(_UNSEEN)
     axes.figure.colorbar(shown, ax=axes, label=f"measured height above that of the level [{written.unit}]", pad=0.1)
     if max(scan.levels.shape) <= LEGIBLE:
-        middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in scan.field.edges())
+        middle_x, middle_y = (line.tolist() for line in scan.field.middles())
         for (x, y), level in np.ndenumerate(scan.levels):
             text = "?" if not scan.seen[x, y] else "" if scan.frame[x, y] else f"{level}"
             weight = "bold" if scan.seen[x, y] and scan.confidence[x, y] < SURE else "normal"
@@ -143,7 +143,7 @@ def _draw_changes(axes: Axes, comparison: Comparison, written: Lengths) -> None:
         axes.grid(which="minor", color="white", linewidth=1.5)
         axes.tick_params(which="minor", length=0)
         # Heights that are right, and of the others both: that which stands, and that which should.
-        middle_x, middle_y = (((line[:-1] + line[1:]) / 2).tolist() for line in (edges_x, edges_y))
+        middle_x, middle_y = (line.tolist() for line in comparison.wanted.middles())
         style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": min(10.0, 110 / max(off.shape))}
         for x, y in np.argwhere(~comparison.wrong & ~comparison.wanted.frame):
             right = written.measured(float(comparison.wanted.heights[x, y]), 3)

@@ -70,7 +70,7 @@ def draw_heights(axes: Axes, drawn: Drawable, share: float = 1.0) -> str:
     if most > LEGIBLE or size < _SMALLEST:
         return "plan"
     written = lengths_in(drawn.units)
-    middle_x, middle_y = ((line[:-1] + line[1:]) / 2 for line in drawn.field.edges())
+    middle_x, middle_y = drawn.field.middles()
     heights = drawn.field.heights
     for i, j in zip(*np.nonzero(~drawn.field.frame), strict=True):
         text, ink = written.measured(heights[i, j], 3), ink_on(colours[i, j])
@@ -103,8 +103,8 @@ def number_cells(axes: Axes, field: StepField) -> None:
     """Count the cells of recipes, frames left out, below and on the left; metres are above and on the right."""
     from matplotlib.ticker import MaxNLocator
 
-    for axis, (name, edges) in enumerate(zip("xy", field.edges(), strict=True)):
-        middles = ((edges[:-1] + edges[1:]) / 2)[field.inside(axis)]
+    for axis, (name, every) in enumerate(zip("xy", field.middles(), strict=True)):
+        middles = every[field.inside(axis)]
         inches = axes.get_window_extent().size[axis] / axes.figure.dpi
         step = next(step for step in _STEPS if step * inches / field.shape[axis] >= _APART)
         own = axes.yaxis if axis else axes.xaxis
