@@ -128,23 +128,17 @@ class DriveResult:
 
     def as_json(self) -> dict[str, object]:
         """Return the content of drive.json, which `rsegen drive --json` prints."""
-        robots = [
-            {
-                "name": robot.name,
-                "kind": robot.kind,
-                "start": asdict(robot.start),
-                **asdict(robot.metrics),
-                "incidents": [asdict(incident) for incident in robot.metrics.incidents],
-            }
-            for robot in self.robots
-        ]
         return {
             "map": self.scene.name,
             "simulator": self.simulator,
             "route": self.route,
             "seed": self.seed,
             **({"way": self.way.as_json()} if self.way else {}),
-            "robots": robots,
+            "robots": [
+                {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
+                | {"incidents": [asdict(incident) for incident in robot.metrics.incidents]}
+                for robot in self.robots
+            ],
             "errors": list(self.errors),
             "notes": list(self.notes),
         }
@@ -181,10 +175,9 @@ class DriveResult:
             "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
             "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
         }
-        if self.way:
-            files["way.csv"] = _encoded(self.way.csv())
-        pictures = {"gazebo.jpg": [self.image]} if self.image else {}
-        return {PurePosixPath(name): content for name, content in (files | pictures).items()}
+        files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
+        files |= {"gazebo.jpg": [self.image]} if self.image else {}
+        return {PurePosixPath(name): content for name, content in files.items()}
 
 
 def _foreseen(way: PlannedWay) -> str:
@@ -198,7 +191,7 @@ def _foreseen(way: PlannedWay) -> str:
 
 
 def _crossed(robot: DrivenRobot) -> str:
-    """Say when a robot was across, or where it was at the end."""
+    """Return when a robot was across, or where it was at the end."""
     if robot.metrics.crossed is not None:
         return f", crossed the map after {robot.metrics.crossed:g} s"
     if robot.metrics.incidents or not len(robot.trajectory.rows):

@@ -31,19 +31,15 @@ def description() -> dict[str, str]:
     """Processor, cores, memory, system and load of this computer."""
     import psutil
 
+    table = Path("/proc/cpuinfo")
+    named = re.search(r"model name\s*:\s*(.+)", table.read_text()) if table.exists() else None
     return {
-        "processor": _processor(),
+        "processor": named[1] if named else platform.processor() or platform.machine(),
         "cores": str(os.cpu_count()),
         "memory": f"{psutil.virtual_memory().total / 2**30:.1f} GB",
         "system": platform.platform(),
         "load before": " ".join(f"{load:.1f}" for load in os.getloadavg()) if hasattr(os, "getloadavg") else "?",
     }
-
-
-def _processor() -> str:
-    path = Path("/proc/cpuinfo")
-    named = re.search(r"model name\s*:\s*(.+)", path.read_text()) if path.exists() else None
-    return named[1] if named else platform.processor() or platform.machine()
 
 
 def _nvidia() -> str:

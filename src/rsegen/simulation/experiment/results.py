@@ -9,7 +9,7 @@ outcome of this plan is refused with its place.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -35,9 +35,8 @@ _OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
 Results = Mapping[Cell, list[Outcome]]
 """The outcomes of every cell, in the order of its repeats."""
 
-
-Entry = tuple[Cell, int, Outcome]
-"""A cell, the number of the repeat, and what it measured."""
+Entries = dict[tuple[Cell, int], Outcome]
+"""The outcome of each repeat of a cell that was tried, by its number."""
 
 
 def entry(cell: Cell, repeat: int, outcome: Outcome) -> dict[str, Json]:
@@ -45,23 +44,23 @@ def entry(cell: Cell, repeat: int, outcome: Outcome) -> dict[str, Json]:
     return {"cell": asdict(cell), "repeat": repeat, "outcome": asdict(outcome)}
 
 
-def read_entries(journal: Journal | None, folder: Path, rows: int) -> list[Entry]:
+def read_entries(journal: Journal | None, folder: Path, rows: int) -> Entries:
     """Return the outcomes in the journal of a folder; FileError for the first that something else has changed."""
-    entries = []
+    entries = {}
     for number, result in enumerate(journal.results if journal else (), 1):
         try:
             cell, outcome = read_cell(result.get("cell"), rows), read_outcome(result.get("outcome"))
-            entries.append((cell, Integer(0).check("repeat", result.get("repeat")), outcome))
+            entries[cell, Integer(0).check("repeat", result.get("repeat"))] = outcome
         except ParameterError as error:  # noqa: PERF203  # an experiment has some hundred
             advice = "delete its line, or give another folder, or force=True"
             raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
     return entries
 
 
-def results_of(entries: Iterable[Entry]) -> Results:
+def results_of(entries: Entries) -> Results:
     """Return the outcomes of every cell."""
     results: dict[Cell, list[Outcome]] = {}
-    for cell, _, outcome in entries:
+    for (cell, _), outcome in entries.items():
         results.setdefault(cell, []).append(outcome)
     return results
 
@@ -84,10 +83,9 @@ def _checked(
         raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
     with inside(where):
         refuse_unknown("key", content, sorts)
-        given = {name: content.get(name) for name in sorts}
+        given = ((name, sort, content.get(name)) for name, sort in sorts.items())
         return {
-            name: None if given[name] is None and name in optional else sort.check(name, given[name])
-            for name, sort in sorts.items()
+            name: None if value is None and name in optional else sort.check(name, value) for name, sort, value in given
         }
 
 

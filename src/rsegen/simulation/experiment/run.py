@@ -79,8 +79,7 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
     refuse_undrivable(plan)
     machine = {"simulator": ", ".join(map(str, installed.values())), **description()}
     with _opened(plan, folder, force=force) as store:
-        entries = read_entries(store.journal.content, folder, len(plan.rows))
-        done = {(cell, repeat): outcome for cell, repeat, outcome in entries}
+        done = read_entries(store.journal.content, folder, len(plan.rows))
         store.foresee([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
         for number, (cell, repeat) in enumerate(plan.order()):
             progress(number, cell)
@@ -94,10 +93,9 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
                 except KeyboardInterrupt:
                     there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
                     raise Stopped(there, changed=bool(done)) from None
-        results = results_of((*key, outcome) for key, outcome in done.items())
-        found = ExperimentResult(plan=plan, results=results, machine=machine, folder=folder, command=command)
-        store.put({name: [content] for name, content in _files(found).items()}, force=True, holds=HOLDS)
-    return found
+        result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
+        store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
+    return result
 
 
 @contextmanager
@@ -113,10 +111,8 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
             yield store
         return
     if journal and (journal.holds, journal.of) != (HOLDS, of):
-        what = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
-        raise OutputError(
-            f"{folder}: has {what}; give another folder" + (", or force=True" if journal.holds == HOLDS else "")
-        )
+        has = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
+        raise OutputError(f"{folder}: has {has}; give another folder{', or force=True' * (journal.holds == HOLDS)}")
     with read_errors(folder):
         for name in (*REPORT_FILES, *track_names(plan)):
             is_intact(folder, name, journal)

@@ -21,14 +21,14 @@ from functools import partial
 from math import ceil
 from pathlib import Path
 from statistics import fmean
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
-from rsegen.field.stepfield import Array, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.drive_metrics import (
     PLANE,
@@ -38,7 +38,7 @@ from rsegen.simulation.driving.drive_metrics import (
     drive_metrics,
     possible_part,
 )
-from rsegen.simulation.driving.recording import RobotRun, send_commands
+from rsegen.simulation.driving.recording import RobotRun, send_commands, trajectories
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Route, Wandering
 from rsegen.simulation.driving.world_file import camera_model, world_with_robots
@@ -207,15 +207,12 @@ class TrialServer:
         while (left := end - time.monotonic()) > 0:
             time.sleep(min(left, LOOKS))
             self.watch()
-            if record is not None:
-                self._look(record)
-
-    def _look(self, record: Record) -> None:
-        """Add the last poses of robots to a record, unless it has some that are hardly older."""
-        second, poses = self.live.last_poses()
-        here = {run.name: list(astuple(poses[run.name])) for run in self.setup.runs if run.name in poses}
-        if here and (not record or second >= record[-1][0] + PERIOD):
-            record.append((second, here))
+            if record is None:
+                continue
+            second, poses = self.live.last_poses()
+            here = {run.name: list(astuple(poses[run.name])) for run in self.setup.runs if run.name in poses}
+            if here and (not record or second >= record[-1][0] + PERIOD):
+                record.append((second, here))
 
 
 @contextmanager
@@ -250,47 +247,25 @@ def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) ->
 # What the robots did.
 
 
-class DrivingFigures(NamedTuple):
-    """The means over the robots of a trial; None if nothing of them is known.
-
-    driven: metres; stuck: share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of
-    the map over which some part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots
-    that left the map, and that did what no robot can, with which their other figures end
-    """
-
-    driven: float | None = None
-    stuck: float | None = None
-    tipped: float | None = None
-    covered: float | None = None
-    off: float | None = None
-    impossible: float | None = None
-
-
-def trajectories(record: Record, runs: Sequence[RobotRun]) -> dict[str, Trajectory]:
-    """Return the trajectories of robots that were in a record, by their names."""
-    rows = {run.name: [[second, *poses[run.name]] for second, poses in record if run.name in poses] for run in runs}
-    return {name: Trajectory(rows=np.array(own)) for name, own in rows.items() if own}
-
-
 def driving_figures(
     tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
-) -> DrivingFigures:
-    """Return the figures of robots with these trajectories on a field, None for an empty world."""
+) -> dict[str, float | None]:
+    """Return the figures of an outcome that are of robots with these trajectories on a field, None: an empty world."""
     driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
     if not driven:
-        return DrivingFigures()
+        return {}
     course = Course.over(field) if field else PLANE
     every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
     parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
     shares = [covered(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
-    return DrivingFigures(
-        driven=round(fmean(metrics.distance for metrics in every), 3),
-        stuck=round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
-        tipped=round(fmean(metrics.tipped for metrics in every), 3),
-        covered=round(fmean(shares), 5) if shares else None,
-        off=round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
-        impossible=round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
-    )
+    return {
+        "driven": round(fmean(metrics.distance for metrics in every), 3),
+        "stuck": round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
+        "tipped": round(fmean(metrics.tipped for metrics in every), 3),
+        "covered": round(fmean(shares), 5) if shares else None,
+        "off": round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
+        "impossible": round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
+    }
 
 
 def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
@@ -299,9 +274,10 @@ def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every
     row of its trajectory.
     """
-    points = _points_below(robot, field.block_width / 2)  # half a block apart, so that no cell between is missed
+    apart = field.block_width / 2  # so that no cell between is missed
+    axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
+    along, across = (offsets.ravel() for offsets in np.meshgrid(*axes))
     x, y, yaw = (track.rows[:, [column]] for column in (1, 2, 6))
-    along, across = points[:, 0], points[:, 1]
     places = [x + np.cos(yaw) * along - np.sin(yaw) * across, y + np.sin(yaw) * along + np.cos(yaw) * across]
     i, j = (
         np.floor((place + extent / 2) / field.block_width).astype(int).ravel()
@@ -311,12 +287,6 @@ def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     on_it = (i >= 0) & (j >= 0) & (i < field.shape[0]) & (j < field.shape[1])
     been[i[on_it], j[on_it]] = True
     return float(been.mean())
-
-
-def _points_below(robot: DrivableRobot, apart: float) -> Array:
-    """Return points of a robot's length and width about its origin, this far apart or less, shape (n, 2)."""
-    axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
-    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
 
 
 # A trial.
@@ -355,16 +325,19 @@ class Outcome:
     else None
     fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
     share: speed divided by that of the empty world at the pace `beside`, else None
-    simulated: seconds; driven, stuck, tipped, covered, off, impossible: as in DrivingFigures
+    simulated: seconds; all others are means over the robots, None if nothing of them is known. driven: metres; stuck:
+    share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of the map over which some
+    part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots that left the map, and
+    that did what no robot can, with which their other figures end
     """
 
     load: float
     memory: float
-    cpu: float | None
+    cpu: float | None = None
     speed: float
-    rtf_min: float | None
-    rtf: float | None
-    rtf_max: float | None
+    rtf_min: float | None = None
+    rtf: float | None = None
+    rtf_max: float | None = None
     share: float | None = None
     machine: float | None = None
     gpu: float | None = None
@@ -455,6 +428,11 @@ def _trial(
         first = servers[0]
         tracks = trajectories(first.record, first.setup.runs)
         figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
+        if first.setup.real:
+            rtf_min, rtf, rtf_max = min(ours.factors), fmean(ours.factors), max(ours.factors)
+            figures |= {"rtf_min": round(rtf_min, 3), "rtf": round(rtf, 3), "rtf_max": round(rtf_max, 3)}
+            figures["gpu"] = round(fmean(ours.gpu), 3) if ours.gpu else None
+            figures["fps"] = round(ours.frames / ours.real, 2) if first.setup.frames else None
         outcome = Outcome(
             load=round(first.load, 3),
             memory=round(usage(first.pid).memory, 1),
@@ -464,8 +442,7 @@ def _trial(
             cpu=round(ours.cores, 4),
             machine=round(min(ours.busy / ours.real, 1.0), 4),
             starved=any(is_starved(span, real=first.setup.real) for span in (ours, *others)),
-            **_in_real_time(ours, first.setup),
-            **figures._asdict(),
+            **figures,  # type: ignore[arg-type]  # mypy takes them for `starved` and `attempts` too
         )
     return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
 
@@ -474,16 +451,3 @@ def is_starved(span: Measurement, *, real: bool) -> bool:
     """Return whether a server had too little of the processors; in real time it wants more only if it is behind."""
     wants_more = not real or span.simulated < BEHIND * span.real
     return wants_more and span.cores < STARVED
-
-
-def _in_real_time(span: Measurement, setup: Setup) -> dict[str, Any]:
-    """Return the figures that only a trial in real time has."""
-    if not setup.real:
-        return dict.fromkeys(("gpu", "fps", "rtf_min", "rtf", "rtf_max"))
-    return {
-        "gpu": round(fmean(span.gpu), 3) if span.gpu else None,
-        "fps": round(span.frames / span.real, 2) if setup.frames else None,
-        "rtf_min": round(min(span.factors), 3),
-        "rtf": round(fmean(span.factors), 3),
-        "rtf_max": round(max(span.factors), 3),
-    }

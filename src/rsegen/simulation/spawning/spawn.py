@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import os.path
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import hypot
@@ -46,7 +46,7 @@ from rsegen.simulation.spawning.spawning import (
     maps_in,
     occupied,
     spawn_map,
-    unknown_maps,
+    unknown_map_notes,
 )
 from rsegen.simulation.worlds import Target
 from rsegen.standing.resting import poses as resting_poses
@@ -100,7 +100,7 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             spot = None if place else _on_map(what, name, maps, poses)
             found = spot or _on_top(what, occupied(poses, maps), maps, place)
             live.spawn(what.file(name, live.backend), found)
-            notes = list(_notes(poses, maps)) if not spot and len(place) <= 2 else []
+            notes = list(unknown_map_notes(poses, maps)) if not spot and len(place) <= 2 else []
             return SpawnResult(name=name, simulator=running.name, at=found, notes=(*notes, *_own_notes(what, live)))
         if rider is None:
             new, moved = _spawned(live, what, name, place, poses, maps)
@@ -186,13 +186,6 @@ def _own_notes(robot: DrivableRobot, live: LiveWorld) -> list[str]:
     return list(robot.spawn_notes(live.backend)) if isinstance(robot, SdfRobot) else []
 
 
-def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
-    """Yield a warning if there are maps whose blocks the robot may be put into."""
-    for name in unknown_maps(poses, maps):
-        advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
-        yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
-
-
 def _on_top(robot: DrivableRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
     """Return the pose of a robot on top of the maps under it, unless z is given."""
     radius = hypot(*robot.size[:2]) / 2
@@ -226,16 +219,11 @@ def _robot_or_map(target: Target | DrivableRobot, which: int | str | None, outpu
         if which is not None:
             raise ParameterError("map", f"{target.kind} is a robot and has no maps")
         return target
-    if isinstance(target, str):
-        _refuse_unknown_word(target)
-    return map_of(target, which, output)
-
-
-def _refuse_unknown_word(target: str) -> None:
-    """UnknownName for a bare word that names nothing."""
-    bare = not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
-    if bare and target not in EXAMPLES:
+    # A bare word that names nothing may be a robot's, so both are listed.
+    is_bare = isinstance(target, str) and not (Path(target).suffix or {os.sep, "#"} & {*target})
+    if is_bare and target not in EXAMPLES and not os.path.exists(target):
         raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
+    return map_of(target, which, output)
 
 
 def _pose(at: Sequence[float]) -> Pose:
@@ -261,10 +249,12 @@ def replace_map(  # as `rsegen.respawn`
     target: Target, which: int | str | None, name: str | None, output: Path, simulator: str | None, timeout: float
 ) -> RespawnResult:
     """Replace the map in the simulation by another one, by default the next; see `rsegen.respawn`."""
-    recipes = _recipes(target)
+    recipes, homes = _recipes(target), [output]
+    if not isinstance(target, Scene | Recipe) and os.path.isdir(target):
+        homes += [Path(target), Path(target).parent]
     with connected(simulator, timeout) as (running, live):
         poses = live.poses()
-        known = known_recipes(live, poses, [output, *_homes(target)])
+        known = known_recipes(live, poses, homes)
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
         new = _given_or_next(target, which, output, current)
         new.check_spawnable()
@@ -286,12 +276,6 @@ def _recipes(target: Target) -> list[Recipe]:
     if isinstance(target, Recipe):
         return [target]
     return [recipe_in(file) for file in recipe_files(os.fspath(target))]
-
-
-def _homes(target: Target) -> list[Path]:
-    """Folders in which the folder of a running map may be."""
-    path = Path(target) if isinstance(target, str | os.PathLike) else None
-    return [path, path.parent] if path and path.is_dir() else []
 
 
 def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
@@ -321,7 +305,7 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
     (recipe,) = _recipes(target)
     index = _index(recipe, current)
-    return map_model(recipe, recipe.first_map if index is None else index + 1, output)
+    return map_model(recipe.alone(recipe.first_map if index is None else index + 1), output)
 
 
 def _index(recipe: Recipe, name: str) -> int | None:

@@ -9,10 +9,8 @@ recipe is not found, whose blocks are taken for flat ground, and a map that is n
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, count, product
@@ -25,13 +23,12 @@ from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.io.input_files import text_of
 from rsegen.io.recipe_file import load
-from rsegen.io.resources import refuse_too_large
-from rsegen.io.targets import chosen_map, map_index, recipe_files, recipe_in
+from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots import ROBOTS
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.worlds import Target, write_world
+from rsegen.simulation.worlds import Target, chosen, scene_of, write_world
 
 _ROUNDING = 1e-3
 """Slack of a gap, metres: positions on the grid are rounded to millimetres."""
@@ -92,19 +89,16 @@ class SpawnedMap:
 
     def top(self, at: Pose, reach: float = 0.0) -> float:
         """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
-        along_x, along_y = (self._cells(axis, x, reach) for axis, x in enumerate(self._seen(at)))
-        return self.at.z + float(self.field.heights[along_x, along_y].max(initial=0.0))
+        window = []
+        for x, along in zip(self._seen(at), self.field.extent, strict=True):
+            first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-reach, reach))
+            window.append(slice(max(first, 0), max(last + 1, 0)))
+        return self.at.z + float(self.field.heights[tuple(window)].max(initial=0.0))
 
     def outside(self, x: float, y: float) -> tuple[float, float]:
         """Return the place in the world of one in the map's own axes, from its middle."""
         c, s = cos(self.at.yaw), sin(self.at.yaw)
         return self.at.x + x * c - y * s, self.at.y + x * s + y * c
-
-    def _cells(self, axis: int, x: float, reach: float) -> slice:
-        """Along an axis, those within a reach of a place in the map's own axes."""
-        from_edge = x + self.field.extent[axis] / 2
-        first, last = (floor((from_edge + side) / self.field.block_width) for side in (-reach, reach))
-        return slice(max(first, 0), max(last + 1, 0))
 
     def _seen(self, at: Pose) -> tuple[float, float]:
         """Return a place in the map's own axes, from its middle."""
@@ -129,12 +123,18 @@ def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area
 
 
 def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:
-    """Spawn a map in a paused world and delete the old one, if given; gives the names of models put on top of it."""
-    with _paused(live):
+    """Spawn a map and delete the old one, if given, while the world is paused; gives the models put on top of it."""
+    was_paused = live.clock().paused
+    if not was_paused:
+        live.pause()
+    try:
         live.spawn(sdf, new.at)
         moved = _raise_models(live, new, old)
         if old:
             live.delete(old.name)
+    finally:
+        if not was_paused:
+            live.unpause()
     return moved
 
 
@@ -142,19 +142,6 @@ def model_radius(name: str) -> float:
     """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
     kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
     return hypot(*kind.size[:2]) / 2 if kind else RADIUS
-
-
-@contextmanager
-def _paused(live: LiveWorld) -> Iterator[None]:
-    """Pause the world inside; afterwards it runs only if it ran before."""
-    if live.clock().paused:
-        yield
-        return
-    live.pause()
-    try:
-        yield
-    finally:
-        live.unpause()
 
 
 def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> tuple[str, ...]:
@@ -198,10 +185,7 @@ class MapModel:
     @cached_property
     def scene(self) -> Scene:
         """The map's scene; TooLarge if it does not fit into memory."""
-        if self.made_of:
-            return self.made_of
-        refuse_too_large(self.recipe)
-        return compose(self.recipe, self.recipe.first_map)
+        return self.made_of or scene_of(self.recipe)
 
     def check_spawnable(self) -> None:
         """Raise a ParameterError if this cannot be spawned as one model."""
@@ -219,9 +203,9 @@ class MapModel:
         return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
 
 
-def map_model(recipe: Recipe, index: int, output: Path, scene: Scene | None = None) -> MapModel:
-    """Return a map of a recipe in an output folder; OutputError if a different map of its name exists there."""
-    model = MapModel(recipe=recipe.alone(index), folder=output / recipe.map_name(index), made_of=scene)
+def map_model(recipe: Recipe, output: Path, scene: Scene | None = None) -> MapModel:
+    """Return the map of a recipe in an output folder; OutputError if a different map of its name exists there."""
+    model = MapModel(recipe=recipe, folder=output / recipe.map_name(recipe.first_map), made_of=scene)
     if model.folder.exists() and _recipe_in(model.folder) != model.recipe:
         advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
         raise OutputError(f"{model.folder}: exists already and is a different map; {advice}")
@@ -230,15 +214,8 @@ def map_model(recipe: Recipe, index: int, output: Path, scene: Scene | None = No
 
 def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
     """Return the map of a target, by index or name, by default the first; a recipe's goes into the output folder."""
-    if isinstance(target, Scene):
-        return map_model(target.recipe, target.index, output, target)
-    if isinstance(target, Recipe):
-        return map_model(target, map_index(target, which), output)
-    path = os.fspath(target)
-    file, recipe, index = chosen_map(path, None if which is None else str(which))
-    if os.path.isdir(path):
-        return MapModel(recipe=recipe.alone(index), folder=file.parent)
-    return map_model(recipe, index, output)
+    recipe, folder, scene = chosen(target, which)
+    return MapModel(recipe=recipe, folder=folder) if folder else map_model(recipe, output, scene)
 
 
 def maps_in(folder: str) -> list[MapModel]:
@@ -270,10 +247,13 @@ def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]
     ]
 
 
-def unknown_maps(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> list[str]:
-    """Return the names of the models in a simulation that are called like maps, and are none of these."""
+def unknown_map_notes(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> Iterator[str]:
+    """Yield a warning for each model that is called like a map and is none of these: its heights are unknown."""
     names = {spawned.name for spawned in known}
-    return [name for name in poses if _is_map_name(name) and name not in names]
+    for name in poses:
+        if _is_map_name(name) and name not in names:
+            advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
+            yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
 def _is_map_name(name: str) -> bool:
