@@ -35,13 +35,7 @@ from rsegen.simulation.driving.drive_metrics import (
     moves_by_window,
     possible_part,
 )
-from rsegen.simulation.driving.recording import (
-    ContactSamples,
-    DriveRecording,
-    RobotRun,
-    contact_shares,
-    contacts_csv,
-)
+from rsegen.simulation.driving.recording import ContactSamples, DriveRecording, RobotRun, contact_shares, contacts_csv
 from rsegen.simulation.driving.robot_runs import GAP, finish_x
 from rsegen.simulation.driving.routes import PlannedWay, Wandering
 from rsegen.simulation.simulators import Installation
@@ -165,9 +159,6 @@ class DriveResult:
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
-        write_folder(self._files(), Path(folder), "drive", force=force)
-
-    def _files(self) -> dict[PurePosixPath, list[bytes]]:
         trajectories = {robot.name: robot.trajectory for robot in self.robots}
         files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
@@ -177,7 +168,8 @@ class DriveResult:
         }
         files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
         files |= {"gazebo.jpg": [self.image]} if self.image else {}
-        return {PurePosixPath(name): content for name, content in files.items()}
+        paths = {PurePosixPath(name): content for name, content in files.items()}
+        write_folder(paths, Path(folder), "drive", force=force)
 
 
 def _foreseen(way: PlannedWay) -> str:

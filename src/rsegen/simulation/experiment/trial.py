@@ -30,14 +30,7 @@ from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.simulation.driving.drive_metrics import (
-    PLANE,
-    Course,
-    Incident,
-    Trajectory,
-    drive_metrics,
-    possible_part,
-)
+from rsegen.simulation.driving.drive_metrics import PLANE, Course, Incident, Trajectory, drive_metrics, possible_part
 from rsegen.simulation.driving.recording import RobotRun, send_commands, trajectories
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Route, Wandering
@@ -102,21 +95,6 @@ def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[floa
     raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Setup:
-    """A world file with robots on a map, their runs, and how they are simulated.
-
-    rest: seconds between commands; real: in real time; frames: the source that draws frames, None for none
-    """
-
-    file: Path
-    scene: Scene
-    runs: Sequence[RobotRun]
-    rest: float
-    real: bool
-    frames: str | None = None
-
-
 class Measurement(NamedTuple):
     """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
 
@@ -149,19 +127,27 @@ def total(spans: Sequence[Measurement]) -> Measurement:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TrialServer:
-    """A running server that took `load` seconds to load its setup, the routes of its robots, and their record.
+    """A running server that took `load` seconds to load its world, the robots on a map in it, and their record.
 
-    watch: called several times per second while robots drive; may raise
+    pace: of the trial; frames: counts those that were drawn; watch: called several times per second while robots drive;
+    may raise
     """
 
     live: LiveWorld
     pid: int
     load: float
-    setup: Setup
+    pace: str
+    scene: Scene
+    runs: Sequence[RobotRun]
     routes: Mapping[str, Route]
     frames: Callable[[], int]
     watch: Callable[[], None]
     record: Record = field(default_factory=list)
+
+    @property
+    def is_real(self) -> bool:
+        """Whether the world is simulated in real time."""
+        return self.pace in IN_REAL_TIME
 
     def measure(self, seconds: float) -> Measurement:
         """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
@@ -190,58 +176,85 @@ class TrialServer:
         samples, end = [], time.monotonic() + _SLOWEST * seconds
         self.live.unpause()
         while getattr(last, clock) < getattr(start, clock) + seconds:
-            send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
+            send_commands(self.live, self.runs, self.routes, self.live.poses())
             self._rest(record)
             now = self.live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {_SLOWEST * seconds:g} s")
             factor = (now.simulated - last.simulated) / max(now.real - last.real, 1e-9)
-            samples.append((factor, gpu_load() if self.setup.real else None))
+            samples.append((factor, gpu_load() if self.is_real else None))
             last = now
         self.live.pause()
         return samples
 
     def _rest(self, record: Record | None) -> None:
         """Wait until the next command, and add the poses of robots to a record as they come."""
-        end = time.monotonic() + self.setup.rest
+        end = time.monotonic() + (REST if self.is_real else REST_AT_FULL_SPEED)
         while (left := end - time.monotonic()) > 0:
             time.sleep(min(left, LOOKS))
             self.watch()
             if record is None:
                 continue
             second, poses = self.live.last_poses()
-            here = {run.name: list(astuple(poses[run.name])) for run in self.setup.runs if run.name in poses}
+            here = {run.name: list(astuple(poses[run.name])) for run in self.runs if run.name in poses}
             if here and (not record or second >= record[-1][0] + PERIOD):
                 record.append((second, here))
 
 
 @contextmanager
-def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) -> Iterator[TrialServer]:
+def trial_server(
+    plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]
+) -> Iterator[TrialServer]:
     """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
-    # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
-    began = time.monotonic()
+    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
+    row, source = plan.rows[cell.row], cell.pace if cell.pace in SOURCES else None
+    scene = compose(row.map_of(cell.size, seed))
+    runs = _runs(row, scene, seed)
     with ExitStack() as stack:
-        screen = setup.frames == "camera"
-        server = stack.enter_context(running_server(here, setup.file, screen=screen, watch=watch))
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rsegen-")))
+        file = _write_trial(cell, scene, runs, here, folder)
+        # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
+        began = time.monotonic()
+        server = stack.enter_context(running_server(here, file, screen=source == "camera", watch=watch))
         live = stack.enter_context(server.connect())
         live.stop_recording()
-        load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
-        frames = live.frame_counter(setup.frames) if setup.frames else lambda: 0
         trial = TrialServer(
-            live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames, watch=watch
+            live=live,
+            pid=server.pid,
+            load=time.monotonic() - began,
+            pace=cell.pace,
+            scene=scene,
+            runs=runs,
+            routes={run.name: run.route() for run in runs},
+            frames=live.frame_counter(source) if source else lambda: 0,
+            watch=watch,
         )
-        if setup.frames == "window":
+        if source == "window":
             window = here.simulator.window(here, server.launch)
             if window is None:
                 raise NoSimulator(f"{here}: its window is not installed")
             log = stack.enter_context((server.home / "window.log").open("w", encoding="utf-8"))
             stack.enter_context(running(window, log))
-            wait_for_frames(frames, setup.frames, time.sleep)  # a window draws a paused world too
+            wait_for_frames(trial.frames, source, time.sleep)  # a window draws a paused world too
         live.last_poses()
         trial.run_robots("simulated", SETTLED)
-        if setup.frames == "camera":
-            wait_for_frames(frames, setup.frames, partial(trial.run_robots, "real"))
+        if source == "camera":
+            wait_for_frames(trial.frames, source, partial(trial.run_robots, "real"))
         yield trial
+
+
+def _write_trial(cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: Installation, folder: Path) -> Path:
+    """Write the world file of a trial, with robots and perhaps a camera on a map, or on none if the cell is empty."""
+    models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+    models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if cell.pace == "camera" else []
+    if cell.size:
+        world = write_world(scene, folder)
+    else:
+        world = folder / "empty.world"
+        world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
+    unthrottled, file = cell.pace not in IN_REAL_TIME, world.with_name("experiment.world")
+    file.write_text(world_with_robots(world, models, unthrottled=unthrottled, backend=here.backend), "utf-8")
+    return file
 
 
 # What the robots did.
@@ -369,11 +382,8 @@ def run_trial(
 
     `watch` is called several times per second; what it raises ends the trial and its servers.
     """
-    cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
-    with ExitStack() as stack:
-        setups = [stack.enter_context(_setup(plan, part, plan.seed + repeat, here)) for part in cells]
-        trial, attempts = attempted(lambda: _trial(setups, plan.seconds, here, watch, is_empty=not cell.size))
-        return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
+    trial, attempts = attempted(lambda: _trial(plan, cell, plan.seed + repeat, here, watch))
+    return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
 
 
 def refuse_undrivable(plan: ExperimentPlan) -> None:
@@ -391,48 +401,22 @@ def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
     return robot_runs(scene.field, row.model, Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 
-@contextmanager
-def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
-    """Write a temporary world file with robots, of a map or empty."""
-    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
-    row = plan.rows[cell.row]
-    recipe = row.map_of(cell.size, seed)
-    scene = compose(recipe)
-    runs = _runs(row, scene, seed)
-    models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
-    real = cell.pace in IN_REAL_TIME
-    frames = cell.pace if cell.pace in SOURCES else None
-    models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if frames == "camera" else []
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
-        if cell.size:
-            world = write_world(scene, Path(folder))
-        else:
-            world = Path(folder, "empty.world")
-            world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
-        file = world.with_name("experiment.world")
-        text = world_with_robots(world, models, unthrottled=not real, backend=here.backend)
-        file.write_text(text, "utf-8")
-        rest = REST if real else REST_AT_FULL_SPEED
-        yield Setup(file=file, scene=scene, runs=runs, rest=rest, real=real, frames=frames)
-
-
-def _trial(
-    setups: Sequence[Setup], seconds: float, here: Installation, watch: Callable[[], None], *, is_empty: bool
-) -> Trial:
-    """Run the trial of the first setup, in turns with the second, if any; round its figures for the journal."""
+def _trial(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]) -> Trial:
+    """Run the trial of a cell, perhaps in turns with an empty world; round its figures for the journal."""
+    cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:  # both servers run for the whole trial
-        servers = [stack.enter_context(trial_server(setup, here, watch)) for setup in setups]
-        turns = [seconds] if len(servers) == 1 else [TURN] * ceil(seconds / TURN)
+        servers = [stack.enter_context(trial_server(plan, part, seed, here, watch)) for part in cells]
+        turns = [plan.seconds] if len(servers) == 1 else [TURN] * ceil(plan.seconds / TURN)
         spans = [[server.measure(turn) for server in servers] for turn in turns]
         ours, *others = (total(parts) for parts in zip(*spans, strict=True))
         first = servers[0]
-        tracks = trajectories(first.record, first.setup.runs)
-        figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
-        if first.setup.real:
+        tracks = trajectories(first.record, first.runs)
+        figures = driving_figures(tracks, first.runs, first.scene.field if cell.size else None)
+        if first.is_real:
             rtf_min, rtf, rtf_max = min(ours.factors), fmean(ours.factors), max(ours.factors)
             figures |= {"rtf_min": round(rtf_min, 3), "rtf": round(rtf, 3), "rtf_max": round(rtf_max, 3)}
             figures["gpu"] = round(fmean(ours.gpu), 3) if ours.gpu else None
-            figures["fps"] = round(ours.frames / ours.real, 2) if first.setup.frames else None
+            figures["fps"] = round(ours.frames / ours.real, 2) if cell.pace in SOURCES else None
         outcome = Outcome(
             load=round(first.load, 3),
             memory=round(usage(first.pid).memory, 1),
@@ -441,10 +425,10 @@ def _trial(
             simulated=round(ours.simulated, 3),
             cpu=round(ours.cores, 4),
             machine=round(min(ours.busy / ours.real, 1.0), 4),
-            starved=any(is_starved(span, real=first.setup.real) for span in (ours, *others)),
+            starved=any(is_starved(span, real=first.is_real) for span in (ours, *others)),
             **figures,  # type: ignore[arg-type]  # mypy takes them for `starved` and `attempts` too
         )
-    return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
+    return Trial(outcome=outcome, scene=first.scene, trajectories=tracks)
 
 
 def is_starved(span: Measurement, *, real: bool) -> bool:
