@@ -173,8 +173,6 @@ def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> t
 _MOST_MIB = 512
 """The largest model that is read, MiB, and sent to the simulator as one message."""
 
-_MODEL_FILE = "model.sdf"
-
 
 @dataclass(frozen=True, kw_only=True)
 class MapModel:
@@ -209,8 +207,7 @@ class MapModel:
         """Return its model file under a name, with absolute paths of meshes; the map is written first if need be."""
         if not self.folder.is_dir():
             write_world(self.scene, self.folder.parent)
-        file = self.folder / _MODEL_FILE
-        text = text_of(file, _MOST_MIB, "a model")
+        text = text_of(self.folder / "model.sdf", _MOST_MIB, "a model")
         renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
         return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
 
@@ -230,11 +227,6 @@ def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
     return MapModel(recipe=recipe, folder=folder) if folder else map_model(recipe, output, scene)
 
 
-def maps_in(folder: str) -> list[MapModel]:
-    """Return every map in a folder, or the map whose folder it is."""
-    return [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(folder)]
-
-
 def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> dict[str, Recipe]:
     """Return the known recipes of the maps in a simulation, by their names.
 
@@ -249,14 +241,6 @@ def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Pa
         if recipe := next(filter(None, map(_recipe_in, folders)), None):
             recipes[name] = recipe
     return recipes
-
-
-def known_maps(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> list[SpawnedMap]:
-    """Return the maps among the models of a simulation whose recipe is known."""
-    return [
-        SpawnedMap(name=name, field=compose(recipe, recipe.first_map).field, at=poses[name])
-        for name, recipe in known_recipes(live, poses, homes).items()
-    ]
 
 
 def unknown_map_notes(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> Iterator[str]:
@@ -323,7 +307,10 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
         homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
-        maps = known_maps(live, poses, homes)
+        maps = [
+            SpawnedMap(name=known, field=compose(recipe, recipe.first_map).field, at=poses[known])
+            for known, recipe in known_recipes(live, poses, homes).items()
+        ]
         if not isinstance(what, MapModel):
             spot = None if place else _on_map(what, name, maps, poses)
             found = spot or _on_top(what, occupied(poses, maps), maps, place)
@@ -531,7 +518,7 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
     if which is not None or isinstance(target, Scene):
         return map_of(target, which, output)
     if not isinstance(target, Recipe) and os.path.isdir(target):
-        maps = maps_in(os.fspath(target))
+        maps = [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(os.fspath(target))]
         names = [model.name for model in maps]
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
     (recipe,) = _recipes(target)

@@ -11,7 +11,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.exporters.scene import compose
 from rsegen.simulation.experiment import trial
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.results import entry, read_outcome
+from rsegen.simulation.experiment.run import entry, read_outcome
 from rsegen.simulation.experiment.trial import BEHIND, STARVED, Measurement, Outcome, Trial, is_starved, run_trial
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.server import ATTEMPTS, attempted

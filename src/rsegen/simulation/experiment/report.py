@@ -18,13 +18,14 @@ from pathlib import Path
 from statistics import fmean, median, stdev
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from rsegen.exporters.pictures.preview import encoded
 from rsegen.field.metrics.roughness import steps
 from rsegen.recipe.building import build
 from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.trial import SOURCES, STARVED, Outcome
+from rsegen.simulation.experiment.trial import SOURCES, STARVED, Outcome, Results
 from rsegen.simulation.simulators import SIMULATORS
 
 if TYPE_CHECKING:
@@ -37,12 +38,6 @@ class PublishedFigures(NamedTuple):
     rtf: str
     cpu: str
     memory: str
-
-    @property
-    def rtf_limits(self) -> tuple[float, float]:
-        """The least and the most real-time factor."""
-        least, _, most = self.rtf.partition("-")
-        return float(least), float(most)
 
 
 class PublishedRow(NamedTuple):
@@ -66,12 +61,8 @@ _CRAWLER = {
     80: PublishedFigures("0.24-0.28", "26 %", "7.7 GB"),
 }
 _BURGERS = {
-    0: PublishedFigures("0.98-1", "8 %", "0.8 GB"),
-    10: PublishedFigures("0.97-1", "8 %", "0.8 GB"),
-    20: PublishedFigures("0.97-1", "8 %", "0.8 GB"),
-    40: PublishedFigures("0.96-1", "8 %", "0.8 GB"),
-    60: PublishedFigures("0.95-1", "8 %", "0.8 GB"),
-    80: PublishedFigures("0.92-1", "8 %", "0.8 GB"),
+    size: PublishedFigures(rtf, "8 %", "0.8 GB")
+    for size, rtf in ((0, "0.98-1"), (10, "0.97-1"), (20, "0.97-1"), (40, "0.96-1"), (60, "0.95-1"), (80, "0.92-1"))
 }
 
 FIGURES: Mapping[PublishedRow, Mapping[int, PublishedFigures]] = {
@@ -404,11 +395,11 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     _finish(rtf, "real-time factor: least, mean, most")
     _finish(speed, "simulated seconds per second of CPU")
     _finish(memory, "memory of the simulator [MB]")
-    handles, labels = speed.get_legend_handles_labels()
-    extra = [entry for entry in zip(*rtf.get_legend_handles_labels(), strict=True) if entry[1] not in labels]
-    names = [*zip(handles, labels, strict=True), *extra]
-    if names:
-        figure.legend(*zip(*names, strict=True), loc="outside lower center", ncols=2)
+    handles = {}
+    for axes in (speed, rtf):
+        handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    if handles:
+        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=2)
     figure.suptitle(
         "bars: the least and the most of all trials; hollow: robots that rested, stuck for most of the time"
     )
@@ -438,30 +429,25 @@ def _curve(axes: Axes, index: int, plan: ExperimentPlan, points: Sequence[_Point
     if not points:
         return
     aside = (index - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
-    x = [point.size + aside for point in points]
-    spread = [[point.value - point.low for point in points], [point.high - point.value for point in points]]
+    size, low, value, high, _ = np.array(points).T
     colour = f"C{index % 10}"
-    value = [point.value for point in points]
-    axes.errorbar(x, value, yerr=spread, fmt="-", color=colour, capsize=3, label=label)
+    axes.errorbar(size + aside, value, yerr=[value - low, high - value], fmt="-", color=colour, capsize=3, label=label)
     faces = ["white" if point.rested else colour for point in points]
-    axes.scatter(x, value, s=36, facecolors=faces, edgecolors=colour, zorder=3)
+    axes.scatter(size + aside, value, s=36, facecolors=faces, edgecolors=colour, zorder=3)
 
 
 def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
     """The paper's least and most real-time factor, for the rows that are the paper's."""
     published = {
-        (size, figures.rtf_limits)
+        (size, *map(float, figures.rtf.split("-")))
         for row in plan.rows
         for size, figures in published_figures(row).items()
         if size in row.sizes
     }
     if published:
-        sizes, limits = zip(*sorted(published), strict=True)
-        middle = [fmean(ends) for ends in limits]
-        half = [(most - least) / 2 for least, most in limits]
-        axes.errorbar(
-            sizes, middle, yerr=half, fmt="D", color="black", markerfacecolor="none", capsize=5, label="paper"
-        )
+        size, least, most = np.array(sorted(published)).T
+        middle, half = (least + most) / 2, (most - least) / 2
+        axes.errorbar(size, middle, yerr=half, fmt="D", color="black", mfc="none", capsize=5, label="paper")
 
 
 def _finish(axes: Axes, title: str) -> None:

@@ -366,6 +366,10 @@ class Outcome:
     attempts: int | None = None
 
 
+Results = Mapping[Cell, list[Outcome]]
+"""The outcomes of every cell, in the order of its repeats."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Trial:
     """A trial: its outcome, the map, and the trajectory of every robot by its name."""

@@ -18,15 +18,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from rsegen.errors import NoSimulator, NothingRuns, SimulatorFailed
-from rsegen.simulation.simulators.base import (
-    SIMULATORS,
-    Installation,
-    LaunchCommand,
-    OpenRequest,
-    Simulator,
-    installations,
-    plain_text,
-)
+from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest, Simulator, installations
+from rsegen.simulation.simulators.base import plain_text
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.patience import SECONDS, Patience
 from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, Work, counted

@@ -29,7 +29,7 @@ import sys
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, closing, suppress
 from enum import IntEnum
 from functools import partial
@@ -48,30 +48,21 @@ class Sockets:
     def __init__(self, host: str, process: str) -> None:
         import zmq
 
-        self._zmq = zmq
         self._context = zmq.Context()
+        self._context.setsockopt(zmq.LINGER, 0)  # of all its sockets
         self._connected: set[str] = set()
-        self.Error = zmq.ZMQError
+        self.Error, self.poller, self.receives = zmq.ZMQError, zmq.Poller(), zmq.POLLIN
         self.subscriber = self._context.socket(zmq.SUB)
         self.subscriber.setsockopt(zmq.RCVHWM, 0)  # any number of messages may wait: none is dropped
         self.publisher = self._context.socket(zmq.XPUB)
         self.requester, self.responder = (self._context.socket(zmq.ROUTER) for _ in range(2))
         self.requester.setsockopt(zmq.ROUTER_MANDATORY, 1)  # an error, not silence, while there is no connection
         self.responder.setsockopt(zmq.ROUTING_ID, process.encode())
-        for own in self.all:
-            own.setsockopt(zmq.LINGER, 0)
+        for own in (self.publisher, self.responder):
+            own.bind(f"tcp://{host}:*")
         self.publisher_address, self.responder_address = (
-            self._bound(own, host) for own in (self.publisher, self.responder)
+            own.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0") for own in (self.publisher, self.responder)
         )
-
-    @property
-    def all(self) -> tuple[Any, ...]:
-        """The four sockets."""
-        return self.subscriber, self.publisher, self.requester, self.responder
-
-    def subscribe(self, topic: str) -> None:
-        """Have the messages of a topic, by its full name, from all publishers that are connected."""
-        self.subscriber.setsockopt(self._zmq.SUBSCRIBE, topic.encode())
 
     def connect(self, own: Any, address: str) -> None:
         """Connect one of them to an address, once."""
@@ -79,22 +70,9 @@ class Sockets:
             self._connected.add(address)
             own.connect(address)
 
-    def poller(self, receivers: Iterable[Any]) -> Any:
-        """Return a poller of some sockets that receive, of these or by the numbers of their files."""
-        poller = self._zmq.Poller()
-        for receiver in receivers:
-            poller.register(receiver, self._zmq.POLLIN)
-        return poller
-
     def close(self) -> None:
         """Close them."""
-        for own in self.all:
-            own.close()
-        self._context.term()
-
-    def _bound(self, own: Any, host: str) -> str:
-        own.bind(f"tcp://{host}:*")
-        return str(own.getsockopt(self._zmq.LAST_ENDPOINT).rstrip(b"\0").decode())
+        self._context.destroy()
 
 
 HEARTBEAT_PERIOD = 1.0
@@ -260,7 +238,7 @@ class TransportClient(Inbox):
         self._attended, self._silent_beats = process, 0.0
 
     def _subscribe(self, full: str) -> None:
-        self._do(lambda: self._sockets.subscribe(full))
+        self._do(lambda: self._sockets.subscriber.subscribe(full))
         self._ask(self._topics, full)
 
     def wait_for_publisher(self, topic: str, patience: Patience | None = None) -> None:
@@ -349,13 +327,15 @@ class TransportClient(Inbox):
             sockets.publisher: self._read_subscription,
             sockets.responder: self._read_response,
         }
-        poller, beat = sockets.poller(readers), 0.0
+        for receiver in readers:
+            sockets.poller.register(receiver, sockets.receives)
+        beat = 0.0
         try:
             while not self._closing:
                 if time.monotonic() >= beat:
                     self._beat()
                     beat = time.monotonic() + HEARTBEAT_PERIOD
-                for ready, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
+                for ready, _ in sockets.poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
                     with suppress(KeyError, ValueError, NoMessage, sockets.Error):  # what others send may be anything
                         readers[ready]()
         finally:
