@@ -16,7 +16,7 @@ from itertools import product
 from math import pi, sqrt
 from pathlib import Path
 from statistics import fmean, median, stdev
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -395,7 +395,7 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     _finish(rtf, "real-time factor: least, mean, most")
     _finish(speed, "simulated seconds per second of CPU")
     _finish(memory, "memory of the simulator [MB]")
-    handles = {}
+    handles: dict[str, Any] = {}
     for axes in (speed, rtf):
         handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     if handles:

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import json
 import os
+import platform
+import re
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -27,7 +29,6 @@ from rsegen.run.journal import Journal, is_intact, read_errors, read_journal
 from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulation.driving.drive import draw_trajectories
 from rsegen.simulation.driving.drive_metrics import COLUMNS
-from rsegen.simulation.experiment.machine import description
 from rsegen.simulation.experiment.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.simulation.experiment.report import plot, report_page, trials_csv
 from rsegen.simulation.experiment.trial import (
@@ -84,7 +85,7 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
     installed = {name: choose_installation("both", name, timeout) for name in names}
     refuse_without_frames(plan, installed)
     refuse_undrivable(plan)
-    machine = {"simulator": ", ".join(map(str, installed.values())), **description()}
+    machine = {"simulator": ", ".join(map(str, installed.values())), **_description()}
     with _opened(plan, folder, force=force) as store:
         done = read_entries(store.journal.content, folder, len(plan.rows))
         store.foresee([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
@@ -103,6 +104,21 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
         result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
     return result
+
+
+def _description() -> dict[str, str]:
+    """Processor, cores, memory, system and load of this computer."""
+    import psutil
+
+    table = Path("/proc/cpuinfo")
+    named = re.search(r"model name\s*:\s*(.+)", table.read_text()) if table.exists() else None
+    return {
+        "processor": named[1] if named else platform.processor() or platform.machine(),
+        "cores": str(os.cpu_count()),
+        "memory": f"{psutil.virtual_memory().total / 2**30:.1f} GB",
+        "system": platform.platform(),
+        "load before": " ".join(f"{load:.1f}" for load in os.getloadavg()) if hasattr(os, "getloadavg") else "?",
+    }
 
 
 @contextmanager

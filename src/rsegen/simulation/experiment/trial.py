@@ -12,10 +12,14 @@ What breaks it: a machine so busy that a span takes twenty times as long, which 
 
 from __future__ import annotations
 
+import os
+import re
+import shutil
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import astuple, dataclass, field, replace
 from functools import partial
 from math import ceil
@@ -35,13 +39,51 @@ from rsegen.simulation.driving.recording import RobotRun, send_commands, traject
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Route, Wandering
 from rsegen.simulation.driving.world_file import camera_model, world_with_robots
-from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.process import running, usage
 from rsegen.simulation.simulators.server import attempted, has_screen, running_server
 from rsegen.simulation.worlds import write_world
+
+# The load of the machine: what else was going on while a server had its own figures.
+
+
+def busy() -> float:
+    """Seconds so far in which the machine's processors worked, by the number of them."""
+    import psutil
+
+    times = psutil.cpu_times()
+    idle = times.idle + getattr(times, "iowait", 0.0)
+    guests = getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0)  # Linux counts them as time of users too
+    return float(sum(times) - idle - guests) / (os.cpu_count() or 1)
+
+
+def gpu_load() -> float | None:
+    """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
+    loads = [int(percent) for percent in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
+    return max(loads) / 100 if loads else None
+
+
+def _nvidia() -> str:
+    """Return the loads in percent, a line each; empty without the command."""
+    command = shutil.which("nvidia-smi")
+    if not command:
+        return ""
+    asked = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
+    with suppress(OSError, subprocess.SubprocessError):
+        answer = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
+        return answer.stdout
+    return ""
+
+
+def _amd() -> str:
+    """Return the loads in percent, a line each, from the files of AMD's driver."""
+    files = sorted(Path("/sys/class/drm").glob("card*/device/gpu_busy_percent"))
+    with suppress(OSError):
+        return "".join(file.read_text() for file in files)
+    return ""
+
 
 # A server, in which robots drive randomly.
 
