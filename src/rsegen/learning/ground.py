@@ -10,6 +10,11 @@ and results stay arrays of the library that the levels came from (numpy, torch o
 are viewed without a copy: as numpy's on the CPU, as torch's on a GPU.
 
 Cost: four look-ups per point, and as many more as blocks are under a square. What breaks it: a ground that overhangs.
+
+The rule of `next_rows`, a harder row if a robot walked far, an easier one if it hardly moved, is that of legged_gym
+(Rudin et al., Learning to walk in minutes, CoRL 2021; `_update_terrain_curriculum`) and of Isaac Lab
+(`terrain_levels_vel`, `TerrainImporter.update_env_origins`). What breaks it: a robot that walks in circles has walked no
+distance.
 """
 
 from __future__ import annotations
@@ -324,9 +329,7 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
     speed times the time of an episode. count: number of rows; length: of a tile, metres; rng: draws rows.
 
     Up one row beyond half of a tile; else down one, if less than half of the commanded distance was walked. A robot
-    that goes up from the last row has solved it, and gets a random row. The rule is that of legged_gym (Rudin et al.,
-    Learning to walk in minutes, CoRL 2021; `_update_terrain_curriculum`) and of Isaac Lab (`terrain_levels_vel`,
-    `TerrainImporter.update_env_origins`). What breaks it: a robot that walks in circles has walked no distance.
+    that goes up from the last row has solved it, and gets a random row.
     """
     library, own = library_of("rows", rows)
     if "int" not in str(own.dtype) or own.ndim != 1:

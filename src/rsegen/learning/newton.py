@@ -44,7 +44,7 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), shape:
             )
             for column in columns(scene.field)
         ]
-    shapes = []
+    shapes = []  # a shape has one friction coefficient
     for friction, materials in scene.by_friction(scene.field):
         solid = watertight(scene.field if materials is None else scene.field.only(materials))
         if len(solid.faces):

@@ -133,7 +133,7 @@ def _run(
             wait = Patience(seconds=here.timeout, works=Work(program, Path(folder))).begin()
             world, end = launch.command[-1], math.inf
 
-            def goes_on() -> bool:
+            def goes_on() -> bool:  # asked between two looks at the output
                 nonlocal end
                 if seconds is not None and end == math.inf:
                     if name := _running_world(here, launch):

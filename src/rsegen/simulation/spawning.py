@@ -311,12 +311,13 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             SpawnedMap(name=known, field=compose(recipe, recipe.first_map).field, at=poses[known])
             for known, recipe in known_recipes(live, poses, homes).items()
         ]
+        # Three cases: a robot alone, a map alone, and a robot on a map, which is spawned first if it is not there.
         if not isinstance(what, MapModel):
             spot = None if place else _on_map(what, name, maps, poses)
-            found = spot or _on_top(what, occupied(poses, maps), maps, place)
-            live.spawn(what.file(name, live.backend), found)
+            start = spot or _on_top(what, occupied(poses, maps), maps, place)
+            live.spawn(what.file(name, live.backend), start)
             notes = list(unknown_map_notes(poses, maps)) if not spot and len(place) <= 2 else []
-            return SpawnResult(name=name, simulator=running.name, at=found, notes=(*notes, *_own_notes(what, live)))
+            return SpawnResult(name=name, simulator=running.name, at=start, notes=(*notes, *_own_notes(what, live)))
         if rider is None:
             new, moved = _spawned(live, what, name, place, poses, maps)
             return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
@@ -327,13 +328,13 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             notes, maps = [f"{ground.name} was not in the simulation, and was spawned too"], [*maps, ground]
             poses = live.poses()
         if rest:
-            found = _in_world(rest, rider, ground)
+            start = _in_world(rest, rider, ground)
         else:
-            found = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
-        live.spawn(rider.file(name, live.backend), found)
+            start = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
+        live.spawn(rider.file(name, live.backend), start)
         notes += _own_notes(rider, live)
-        on = ground.name if ground.covers(found, 0.0) else None
-        return SpawnResult(name=name, simulator=running.name, at=found, put_on_top=moved, on=on, notes=tuple(notes))
+        on = ground.name if ground.covers(start, 0.0) else None
+        return SpawnResult(name=name, simulator=running.name, at=start, put_on_top=moved, on=on, notes=tuple(notes))
 
 
 def _rider(
@@ -386,7 +387,7 @@ def _at_rest(field: StepField, robot: DrivableRobot, place: Sequence[float]) -> 
         raise ParameterError(where, error.problem) from None
     if not rest.stands[0]:
         raise ParameterError("pose", f"{robot.kind} tips over at {numbers(place)}; give a place where it stands")
-    x, y, z, roll, pitch, yaw = (float(each[0]) for each in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
+    x, y, z, roll, pitch, yaw = (float(of[0]) for of in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
     return Pose(x=x, y=y, z=z + DROP_HEIGHT, roll=roll, pitch=pitch, yaw=yaw)
 
 
@@ -419,9 +420,9 @@ def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapp
         with suppress(ParameterError):  # no spot is left
             for seed in range(_TRIES):
                 (spot,) = spots_on_map(spawned.field, body, 1, generator(seed, 0, name))
-                found = _in_world(start_pose(spot), robot, spawned)
-                if all(hypot(at.x - found.x, at.y - found.y) > radius + RADIUS for at in others):
-                    return found
+                start = _in_world(start_pose(spot), robot, spawned)
+                if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):
+                    return start
     return None
 
 

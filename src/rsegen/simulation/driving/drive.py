@@ -249,6 +249,7 @@ def drive_notes(
         yield f"{here} gives no contacts of a drive"
     if picture and "pictures" in here.simulator.drives_without:
         yield f"{here} gives no pictures of a drive"
+    # Robots on tracks that stand still have one known reason, which the notes on single robots would hide.
     tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
     still = [name for name in tracked if recording.trajectories[name].is_still]
     if still and here.backend != "classic":

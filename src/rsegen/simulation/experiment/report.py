@@ -263,9 +263,9 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
 def _cells(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> dict[str, str]:
     """Return the cells of a line by the titles of their columns; empty: the outcomes of the empty world.
 
-    What robots did, and what happened to them, is there at one pace after the other. Speeds are compared with the empty
-    world only if it is known what the robots did.
+    Speeds are compared with the empty world only if it is known what the robots did.
     """
+    # Costs are medians of the paces in real time, or of all; what robots did has a figure for each pace.
     every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
     real = [outcome for pace in IN_REAL_TIME for outcome in by_pace.get(pace, ())]
     quick = [outcome for pace in ("free", "beside") for outcome in by_pace.get(pace, ())]

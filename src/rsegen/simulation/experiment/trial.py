@@ -188,7 +188,7 @@ class TrialServer:
 
     @property
     def is_real(self) -> bool:
-        """Whether the world is simulated in real time."""
+        """Return whether the world is simulated in real time."""
         return self.pace in IN_REAL_TIME
 
     def measure(self, seconds: float) -> Measurement:

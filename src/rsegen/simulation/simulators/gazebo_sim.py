@@ -429,6 +429,7 @@ def sim_world(environment: Mapping[str, str], patience: Patience) -> Iterator[Si
                 worlds = client.request(WORLDS, "Empty", {}, _FIRST_RESPONSE).get("data", [])
             except SimulatorFailed:
                 continue
+            # It must be the only server, and its messages tell by their package which backend it is.
             offers = client.all_offers(WORLDS)
             if len(offers) > 1 or not worlds:
                 what = f"{len(offers)} servers run" if worlds else "a server without a world runs"
