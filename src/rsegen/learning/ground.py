@@ -13,8 +13,8 @@ Cost: four look-ups per point, and as many more as blocks are under a square. Wh
 
 The rule of `next_rows`, a harder row if a robot walked far, an easier one if it hardly moved, is that of legged_gym
 (Rudin et al., Learning to walk in minutes, CoRL 2021; `_update_terrain_curriculum`) and of Isaac Lab
-(`terrain_levels_vel`, `TerrainImporter.update_env_origins`). What breaks it: a robot that walks in circles has walked no
-distance.
+(`terrain_levels_vel`, `TerrainImporter.update_env_origins`). What breaks it: a robot that walks in circles has walked
+no distance.
 """
 
 from __future__ import annotations

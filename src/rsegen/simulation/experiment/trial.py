@@ -61,28 +61,18 @@ def busy() -> float:
 
 def gpu_load() -> float | None:
     """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
-    loads = [int(percent) for percent in re.findall(r"^\d+$", _nvidia() or _amd(), re.MULTILINE)]
+    percents = ""  # a line each
+    if command := shutil.which("nvidia-smi"):
+        query = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
+        with suppress(OSError, subprocess.SubprocessError):
+            percents = subprocess.run(query, capture_output=True, text=True, timeout=5, check=True).stdout  # noqa: S603  # no shell
+    if not percents:
+        with suppress(OSError):  # the files of AMD's driver
+            percents = "".join(
+                file.read_text() for file in Path("/sys/class/drm").glob("card*/device/gpu_busy_percent")
+            )
+    loads = [int(percent) for percent in re.findall(r"^\d+$", percents, re.MULTILINE)]
     return max(loads) / 100 if loads else None
-
-
-def _nvidia() -> str:
-    """Return the loads in percent, a line each; empty without the command."""
-    command = shutil.which("nvidia-smi")
-    if not command:
-        return ""
-    asked = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
-    with suppress(OSError, subprocess.SubprocessError):
-        answer = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)  # noqa: S603  # no shell
-        return answer.stdout
-    return ""
-
-
-def _amd() -> str:
-    """Return the loads in percent, a line each, from the files of AMD's driver."""
-    files = sorted(Path("/sys/class/drm").glob("card*/device/gpu_busy_percent"))
-    with suppress(OSError):
-        return "".join(file.read_text() for file in files)
-    return ""
 
 
 # A server, in which robots drive randomly.

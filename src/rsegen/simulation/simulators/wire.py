@@ -55,25 +55,22 @@ class MessageTypes:
         """
         if type_name not in self.types:
             raise NoMessage(f"a simulator sent a message of the type {shown(type_name)}, which is not known")
-        try:
-            return self._decoded(type_name, content)
-        except _NONSENSE as error:
-            raise NoMessage(f"a simulator sent what is no message {type_name} ({error})") from None
-
-    def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
         names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
         message = _Decoded(self, type_name)
-        for number, wire_type, value in _fields(content):
-            if number not in names:
-                continue
-            name, kind = names[number]
-            single = kind[0] if isinstance(kind, list) else kind
-            if wire_type != _wire_type(single):
-                raise ValueError(f"{name} is of another kind")
-            if isinstance(kind, list):
-                message.setdefault(name, []).append(self._value(single, value))
-            else:
-                message[name] = self._value(single, value)
+        try:
+            for number, wire_type, value in _fields(content):
+                if number not in names:
+                    continue
+                name, kind = names[number]
+                single = kind[0] if isinstance(kind, list) else kind
+                if wire_type != _wire_type(single):
+                    raise ValueError(f"{name} is of another kind")
+                if isinstance(kind, list):
+                    message.setdefault(name, []).append(self._value(single, value))
+                else:
+                    message[name] = self._value(single, value)
+        except _NONSENSE as error:
+            raise NoMessage(f"a simulator sent what is no message {type_name} ({error})") from None
         return message
 
     def _field(self, number: int, kind: Kind | list[Kind], value: Any) -> bytes:
