@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
@@ -55,22 +56,29 @@ class MessageTypes:
         """
         if type_name not in self.types:
             raise NoMessage(f"a simulator sent a message of the type {shown(type_name)}, which is not known")
-        names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
-        message = _Decoded(self, type_name)
         try:
-            for number, wire_type, value in _fields(content):
-                if number not in names:
-                    continue
-                name, kind = names[number]
-                single = kind[0] if isinstance(kind, list) else kind
-                if wire_type != _wire_type(single):
-                    raise ValueError(f"{name} is of another kind")
-                if isinstance(kind, list):
-                    message.setdefault(name, []).append(self._value(single, value))
-                else:
-                    message[name] = self._value(single, value)
+            return self._decoded(type_name, content)
         except _NONSENSE as error:
             raise NoMessage(f"a simulator sent what is no message {type_name} ({error})") from None
+
+    def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
+        names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
+        message, parts = _Decoded(self, type_name), defaultdict[tuple[str, str], list[bytes]](list)
+        for number, wire_type, value in _fields(content):
+            if number not in names:
+                continue
+            name, kind = names[number]
+            single = kind[0] if isinstance(kind, list) else kind
+            if wire_type != _wire_type(single):
+                raise ValueError(f"{name} is of another kind")
+            if isinstance(kind, list):
+                message.setdefault(name, []).append(self._value(single, value))
+            elif isinstance(kind, str):
+                parts[name, kind].append(value)
+            else:
+                message[name] = self._value(kind, value)
+        # A message that comes in parts has the fields of all of them, by protobuf's rule that joined bytes are merged.
+        message |= {name: self.decode(kind, b"".join(own)) for (name, kind), own in parts.items()}
         return message
 
     def _field(self, number: int, kind: Kind | list[Kind], value: Any) -> bytes:
