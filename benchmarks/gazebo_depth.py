@@ -15,7 +15,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
 from rsegen.simulation.driving.world_file import world_with_robots
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.classic_world import ClassicWorld
+from rsegen.simulation.simulators.gazebo_classic import ClassicWorld
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.wire import MessageTypes
 

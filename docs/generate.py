@@ -123,7 +123,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "standing/ways",
         "standing/spots",
     ),
-    "Ground for robots that learn": ("learning/ground", "learning/curriculum"),
+    "Ground for robots that learn": ("learning/ground",),
     "Files and pictures": (
         "exporters/sheet/timber",
         "exporters/formats/posture",
@@ -151,7 +151,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "robots/xacro_files",
         "simulation/driving/routes",
         "simulation/driving/drive_metrics",
-        "simulation/spawning/spawning",
+        "simulation/spawning",
         "simulation/simulators/patience",
         "simulation/simulators/connecting",
         "simulation/simulators/wire",

@@ -75,8 +75,8 @@ if TYPE_CHECKING:
     from rsegen.io.scans import ScannedMap as ScannedMap
     from rsegen.io.scans import compare as compare
     from rsegen.io.scans import scan as scan
-    from rsegen.learning.curriculum import next_rows as next_rows
     from rsegen.learning.ground import Ground as Ground
+    from rsegen.learning.ground import next_rows as next_rows
     from rsegen.learning.ground import scan_points as scan_points
     from rsegen.page.service import Gui as Gui
     from rsegen.page.service import gui as gui
@@ -101,9 +101,9 @@ if TYPE_CHECKING:
     from rsegen.simulation.driving.drive import DriveResult as DriveResult
     from rsegen.simulation.experiment.run import ExperimentResult as ExperimentResult
     from rsegen.simulation.open_world import OpenResult as OpenResult
-    from rsegen.simulation.spawning.spawn import RemoveResult as RemoveResult
-    from rsegen.simulation.spawning.spawn import RespawnResult as RespawnResult
-    from rsegen.simulation.spawning.spawn import SpawnResult as SpawnResult
+    from rsegen.simulation.spawning import RemoveResult as RemoveResult
+    from rsegen.simulation.spawning import RespawnResult as RespawnResult
+    from rsegen.simulation.spawning import SpawnResult as SpawnResult
     from rsegen.standing.resting import Poses as Poses
     from rsegen.standing.spots import Spot as Spot
 
@@ -142,8 +142,7 @@ _HOMES = {
     "rsegen.io.recipe_file": ("load",),
     "rsegen.io.scan_options": ("ScanOptions",),
     "rsegen.io.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
-    "rsegen.learning.curriculum": ("next_rows",),
-    "rsegen.learning.ground": ("Ground", "scan_points"),
+    "rsegen.learning.ground": ("Ground", "next_rows", "scan_points"),
     "rsegen.page.service": ("Gui", "gui"),
     "rsegen.params.plugins": ("load_plugin",),
     "rsegen.recipe.batch": ("build_many",),
@@ -161,7 +160,7 @@ _HOMES = {
     "rsegen.simulation.driving.drive": ("DriveResult",),
     "rsegen.simulation.experiment.run": ("ExperimentResult",),
     "rsegen.simulation.open_world": ("OpenResult",),
-    "rsegen.simulation.spawning.spawn": ("RemoveResult", "RespawnResult", "SpawnResult"),
+    "rsegen.simulation.spawning": ("RemoveResult", "RespawnResult", "SpawnResult"),
 }
 """Where each public name is; the imports above say the same to type checkers, and a test holds both together."""
 

@@ -17,8 +17,7 @@ from rsegen.errors import FileError, UserError
 from rsegen.io.input_files import JOURNAL
 from rsegen.run.journal import read_journal
 from rsegen.simulation.experiment.plan import load_plan
-from rsegen.simulation.experiment.results import Entry, read_entries
-from rsegen.simulation.experiment.run import load_summary
+from rsegen.simulation.experiment.run import Entries, load_summary, read_entries
 from tests.support.complaints import Refused
 
 ROW = {"robot": "burger", "robots": 2, "sizes": [0, 10], "recipe": {"obstacles": [{"kind": "peak", "levels": 4}]}}
@@ -100,7 +99,7 @@ def test_a_plan(refused: Refused, plan: str, words: str) -> None:
     assert words in line
 
 
-def entries_in(path: Path) -> list[Entry]:
+def entries_in(path: Path) -> Entries:
     """Return the outcomes in the journal of a folder, of a plan with one row."""
     return read_entries(read_journal(path.parent), path.parent, 1)
 

@@ -21,7 +21,7 @@ from rsegen.cli.flags import target_of
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulation.open_world import OpenedWorld, OpenResult
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.spawn import SpawnResult
+from rsegen.simulation.spawning import SpawnResult
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 

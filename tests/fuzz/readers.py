@@ -46,7 +46,7 @@ def _read_plan(name: str) -> None:
 
 def _read_journal(name: str) -> None:
     from rsegen.run.journal import read_journal
-    from rsegen.simulation.experiment.results import read_entries
+    from rsegen.simulation.experiment.run import read_entries
     from tests.fuzz.seeds import PLAN
 
     folder = Path(name).parent

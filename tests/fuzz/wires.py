@@ -16,11 +16,11 @@ from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 from rsegen.errors import RsegenError
-from rsegen.simulation.simulators.classic_world import classic_world
+from rsegen.simulation.simulators.gazebo_classic import classic_world
+from rsegen.simulation.simulators.gazebo_sim import sim_world
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.sim_transport import SERVICES, TOPICS, Discovery, Event
-from rsegen.simulation.simulators.sim_world import sim_world
 from rsegen.simulation.simulators.wire import CLASSIC, SIM, Message
 from tests.fuzz.damage import EXTREMES, damaged_bytes
 

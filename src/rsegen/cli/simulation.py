@@ -21,7 +21,7 @@ from rsegen.params.command import add_flags, default, flags_in_errors, given
 
 if TYPE_CHECKING:
     from rsegen.simulation.open_world import OpenedWorld
-    from rsegen.simulation.spawning.spawn import RespawnResult, SpawnResult
+    from rsegen.simulation.spawning import RespawnResult, SpawnResult
 
 _OWN = ("simulator",)
 _OWN_OF_SPAWN = ("simulator", "name")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
     from rsegen.simulation.experiment.run import ExperimentResult
     from rsegen.simulation.open_world import OpenedWorld, OpenResult
-    from rsegen.simulation.spawning.spawn import RemoveResult, RespawnResult, SpawnResult
+    from rsegen.simulation.spawning import RemoveResult, RespawnResult, SpawnResult
     from rsegen.simulation.worlds import Target
     from rsegen.standing.spots import Spot
 
@@ -284,7 +284,7 @@ def spawn(  # noqa: PLR0913  # each is a flag
     Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. UserError if
     a value is wrong; NothingRuns if no simulation runs.
     """
-    from rsegen.simulation.spawning.spawn import spawn_model
+    from rsegen.simulation.spawning import spawn_model
 
     return spawn_model(target, map, name, at, robot, pose, Path(output), simulator, timeout)
 
@@ -304,7 +304,7 @@ def respawn(
     target: the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first.
     Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
     """
-    from rsegen.simulation.spawning.spawn import replace_map
+    from rsegen.simulation.spawning import replace_map
 
     return replace_map(target, map, name, Path(output), simulator, timeout)
 
@@ -315,7 +315,7 @@ def remove(*names: str, simulator: RunningSimulator = None, timeout: Timeout = 2
 
     UnknownName lists the models if one does not exist.
     """
-    from rsegen.simulation.spawning.spawn import remove_models
+    from rsegen.simulation.spawning import remove_models
 
     return remove_models(names, simulator, timeout)
 

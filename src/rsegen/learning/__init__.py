@@ -1,7 +1,7 @@
 """Step fields for those who train robots: what plugs into their frameworks, a file for each, and what all of them need.
 
-    ground       Ground: heights, friction, scans and places to start, in numpy, torch or jax
-    curriculum   next_rows: which row of a terrain a robot goes to next
+    ground       Ground: heights, friction, scans and places to start, in numpy, torch or jax; next_rows: which row of a
+                 terrain a robot goes to next
     isaaclab     StepFieldTerrainCfg, a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
     mujoco       add_map to an MjSpec; BlockGrid, whose map changes without compiling anew

@@ -45,19 +45,15 @@ def put(array: Any, place: tuple[Any, ...], values: Any) -> Any:
 
 def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
     """Return the least and the highest level in each rectangle of so many cells along x and y: (..., n_x, n_y) each."""
-    library, found = _library(_package(levels)), []
+    library, ends = _library(_package(levels)), []
     for combine in (library.minimum, library.maximum):
         own = levels
-        for axis, cells in zip((-2, -1), wide, strict=True):
-            places = own.shape[axis] - cells + 1
-            own = reduce(combine, [_part(own, axis, begin, places) for begin in range(cells)])
-        found.append(own)
-    return found[0], found[1]
-
-
-def _part(array: Any, axis: int, begin: int, count: int) -> Any:
-    part = slice(begin, begin + count)
-    return array[..., part, :] if axis == -2 else array[..., part]
+        for axis, cells in enumerate(wide):
+            # Each place is combined with those that follow it along the axis; y is the last one.
+            places, rest = own.shape[axis - 2] - cells + 1, [slice(None)] * (1 - axis)
+            own = reduce(combine, [own[(..., slice(first, first + places), *rest)] for first in range(cells)])
+        ends.append(own)
+    return ends[0], ends[1]
 
 
 def is_traced(array: Any) -> bool:

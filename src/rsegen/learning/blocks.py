@@ -10,8 +10,8 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.exporters.scene import Scene
-from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.ground import Ground, check_levels, friction_by_level
+from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.ground import Ground, check_levels, friction_by_level, unframed
 from rsegen.recipe.recipe import Recipe
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
@@ -33,9 +33,8 @@ class BlockArrays:
         self.name: str = name
         self.position: Array = np.array(pos, dtype=float)
         self.shape: tuple[int, int] = recipe.grid.shape
-        flat = np.zeros(self.shape, dtype=np.int16)
         width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
-        field = StepField(levels=flat, frame=flat > 0, block_width=width, unit=unit, frame_height=0.0)
+        field = unframed(np.zeros(self.shape, dtype=np.int16), width, unit)
         look = Scene(recipe=recipe, index=0, field=field)
         levels = range(1, recipe.highest_level + 1)
         self._rgba = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
@@ -60,9 +59,9 @@ class BlockArrays:
 
     def pos(self, levels: Ints) -> Array:
         """The centres of the blocks from the middle of the map, (..., blocks, 3), metres."""
-        x, y = np.broadcast_to(self._x[:, None], self.shape), np.broadcast_to(self._y, self.shape)
-        centres = np.empty((*np.shape(levels), 3))
-        centres[..., 0], centres[..., 1], centres[..., 2] = x, y, (self._heights(levels) - BELOW) / 2
+        heights = self._heights(levels)
+        centres = np.empty((*heights.shape, 3))
+        centres[..., 0], centres[..., 1], centres[..., 2] = self._x[:, None], self._y, (heights - BELOW) / 2
         return _rows(centres)
 
     def size(self, levels: Ints) -> Array:
@@ -80,9 +79,9 @@ class BlockArrays:
         return _rows(self._friction[np.asarray(levels)][..., None])[..., 0]
 
     def _heights(self, levels: Ints) -> Array:
-        if np.shape(levels)[-2:] != self.shape:
-            raise ParameterError("levels", f"of shape {np.shape(levels)} for a grid of {self.shape}")
         own = np.asarray(levels)
+        if own.shape[-2:] != self.shape:
+            raise ParameterError("levels", f"of shape {own.shape} for a grid of {self.shape}")
         if own.size:
             check_levels(own, self.recipe.highest_level)
         return np.asarray(own * self._unit, dtype=float)

@@ -1,4 +1,4 @@
-"""The ground under robots that learn: heights, friction, scans and places to start, of one map or of many worlds.
+"""The ground under robots that learn: heights, friction, scans, places to start, and the next row of a terrain.
 
     levels = rsegen.build_many(recipe, range(4096))  # or a torch tensor of them, on any device
     ground = rsegen.Ground(recipe, levels)
@@ -10,6 +10,11 @@ and results stay arrays of the library that the levels came from (numpy, torch o
 are viewed without a copy: as numpy's on the CPU, as torch's on a GPU.
 
 Cost: four look-ups per point, and as many more as blocks are under a square. What breaks it: a ground that overhangs.
+
+The rule of `next_rows`, a harder row if a robot walked far, an easier one if it hardly moved, is that of legged_gym
+(Rudin et al., Learning to walk in minutes, CoRL 2021; `_update_terrain_curriculum`) and of Isaac Lab
+(`terrain_levels_vel`, `TerrainImporter.update_env_origins`). What breaks it: a robot that walks in circles has walked
+no distance.
 """
 
 from __future__ import annotations
@@ -35,14 +40,13 @@ _EDGE = 1e-5
 _PLANE = 5
 """Places along each side of a square, through whose heights the plane of a normal is laid."""
 
-
 _HOLE = 1e4
 """Units by which a place in a hole counts as more uneven than any other one."""
 
 
 def friction_by_level(recipe: Recipe) -> Array:
     """Return the friction coefficient of each level from 0 to the highest of a recipe; 0 is the ground."""
-    scene = Scene(recipe=recipe, index=0, field=_field(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
+    scene = Scene(recipe=recipe, index=0, field=unframed(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
     return np.array([recipe.friction, *map(scene.friction_of, range(1, recipe.highest_level + 1))])
 
 
@@ -130,8 +134,7 @@ class Ground:
         shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
         if tuple(given.shape) != shape:
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give {shape}")
-        inner = (slice(1, -1), slice(1, -1))
-        place = (..., *inner) if rows is None else (rows, *inner)
+        place = (... if rows is None else rows, slice(1, -1), slice(1, -1))
         self._cells = put(self._cells, place, array_like(self._cells, self._checked(given)))
 
     def heights(self, points: Any, worlds: Any = None) -> Any:
@@ -161,8 +164,7 @@ class Ground:
         if not radius > 0:
             raise ParameterError("radius", f"{shown(radius)} m; give one above 0, as tops are level")
         points, library = self._own("points", points), self._library
-        offsets = np.linspace(-radius, radius, _PLANE)
-        grid = np.stack(np.meshgrid(offsets, offsets, indexing="ij"), axis=-1).reshape(-1, 2)
+        grid = scan_points((2 * radius, 2 * radius), 2 * radius / (_PLANE - 1))
         own = array_like(points, grid, points.dtype)
         heights = self.heights(points[..., None, :2] + own, worlds)
         slopes = [(heights * own[:, axis]).sum(-1) / float((grid[:, axis] ** 2).sum()) for axis in (0, 1)]
@@ -231,7 +233,7 @@ class Ground:
             return self._scene.field
         levels = self.levels if self.worlds is None else self.levels[world]
         own = np.array(levels.cpu() if hasattr(levels, "cpu") else levels)
-        return _field(own, self.block_width, self.unit)
+        return unframed(own, self.block_width, self.unit)
 
     @property
     def _inner(self) -> Any:
@@ -249,8 +251,7 @@ class Ground:
             for axis, own in enumerate((reach_x, reach_y))
         )
         worlds_of = self._along(points, worlds)
-        every = [self._cells[(*worlds_of, *cell)] for cell in product(i, j)]
-        return reduce(self._library.maximum, every)
+        return reduce(self._library.maximum, [self._cells[(*worlds_of, *cell)] for cell in product(i, j)])
 
     def _cell(self, coordinates: Any, offset: Array, axis: int) -> Any:
         """Return the index of cells along an axis, offset by a number of cells; one that is no number is outside."""
@@ -262,21 +263,19 @@ class Ground:
 
     def _along(self, points: Any, worlds: Any) -> tuple[Any, ...]:
         """Return the index of worlds along the first axis of points: nothing for one map."""
-        if self.worlds is None:
-            if worlds is not None:
-                raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
+        if self.worlds is None and worlds is None:
             return ()
-        rows = array_like(points, np.arange(self.worlds)) if worlds is None else self._rows(worlds)
+        rows = self._rows(worlds)
         if points.ndim < 2 or points.shape[0] != len(rows):
             given = f"of shape {tuple(points.shape)} for {len(rows)} worlds"
             raise ParameterError("points", f"{given}; give ({len(rows)}, ..., {points.shape[-1]})")
         return (rows.reshape((-1, *[1] * (points.ndim - 2))),)
 
     def _rows(self, worlds: Any) -> Any:
-        """Return indices of worlds as an array; ParameterError if any is not there."""
+        """Return indices of worlds as an array, by default of all; ParameterError if any is not there."""
         if self.worlds is None:
             raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
-        rows = array_like(self._cells, library_of("worlds", worlds)[1])
+        rows = array_like(self._cells, np.arange(self.worlds) if worlds is None else library_of("worlds", worlds)[1])
         if rows.ndim != 1 or (len(rows) and "int" not in str(rows.dtype)):
             raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
         if len(rows) and not 0 <= int(rows.min()) <= int(rows.max()) < self.worlds:
@@ -297,12 +296,10 @@ class Ground:
 
     def _checked(self, levels: Any) -> Any:
         """Return levels; ParameterError if they are no integers, or none of the recipe. Those of jax may be traced."""
-        highest = len(self._heights) - 1
         if "int" not in str(levels.dtype):
             raise ParameterError("levels", f"of {levels.dtype}; give integers, in units")
-        if is_traced(levels) or not min(levels.shape):
-            return levels
-        check_levels(levels, highest)
+        if min(levels.shape) and not is_traced(levels):
+            check_levels(levels, len(self._heights) - 1)
         return levels
 
     def _index(self, values: Any) -> Any:
@@ -319,6 +316,27 @@ class Ground:
         return array_like(values, values, like.dtype) if "float" in str(like.dtype) else values
 
 
-def _field(levels: Ints, block_width: float, unit: float) -> StepField:
+def unframed(levels: Ints, block_width: float, unit: float) -> StepField:
+    """Return levels as a field without frames; block_width, unit: metres."""
     frame = np.zeros(levels.shape, dtype=bool)
     return StepField(levels=levels.astype(np.int16), frame=frame, block_width=block_width, unit=unit, frame_height=0.0)
+
+
+def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: float, rng: np.random.Generator) -> Any:
+    """Return the next row of each robot, (robots,), in the library of `rows`.
+
+    walked: distance from where each robot started, metres; commanded: distance that it was told to walk, its commanded
+    speed times the time of an episode. count: number of rows; length: of a tile, metres; rng: draws rows.
+
+    Up one row beyond half of a tile; else down one, if less than half of the commanded distance was walked. A robot
+    that goes up from the last row has solved it, and gets a random row.
+    """
+    library, own = library_of("rows", rows)
+    if "int" not in str(own.dtype) or own.ndim != 1:
+        raise ParameterError("rows", f"{own.dtype} of shape {tuple(own.shape)}; give integers, one per robot")
+    walked, commanded = (array_like(own, values) for values in (walked, commanded))
+    up = walked > length / 2
+    down = ~up & (walked < commanded / 2)
+    after = own + array_like(own, up, own.dtype) - array_like(own, down, own.dtype)
+    random = array_like(own, np.floor(rng.random(len(own)) * count), own.dtype)
+    return library.where(after >= count, random, library.clip(after, 0, None))

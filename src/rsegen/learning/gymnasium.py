@@ -64,21 +64,17 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
             index = options["map"]
             levels = build_many(self.grid.recipe, [index])[0]
         else:
-            index, levels = self._next()
+            if not self._drawn:  # many are drawn and made together
+                recipe = self.grid.recipe
+                draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
+                indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
+                self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
+            index, levels = self._drawn.pop()
         self.grid.write(self.unwrapped.model, levels)  # type: ignore[attr-defined]
         self.ground.write(levels)
         with self._robots_above_the_blocks():
             observation, info = self.env.reset(seed=seed, options=options)
         return observation, {**info, "map": index}
-
-    def _next(self) -> tuple[int, Levels]:
-        """Return the next index that is drawn, and its map; many are drawn and made together."""
-        if not self._drawn:
-            recipe = self.grid.recipe
-            draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
-            indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
-            self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
-        return self._drawn.pop()
 
     @contextmanager
     def _robots_above_the_blocks(self) -> Iterator[None]:

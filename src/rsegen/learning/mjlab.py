@@ -56,14 +56,20 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
         """Geoms of the body `terrain`, from (0, 0) to the sub-terrain's size, the origin and level places, metres."""
         ground = tile(self.recipe, difficulty, int(rng.integers(2**63)), self.size)
-        look = Scene(recipe=self.recipe, index=0, field=ground.raised)
-        geometries = self._boxes(spec, ground, look) if self.shape == "boxes" else [self._height_field(spec, ground)]
         patches = {name: _patches(ground, wanted, rng) for name, wanted in (self.flat_patch_sampling or {}).items()}
+        if self.shape == "boxes":
+            geometries = self._boxes(spec, ground)
+        else:
+            name, heights = f"{self.recipe.name}_{len(spec.hfields)}", ground.samples(self.samples)
+            field, geom = add_height_field(spec, spec.body("terrain"), name, heights, ground.size)
+            geom.friction[0] = self.recipe.friction
+            geometries = [TerrainGeometry(geom=geom, hfield=field, color=(*GROUND_COLOUR, 1.0))]
         return TerrainOutput(
             origin=ground.origin_above(self.spawn_radius), geometries=geometries, flat_patches=patches or None
         )
 
-    def _boxes(self, spec: mujoco.MjSpec, ground: Tile, look: Scene) -> list[TerrainGeometry]:
+    def _boxes(self, spec: mujoco.MjSpec, ground: Tile) -> list[TerrainGeometry]:
+        look = Scene(recipe=self.recipe, index=0, field=ground.raised)
         body, columns = spec.body("terrain"), list(ground.columns())
         count = len(body.geoms) + len(columns)
         if count > self.most_boxes:
@@ -75,12 +81,6 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
             TerrainGeometry(geom=add_box(body, column, look.friction_of(column.material)), color=(*colour, 1.0))
             for column, colour in zip(columns, colours, strict=True)
         ]
-
-    def _height_field(self, spec: mujoco.MjSpec, ground: Tile) -> TerrainGeometry:
-        name = f"{self.recipe.name}_{len(spec.hfields)}"
-        field, geom = add_height_field(spec, spec.body("terrain"), name, ground.samples(self.samples), ground.size)
-        geom.friction[0] = self.recipe.friction
-        return TerrainGeometry(geom=geom, hfield=field, color=(*GROUND_COLOUR, 1.0))
 
 
 def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, rng: np.random.Generator) -> Array:

@@ -33,20 +33,25 @@ def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), shape:
     if shape not in SHAPES:
         raise UnknownName.among("shape", "shape", shape, SHAPES)
     at = np.array(pos, dtype=float)
-    return _add_boxes(builder, scene, at) if shape == "boxes" else _add_meshes(builder, scene, at)
-
-
-def _add_boxes(builder: Any, scene: Scene, at: np.ndarray) -> list[int]:
-    return [
-        _add_box(
-            builder,
-            at + column.centre,
-            np.array(column.size) / 2,
-            friction=scene.friction_of(column.material),
-            colour=scene.colour(column.material),
-        )
-        for column in columns(scene.field)
-    ]
+    if shape == "boxes":
+        return [
+            _add_box(
+                builder,
+                at + column.centre,
+                np.array(column.size) / 2,
+                friction=scene.friction_of(column.material),
+                colour=scene.colour(column.material),
+            )
+            for column in columns(scene.field)
+        ]
+    shapes = []  # a shape has one friction coefficient
+    for friction, materials in scene.by_friction(scene.field):
+        solid = watertight(scene.field if materials is None else scene.field.only(materials))
+        if len(solid.faces):
+            mesh = newton.Mesh(solid.vertices.astype(np.float32), solid.triangles.ravel().astype(np.int32))
+            place = wp.transform(wp.vec3(*at), wp.quat_identity())
+            shapes.append(builder.add_shape_mesh(-1, xform=place, mesh=mesh, cfg=_config(builder, friction)))
+    return shapes
 
 
 def _add_box(builder: Any, centre: Array, half: Array, *, friction: float, colour: Sequence[float]) -> int:
@@ -59,18 +64,6 @@ def _add_box(builder: Any, centre: Array, half: Array, *, friction: float, colou
             color=tuple(colour),
         )
     )
-
-
-def _add_meshes(builder: Any, scene: Scene, at: np.ndarray) -> list[int]:
-    shapes = []
-    for friction, materials in scene.by_friction(scene.field):
-        field = scene.field if materials is None else scene.field.only(materials)
-        mesh = watertight(field)
-        if len(mesh.faces):
-            shape = newton.Mesh(mesh.vertices.astype(np.float32), mesh.triangles.ravel().astype(np.int32))
-            place = wp.transform(wp.vec3(*at), wp.quat_identity())
-            shapes.append(builder.add_shape_mesh(-1, xform=place, mesh=shape, cfg=_config(builder, friction)))
-    return shapes
 
 
 def _config(builder: Any, friction: float) -> Any:

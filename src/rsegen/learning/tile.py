@@ -18,6 +18,7 @@ from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.geometry.meshes import mesh
 from rsegen.learning.arrays import extremes
+from rsegen.learning.ground import unframed
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
@@ -62,10 +63,9 @@ class Tile:
 
     def origin_above(self, radius: float) -> Array:
         """Return the origin, as high as the highest block that is up to `radius` metres from it along x and y."""
-        x, y = (
-            slice(max(floor((middle - radius) / width + _SAME), 0), ceil((middle + radius) / width - _SAME))
-            for middle, width in zip(self.origin[:2], [self.raised.block_width] * 2, strict=True)
-        )
+        low, high = ((self.origin[:2] + side) / self.raised.block_width for side in (-radius, radius))
+        ends = zip(low + _SAME, high - _SAME, strict=True)
+        x, y = (slice(max(floor(first), 0), ceil(last)) for first, last in ends)
         highest = float(self.raised.heights[x, y].max(initial=-np.inf)) + self._corner[2]
         return np.array([*self.origin[:2], max(highest, self.origin[2])])
 
@@ -101,21 +101,17 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
         problem = f"a map of {m_x} x {m_y} cells is larger than a tile of {n_x} x {n_y}"
         raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
     low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
-    levels = np.full((n_x, n_y), recipe.ground_level, dtype=np.int16)
     # Everything is a unit higher than it is, so that level 0 is a block too and has a surface.
+    levels = np.full((n_x, n_y), recipe.ground_level + 1, dtype=np.int16)
     own = tile_levels(eased(recipe, difficulty), index)
-    levels[low_x : low_x + m_x, low_y : low_y + m_y] = own
-    raised = StepField(
-        levels=levels + np.int16(1),
-        frame=np.zeros(levels.shape, dtype=bool),
-        block_width=width,
-        unit=unit,
-        frame_height=0.0,
+    levels[low_x : low_x + m_x, low_y : low_y + m_y] = own + np.int16(1)
+    above = float(amid(own)) - recipe.ground_level
+    return Tile(
+        raised=unframed(levels, width, unit),
+        ground=recipe.ground_level,
+        size=(n_x * width, n_y * width),
+        origin=np.array([(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, above * unit]),
     )
-    origin = np.array(
-        [(low_x + m_x / 2) * width, (low_y + m_y / 2) * width, (float(amid(own)) - recipe.ground_level) * unit]
-    )
-    return Tile(raised=raised, ground=recipe.ground_level, size=(n_x * width, n_y * width), origin=origin)
 
 
 def check_recipe(recipe: object) -> None:

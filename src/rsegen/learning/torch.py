@@ -30,7 +30,13 @@ def build_many(recipe: MapDesign, indices: Iterable[int], device: str | torch.de
     ParameterError if the device is not there or has no floats of 64 bits, or an index is no whole number from 0 on;
     TooLarge if the device has not enough memory.
     """
-    wanted, place = checked(indices), _device(device)
+    wanted = checked(indices)
+    try:  # floats of 64 bits can be added there
+        place = torch.device(device)
+        (torch.ones(1, dtype=torch.float64, device=place) + 1).item()
+    except (RuntimeError, TypeError, AssertionError, NotImplementedError) as error:
+        reason = str(error).partition("\n")[0].partition(". ")[0]
+        raise ParameterError("device", f"{shown(str(device))} cannot be used ({reason}); give cuda or cpu") from None
     if place.type == "cpu":
         return torch.from_numpy(of_numpy(recipe, wanted))  # several times as fast as tensors
     try:
@@ -40,14 +46,3 @@ def build_many(recipe: MapDesign, indices: Iterable[int], device: str | torch.de
         n_x, n_y = recipe.grid.shape
         raise TooLarge(f"indices: {len(wanted)} maps of {n_x} x {n_y} blocks exceed the memory of {place}") from None
     return levels
-
-
-def _device(device: str | torch.device) -> torch.device:
-    """Return a device on which floats of 64 bits can be added; ParameterError for any other."""
-    try:
-        place = torch.device(device)
-        (torch.ones(1, dtype=torch.float64, device=place) + 1).item()
-    except (RuntimeError, TypeError, AssertionError, NotImplementedError) as error:
-        reason = str(error).partition("\n")[0].partition(". ")[0]
-        raise ParameterError("device", f"{shown(str(device))} cannot be used ({reason}); give cuda or cpu") from None
-    return place

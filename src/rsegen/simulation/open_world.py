@@ -7,17 +7,29 @@ failure, except for harmless ones (docs/gazebo.md).
 
 from __future__ import annotations
 
+import math
+import os
+import re
 import tempfile
+import time
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
+from html import unescape
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, UserError, shown
 from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest
-from rsegen.simulation.simulators.process import ErrorRelay
-from rsegen.simulation.simulators.server import choose_installation, has_screen, run_until_end
+from rsegen.simulation.simulators.patience import Patience
+from rsegen.simulation.simulators.process import ErrorRelay, OutputFiles, Work
+from rsegen.simulation.simulators.server import choose_installation, has_screen
 from rsegen.simulation.worlds import World
+
+_WORLD = re.compile(r"<world\s[^>]*?\bname\s*=\s*['\"]([^'\"]*)['\"]")
+"""The name of a world in its file."""
+
+_LOOK = Patience(seconds=1.0, sign=0.3)
+"""Patience of one look whether a server that loads answers already: output is not read meanwhile."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -72,7 +84,7 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
         on_start(opened)
         relay = ErrorRelay(on_error)  # the caller hears each sort of error once
         try:
-            code = run_until_end(here, launch, seconds=seconds, on_error=relay.add)
+            code = _run(here, launch, seconds, relay.add)
         except NothingRuns as error:
             raise SimulatorFailed(f"{here} printed an error: {relay.first}" if relay.first else str(error)) from None
         except KeyboardInterrupt:
@@ -80,7 +92,10 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
         finally:
             relay.finish()
         if code is not None and (headless or (code and relay.first)):
-            raise SimulatorFailed(f"{here} ended by itself, {_why_ended(file, code)}")
+            why = f"with exit code {code}"
+            if code == 0 and file.is_file() and b"<world" not in file.read_bytes():  # Fortress says nothing of it
+                why = f"because there is no <world> in {file}"
+            raise SimulatorFailed(f"{here} ended by itself, {why}")
         if headless and relay.first:
             raise SimulatorFailed(f"{here} printed an error: {relay.first}")
         return OpenResult(world=opened, exit_code=code, errors=relay.lines)
@@ -103,8 +118,51 @@ def _launch(here: Installation, request: OpenRequest, *, headless: bool) -> Laun
     return launch
 
 
-def _why_ended(world: Path, code: int) -> str:
-    """Return why a simulator ended: Fortress ends silently if its file is not a world's."""
-    if code == 0 and world.is_file() and b"<world" not in world.read_bytes():
-        return f"because there is no <world> in {world}"
-    return f"with exit code {code}"
+def _run(
+    here: Installation, launch: LaunchCommand, seconds: float | None, on_error: Callable[[str], None]
+) -> int | None:
+    """Return the exit code of a simulator that runs until it ends, or None if it was ended.
+
+    It is ended `seconds` after its world has loaded, which its clock proves; never, if None. `on_error` is called with
+    each of its error lines. SimulatorFailed, at once, if it says that it has no world; NothingRuns if patience is over
+    before it has loaded its world.
+    """
+    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        output = OutputFiles(folder=Path(folder))
+        with output.running(launch) as program:
+            wait = Patience(seconds=here.timeout, works=Work(program, Path(folder))).begin()
+            world, end = launch.command[-1], math.inf
+
+            def goes_on() -> bool:  # asked between two looks at the output
+                nonlocal end
+                if seconds is not None and end == math.inf:
+                    if name := _running_world(here, launch):
+                        _refuse_another_world(here, launch, name)
+                        end = time.monotonic() + seconds
+                    elif wait.is_over:
+                        late = f"after {here.timeout:g} s without progress"
+                        raise NothingRuns(f"{here} has not loaded the world {world}, {late}")
+                return program.exit_code is None and time.monotonic() < end
+
+            for line in output.lines(goes_on):
+                for error in here.simulator.error_lines(line):
+                    on_error(error)
+                if here.simulator.load_failed(line):
+                    raise SimulatorFailed(f"{here} did not load the world {world}")
+            return program.exit_code
+
+
+def _running_world(here: Installation, launch: LaunchCommand) -> str:
+    """Return the name of the world of a server that tells its time; empty as long as it does not, as while it loads."""
+    variables = os.environ | dict(launch.environment)
+    with suppress(SimulatorFailed, NothingRuns), here.simulator.connect(variables, _LOOK) as live:
+        live.clock()
+        return live.name
+    return ""
+
+
+def _refuse_another_world(here: Installation, launch: LaunchCommand, name: str) -> None:
+    """Raise a SimulatorFailed if there is no world of this name in the file: Gazebo Classic falls back on its own."""
+    world = launch.command[-1]
+    if name not in map(unescape, _WORLD.findall((launch.folder / world).read_text("utf-8", "replace"))):
+        raise SimulatorFailed(f"{here} did not load the world {world}, but one of the name {name}")

@@ -34,23 +34,24 @@ folder of a map or of maps, or DIR#17 of a data set."""
 class World:
     """A world, on disk already or to be made.
 
-    file: the world file, None if it is made of the recipe or scene; recipe: of its one map, None if unknown;
-    made_for: the `simulator` of the recipe; made_of: the scene that a caller gave.
+    file: the world file, None if it is made of the recipe or scene; recipe: of its one map, None if unknown; made_of:
+    the scene that a caller gave.
     """
 
     file: Path | None = None
     recipe: Recipe | None = None
-    made_for: str
     made_of: Scene | None = None
+
+    @property
+    def made_for(self) -> str:
+        """The `simulator` of the recipe."""
+        return self.recipe.simulator if self.recipe else "both"
 
     def scene(self) -> Scene:
         """Return the scene of its map; FileError if the recipe is unknown, TooLarge if it does not fit into memory."""
-        if self.made_of:
-            return self.made_of
         if not self.recipe:
             raise FileError(f"{self.file}: no recipe.json next to it, so the heights of its blocks are unknown")
-        refuse_too_large(self.recipe)
-        return compose(self.recipe, self.recipe.first_map)
+        return self.made_of or scene_of(self.recipe)
 
     @contextmanager
     def on_disk(self) -> Iterator[Path]:
@@ -62,33 +63,41 @@ class World:
             yield write_world(self.scene(), Path(folder))
 
 
+def scene_of(recipe: Recipe) -> Scene:
+    """Return the scene of the first map of a recipe; TooLarge if it does not fit into memory."""
+    refuse_too_large(recipe)
+    return compose(recipe, recipe.first_map)
+
+
 def write_world(scene: Scene, folder: Path) -> Path:
     """Write a scene's world with all that it needs as `folder/NAME_000k`, and return its file."""
     write_folder(export(scene), folder / scene.name, sync=False)
     return folder / scene.name / f"{scene.name}.world"
 
 
+def chosen(target: Target, which: int | str | None) -> tuple[Recipe, Path | None, Scene | None]:
+    """Return the recipe of a target's map alone, the folder that it is in, if in any, and its scene, if one was given.
+
+    which: the map's index or name, by default the first
+    """
+    if isinstance(target, Scene):
+        return target.alone, None, target
+    if isinstance(target, Recipe):
+        return target.alone(map_index(target, which)), None, None
+    path = os.fspath(target)
+    file, recipe, index = chosen_map(path, None if which is None else str(which))
+    return recipe.alone(index), file.parent if os.path.isdir(path) else None, None
+
+
 def world_of(target: Target, which: int | str | None = None) -> World:
     """Return the world of a target; `which`: the map's index or name, by default the first."""
-    if isinstance(target, Scene):
-        return World(recipe=target.alone, made_for=target.recipe.simulator, made_of=target)
-    if isinstance(target, Recipe):
-        return World(recipe=target.alone(map_index(target, which)), made_for=target.simulator)
-    path = os.fspath(target)
-    if not os.path.isdir(path) and Path(path).suffix in (".world", ".sdf"):
-        return _world_in(Path(path))
-    file, recipe, index = chosen_map(path, None if which is None else str(which))
-    if os.path.isdir(path):
-        world = _existing(file.with_name(f"{recipe.map_name(index)}.world"))
-        return World(file=world, recipe=recipe, made_for=recipe.simulator)
-    return World(recipe=recipe.alone(index), made_for=recipe.simulator)
-
-
-def _world_in(file: Path) -> World:
-    """Return a world file, with the recipe next to it if there is one."""
-    recipe_file = file.with_name("recipe.json")
-    recipe = load(recipe_file) if recipe_file.is_file() else None
-    return World(file=_existing(file), recipe=recipe, made_for=recipe.simulator if recipe else "both")
+    path = None if isinstance(target, Scene | Recipe) else Path(target)
+    if path and not path.is_dir() and path.suffix in (".world", ".sdf"):
+        recipe_file = path.with_name("recipe.json")
+        return World(file=_existing(path), recipe=load(recipe_file) if recipe_file.is_file() else None)
+    recipe, folder, made_of = chosen(target, which)
+    file = _existing(folder / f"{recipe.map_name(recipe.first_map)}.world") if folder else None
+    return World(file=file, recipe=recipe, made_of=made_of)
 
 
 def _existing(file: Path) -> Path:

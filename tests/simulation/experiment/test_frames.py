@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import NoSimulator, UserError
-from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
-from rsegen.simulation.experiment.trial import refuse_without_frames, wait_for_frames
+from rsegen.simulation.experiment.trial import busy, gpu_load, refuse_without_frames, wait_for_frames
 from rsegen.simulation.simulators import SIMULATORS, Installation
 
 

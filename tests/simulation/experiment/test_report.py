@@ -24,8 +24,7 @@ from rsegen.simulation.experiment.report import (
     rtf_limits,
     trials_csv,
 )
-from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.trial import Outcome
+from rsegen.simulation.experiment.trial import Outcome, Results
 
 PAPER: dict[str, Any] = {"unit_cm": 1, "levels": 5}
 PLAN = ExperimentPlan(

@@ -12,7 +12,7 @@ from PIL import Image
 from rsegen.exporters.scene import compose
 from rsegen.simulation.driving.drive_metrics import Trajectory
 from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.results import track_files, track_names
+from rsegen.simulation.experiment.run import track_files, track_names
 from rsegen.simulation.experiment.trial import Outcome, Trial
 
 PLAN = ExperimentPlan(name="p", rows=(TableRow(sizes=(10,)),), paces=("free",), repeats=2)

@@ -8,9 +8,10 @@ from typing import Any
 import pytest
 
 from rsegen.errors import SimulatorFailed
+from rsegen.exporters.scene import compose
 from rsegen.simulation.experiment import trial
-from rsegen.simulation.experiment.plan import ExperimentPlan, TableRow
-from rsegen.simulation.experiment.results import entry, read_outcome
+from rsegen.simulation.experiment.plan import Cell, ExperimentPlan, TableRow
+from rsegen.simulation.experiment.run import entry, read_outcome
 from rsegen.simulation.experiment.trial import BEHIND, STARVED, Measurement, Outcome, Trial, is_starved, run_trial
 from rsegen.simulation.simulators import SIMULATORS, Installation
 from rsegen.simulation.simulators.server import ATTEMPTS, attempted
@@ -58,9 +59,9 @@ def test_no_other_error_is_another_attempt() -> None:
 def test_a_trial_has_its_attempts_and_they_come_back_from_a_journal(monkeypatch: pytest.MonkeyPatch) -> None:
     failing = Failing(2)
 
-    def once(setups: list[Any], *_: Any, **__: Any) -> Trial:
+    def once(plan: ExperimentPlan, cell: Cell, seed: int, *_: Any) -> Trial:
         failing()
-        return Trial(outcome=OUTCOME, scene=setups[0].scene, trajectories={})
+        return Trial(outcome=OUTCOME, scene=compose(plan.rows[cell.row].map_of(cell.size, seed)), trajectories={})
 
     monkeypatch.setattr(trial, "_trial", once)
     outcome = run_trial(PLAN, PLAN.cells[0], 0, CLASSIC).outcome

@@ -14,7 +14,7 @@ import rsegen
 from rsegen.robots import BACKENDS, ROBOTS, Robot
 from rsegen.robots.drives import Tracks
 from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.classic_world import ClassicWorld
+from rsegen.simulation.simulators.gazebo_classic import ClassicWorld
 from rsegen.simulation.simulators.live_world import Pose
 from rsegen.simulation.simulators.server import attempted
 from rsegen.simulation.simulators.wire import pose_of

@@ -22,7 +22,7 @@ from rsegen.robots import robot
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.server import Server, running_server
-from rsegen.simulation.spawning.spawning import SpawnedMap
+from rsegen.simulation.spawning import SpawnedMap
 from tests.simulation.real.bodies import SIZE, body
 from tests.support.complaints import the_line
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli import main
-from rsegen.simulation.simulators import SIMULATORS, process, server
+from rsegen.simulation import open_world
+from rsegen.simulation.simulators import SIMULATORS, process
 from rsegen.simulation.simulators.patience import Patience
 from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
@@ -52,7 +53,7 @@ def test_open_starts_a_server_until_the_seconds_are_over(
     looks = iter(["", "", "rse_0000"])
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STAYS", "60")
-        patch.setattr(server, "_running_world", lambda *_: next(looks))
+        patch.setattr(open_world, "_running_world", lambda *_: next(looks))
         assert opened(world, "--simulator", name, "--headless", "--seconds", "2") == 0
     did = start(programs / program)
     assert did.command[1:-1] == tuple(words)
@@ -71,7 +72,7 @@ def test_open_fails_if_another_world_than_that_of_the_file_runs(
     """Gazebo Classic falls back on an empty one, as of the file of a model."""
     put(programs, PROGRAMS["classic"])
     monkeypatch.setenv("STAYS", "60")
-    monkeypatch.setattr(server, "_running_world", lambda *_: "default")
+    monkeypatch.setattr(open_world, "_running_world", lambda *_: "default")
     capsys.readouterr()
     assert opened(world, "--simulator", "classic", "--headless", "--seconds", "1") == 1
     line = the_line(capsys.readouterr().err)

@@ -16,11 +16,11 @@ from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.exporters.gazebo import sdf
 from rsegen.robots import robot
 from rsegen.simulation.simulators import SIMULATORS
+from rsegen.simulation.simulators.gazebo_sim import SimWorld
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
 from rsegen.simulation.simulators.patience import Patience
 from rsegen.simulation.simulators.server import running_server
 from rsegen.simulation.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
-from rsegen.simulation.simulators.sim_world import SimWorld
 from tests.simulation.real.conftest import gazebo_classic, gazebo_sim
 from tests.simulation.transport import NEEDS_ENGINE, connected_to, transport_world
 from tests.support.complaints import the_line

@@ -10,8 +10,8 @@ import pytest
 
 import rsegen
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, UnknownName, UserError
+from rsegen.simulation import open_world
 from rsegen.simulation.open_world import OpenedWorld
-from rsegen.simulation.simulators import server
 from tests.simulation.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -54,7 +54,7 @@ def test_a_map_of_a_recipe_is_chosen_by_index_or_name(
 ) -> None:
     put(programs, PROGRAMS["sim"])
     monkeypatch.setenv("STAYS", "600")
-    monkeypatch.setattr(server, "_running_world", lambda _, launch: Path(launch.command[-1]).stem)
+    monkeypatch.setattr(open_world, "_running_world", lambda _, launch: Path(launch.command[-1]).stem)
     for which in (2, "2", "course_0002"):
         result = rsegen.open(COURSE, map=which, headless=True, seconds=0)
         assert result.world.file.name == "course_0002.world"

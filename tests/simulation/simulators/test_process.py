@@ -134,15 +134,16 @@ def test_an_interrupt_waits_until_a_program_is_started(
     tmp_path: Path, mark: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Else a process could be left of which nobody knows."""
-    start, started = process._started, []
+    start, started = subprocess.Popen, []
 
-    def interrupted(*what: Any) -> subprocess.Popen[str]:
-        program = start(*what)
-        signal.raise_signal(signal.SIGINT)
-        started.append(program)
+    def interrupted(command: Any, **how: Any) -> subprocess.Popen[str]:
+        program: subprocess.Popen[str] = start(command, **how)
+        if command[0] == "/bin/sh":  # not the watch
+            signal.raise_signal(signal.SIGINT)
+            started.append(program)
         return program
 
-    monkeypatch.setattr(process, "_started", interrupted)
+    monkeypatch.setattr(subprocess, "Popen", interrupted)
     with (
         Signals().stop_it(),
         pytest.raises(KeyboardInterrupt),

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.errors import NoMessage
-from rsegen.simulation.simulators.wire import MessageTypes
+from rsegen.simulation.simulators.wire import CLASSIC, MessageTypes
 from tests.fuzz.damage import damaged_bytes
 from tests.simulation.simulators.test_messages import EVERY, message_of
 
@@ -101,3 +101,11 @@ def test_of_damaged_bytes_both_read_the_same_or_one_refuses(
     with suppress(NoMessage, DecodeError):
         ours = types.decode(type_name, content)
         assert alike(ours) == alike(plain(CLASSES[id(types)][type_name].FromString(content)))
+
+
+def test_a_message_in_parts_has_the_fields_of_all_of_them() -> None:
+    parts = ({"name": "a", "position": {"x": 1.0}}, {"id": 2, "position": {"y": 3.0}})
+    content = b"".join(CLASSIC.encode("Factory", {"pose": part}) for part in parts)
+    whole = {"pose": {"name": "a", "id": 2, "position": {"x": 1.0, "y": 3.0}}}
+    assert CLASSIC.decode("Factory", content) == whole
+    assert alike(plain(CLASSES[id(CLASSIC)]["Factory"].FromString(content)))["pose"] == whole["pose"]

@@ -9,7 +9,7 @@ import pytest
 
 from rsegen.errors import NoMessage
 from rsegen.robots import ROBOTS, Robot
-from rsegen.simulation.simulators.sim_world import CONTACTS, ContactSample, with_contact_sensors
+from rsegen.simulation.simulators.gazebo_sim import CONTACTS, ContactSample, GazeboSim
 from rsegen.simulation.simulators.wire import SIM
 
 WHEEL, HULL, BLOCK = "a::left::tread", "b::base::hull", "map::link::collision"
@@ -55,7 +55,7 @@ def test_messages_that_are_none_are_left_out() -> None:
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 def test_sensors_name_every_collision_once_and_change_nothing_else(robot: Robot) -> None:
     plain = robot.model("a", "fortress")
-    root = ElementTree.fromstring(with_contact_sensors(plain))
+    root = ElementTree.fromstring(GazeboSim().with_contact_sensors(plain))
     for link in root.iter("link"):
         sensors = [sensor for sensor in link.findall("sensor") if sensor.findtext("contact/topic") == CONTACTS]
         named = [name.text for sensor in sensors for name in sensor.findall("contact/collision")]

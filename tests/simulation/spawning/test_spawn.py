@@ -13,7 +13,7 @@ import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
 from rsegen.robots import robot
 from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning.spawn import _given_or_next
+from rsegen.simulation.spawning import _given_or_next
 from tests.simulation.transport import connected_to
 
 COURSE = rsegen.Recipe(name="course", seed=1, chunk_size=4, maps=3)

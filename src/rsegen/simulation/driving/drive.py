@@ -35,13 +35,7 @@ from rsegen.simulation.driving.drive_metrics import (
     moves_by_window,
     possible_part,
 )
-from rsegen.simulation.driving.recording import (
-    ContactSamples,
-    DriveRecording,
-    RobotRun,
-    contact_shares,
-    contacts_csv,
-)
+from rsegen.simulation.driving.recording import ContactSamples, DriveRecording, RobotRun, contact_shares, contacts_csv
 from rsegen.simulation.driving.robot_runs import GAP, finish_x
 from rsegen.simulation.driving.routes import PlannedWay, Wandering
 from rsegen.simulation.simulators import Installation
@@ -128,23 +122,17 @@ class DriveResult:
 
     def as_json(self) -> dict[str, object]:
         """Return the content of drive.json, which `rsegen drive --json` prints."""
-        robots = [
-            {
-                "name": robot.name,
-                "kind": robot.kind,
-                "start": asdict(robot.start),
-                **asdict(robot.metrics),
-                "incidents": [asdict(incident) for incident in robot.metrics.incidents],
-            }
-            for robot in self.robots
-        ]
         return {
             "map": self.scene.name,
             "simulator": self.simulator,
             "route": self.route,
             "seed": self.seed,
             **({"way": self.way.as_json()} if self.way else {}),
-            "robots": robots,
+            "robots": [
+                {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
+                | {"incidents": [asdict(incident) for incident in robot.metrics.incidents]}
+                for robot in self.robots
+            ],
             "errors": list(self.errors),
             "notes": list(self.notes),
         }
@@ -171,9 +159,6 @@ class DriveResult:
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
-        write_folder(self._files(), Path(folder), "drive", force=force)
-
-    def _files(self) -> dict[PurePosixPath, list[bytes]]:
         trajectories = {robot.name: robot.trajectory for robot in self.robots}
         files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
@@ -181,10 +166,10 @@ class DriveResult:
             "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
             "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
         }
-        if self.way:
-            files["way.csv"] = _encoded(self.way.csv())
-        pictures = {"gazebo.jpg": [self.image]} if self.image else {}
-        return {PurePosixPath(name): content for name, content in (files | pictures).items()}
+        files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
+        files |= {"gazebo.jpg": [self.image]} if self.image else {}
+        paths = {PurePosixPath(name): content for name, content in files.items()}
+        write_folder(paths, Path(folder), "drive", force=force)
 
 
 def _foreseen(way: PlannedWay) -> str:
@@ -198,7 +183,7 @@ def _foreseen(way: PlannedWay) -> str:
 
 
 def _crossed(robot: DrivenRobot) -> str:
-    """Say when a robot was across, or where it was at the end."""
+    """Return when a robot was across, or where it was at the end."""
     if robot.metrics.crossed is not None:
         return f", crossed the map after {robot.metrics.crossed:g} s"
     if robot.metrics.incidents or not len(robot.trajectory.rows):
@@ -264,6 +249,7 @@ def drive_notes(
         yield f"{here} gives no contacts of a drive"
     if picture and "pictures" in here.simulator.drives_without:
         yield f"{here} gives no pictures of a drive"
+    # Robots on tracks that stand still have one known reason, which the notes on single robots would hide.
     tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
     still = [name for name in tracked if recording.trajectories[name].is_still]
     if still and here.backend != "classic":

@@ -162,16 +162,21 @@ def drive_metrics(
     """Return the metrics of a trajectory of a robot of a size, metres, at a commanded speed, m/s, over a course."""
     drive, ending = possible_part(trajectory, speed, size, course)
     t, x, y, z = drive.rows[:, :4].T
-    off = _off_the_map(drive, course)
-    fallen = drive.tilt > TIPPED
+    off, fallen = _off_the_map(drive, course), drive.tilt > TIPPED
+    crossed = None
+    if course.finish_x is not None and (row := _first(x > course.finish_x)) is not None:
+        seconds = _seconds(drive, row)
+        crossed = None if fallen[: row + 1].any() or (off and off.seconds <= seconds) else seconds
+    lengths, moves = moves_by_window(t, x, y)
+    ground = int(z[t <= t[0] + FALL].argmin())  # it may start above the place on which it then stands
     return DriveMetrics(
         seconds=round(float(t[-1] - t[0]), 3),
         distance=round(float(np.hypot(np.diff(x), np.diff(y)).sum()), 3),
-        crossed=_crossed(drive, course, off),
-        stuck=round(_stuck(t, x, y, speed), 3),
+        crossed=crossed,
+        stuck=round(float(lengths[moves < SLOW * speed * lengths].sum()), 3),
         tipped=int(fallen[0]) + int((np.diff(fallen.astype(int)) == 1).sum()),
         tilt=round(float(drive.tilt.max()), 3),
-        climbed=round(_climbed(t, z), 3),
+        climbed=round(float(z[ground:].max() - z[ground]) + 0.0, 3),  # no -0.0, as 0.0 is subtracted from -0.0
         incidents=tuple(incident for incident in (off, ending) if incident),
         touched=touched or {},
     )
@@ -186,7 +191,7 @@ def possible_part(
     """
     # Rows after one without a number are not looked at, so that sums have numbers.
     strange = _first(np.asarray(~np.isfinite(trajectory.rows).all(axis=1)))
-    found = [(strange, "its pose is no number")] if strange is not None else []
+    problems = [(strange, "its pose is no number")] if strange is not None else []
     rows = trajectory.rows[:strange]
     if len(rows):
         t, x, y, z = rows[:, :4].T
@@ -194,11 +199,11 @@ def possible_part(
         # A model may have its origin above its shapes or below them, and so at its start above the blocks or below.
         low, high = min(0.0, float(z[0])) - DEEP, course.top + max(0.0, float(z[0])) + diagonal
         places = ((z < low, "below the ground"), (z > high, "above all blocks by more than its diagonal"))
-        found += [(row, reason) for claims, reason in places if (row := _first(claims)) is not None]
-        found += _too_fast(t, x, y, speed, diagonal)
-    if not found:
+        problems += [(row, reason) for claims, reason in places if (row := _first(claims)) is not None]
+        problems += _too_fast(t, x, y, speed, diagonal)
+    if not problems:
         return trajectory, None
-    row, reason = min(found)
+    row, reason = min(problems)
     incident = Incident(kind=Incident.IMPOSSIBLE, seconds=_seconds(trajectory, row), reason=reason)
     return Trajectory(rows=trajectory.rows[:row] if row else np.zeros((1, len(COLUMNS)))), incident
 
@@ -232,15 +237,6 @@ def _off_the_map(trajectory: Trajectory, course: Course) -> Incident | None:
     return Incident(kind=Incident.OFF, seconds=_seconds(trajectory, row), reason=f"{side} of it")
 
 
-def _crossed(trajectory: Trajectory, course: Course, off: Incident | None) -> float | None:
-    """Return the seconds until a robot was beyond the map; None if it was beside the map or tipped over before."""
-    if course.finish_x is None or (row := _first(trajectory.rows[:, 1] > course.finish_x)) is None:
-        return None
-    seconds = _seconds(trajectory, row)
-    has_tipped = bool((trajectory.tilt[: row + 1] > TIPPED).any())
-    return None if has_tipped or (off and off.seconds <= seconds) else seconds
-
-
 def _seconds(trajectory: Trajectory, row: int) -> float:
     """Return the time of a row after the first one, 0 if it is no number."""
     seconds = float(trajectory.rows[row, 0]) - float(trajectory.rows[0, 0])
@@ -251,18 +247,6 @@ def _first(claims: Mask) -> int | None:
     """Return the first row of which a claim is true, None if there is none."""
     rows = np.flatnonzero(claims)
     return int(rows[0]) if len(rows) else None
-
-
-def _climbed(t: Array, z: Array) -> float:
-    """Return the rise from the lowest height during the fall at the start to the highest one after it, metres."""
-    ground = int(z[t <= t[0] + FALL].argmin())
-    return float(z[ground:].max() - z[ground]) + 0.0  # no -0.0, as 0.0 is subtracted from -0.0
-
-
-def _stuck(t: Array, x: Array, y: Array, speed: float) -> float:
-    """Return the seconds of those windows in which it moved by less than SLOW of its speed."""
-    lengths, moves = moves_by_window(t, x, y)
-    return float(lengths[moves < SLOW * speed * lengths].sum())
 
 
 def moves_by_window(t: Array, x: Array, y: Array) -> tuple[Array, Array]:

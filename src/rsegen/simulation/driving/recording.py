@@ -145,9 +145,13 @@ def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
                     end, recorded = live.clock().simulated, live.recorded()
                 errors = server.errors
                 server.stop()
-                record = _from_the_start(simulator.read_record(server.home) or recorded or poses, poses)
-            trajectories = {run.name: _trajectory(run.name, record, end) for run in runs}
-            return DriveRecording(trajectories=trajectories, samples=samples, errors=errors)
+                record = simulator.read_record(server.home) or recorded or poses
+            if poses and record[0][0] > poses[0][0] + _SAME:  # a server that records later has no start
+                record = [*poses[:1], *record]
+            driven = trajectories(record, runs, end)
+            if missing := [run.name for run in runs if run.name not in driven]:
+                raise SimulatorFailed(f"the simulator kept no record of {missing[0]}")
+            return DriveRecording(trajectories=driven, samples=samples, errors=errors)
 
         recording, attempts = attempted(attempt)
         return replace(recording, attempts=attempts, image=last_frame(frames) if screen else b"")
@@ -199,15 +203,15 @@ def send_commands(
         live.send_command(run.robot.command(run.name, v, w, live.backend))
 
 
-def _trajectory(name: str, record: Record, end: float) -> Trajectory:
-    """Return the trajectory of a robot; a record has no state for times without motion, so `end` may be added."""
-    rows = [[second, *poses[name]] for second, poses in record if name in poses]
-    if not rows:
-        raise SimulatorFailed(f"the simulator kept no record of {name}")
-    last = [[end, *rows[-1][1:]]] if end > rows[-1][0] + _SAME else []
-    return Trajectory(rows=np.array([*rows, *last]))
+def trajectories(record: Record, runs: Sequence[RobotRun], end: float = 0.0) -> dict[str, Trajectory]:
+    """Return the trajectories of robots that were in a record, by their names.
 
-
-def _from_the_start(record: Record, poses: Record) -> Record:
-    """Return a record that begins with the first of these poses, which a server that records later does not have."""
-    return [*poses[:1], *record] if poses and record[0][0] > poses[0][0] + _SAME else record
+    A record has no state for times without motion, so the last row may be repeated at `end`, seconds.
+    """
+    driven = {}
+    for run in runs:
+        rows = [[second, *poses[run.name]] for second, poses in record if run.name in poses]
+        if rows:
+            last = [[end, *rows[-1][1:]]] if end > rows[-1][0] + _SAME else []
+            driven[run.name] = Trajectory(rows=np.array([*rows, *last]))
+    return driven

@@ -71,32 +71,32 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
     """
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
-    if route == Straight.name:
-        return _side_by_side(field, robot, count)
     if route == AlongWay.name:
-        return _one_behind_the_other(field, robot, count, best)
-    return _randomly_placed(field, robot, count, seed, evenest=evenest)
+        body = robot.body
+        way = planned_way(field, body, best)
+        first = adjacent_pose(field, body, float(way.points[0, 1]))
+        starts = [replace(first, x=first.x - index * (body.length + GAP)) for index in range(count)]
+        return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
+    body, goal = robot.body_or_box, finish_x(field, robot) + GAP
+    lane = Outline.of(body).width + GAP
+    starts = [adjacent_pose(field, body, (index - (count - 1) / 2) * lane) for index in range(count)]
+    if route == Straight.name:
+        straight = partial(Straight, speed=robot.driving_speed, turn=robot.turn, goal=goal)
+        return _named(robot, starts, [partial(straight, line=at.y) for at in starts])
+    places: Sequence[Spot | None] = [None] * count
+    if fits(field, body):  # a command knows `robots`, not `count`
+        try:
+            places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
+        except ParameterError as error:
+            raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
+    starts = [start_pose(spot) if spot else at for spot, at in zip(places, starts, strict=True)]
+    runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
+    return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
 
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:
     """Return the x of a robot's centre beyond which the whole robot is east of the map, metres."""
     return field.extent[0] / 2 - float(robot.body_or_box.low[0])
-
-
-def _side_by_side(field: StepField, robot: DrivableRobot, count: int) -> list[RobotRun]:
-    body, goal = robot.body_or_box, finish_x(field, robot) + GAP
-    lane = Outline.of(body).width + GAP
-    starts = [adjacent_pose(field, body, (index - (count - 1) / 2) * lane) for index in range(count)]
-    routes = [partial(Straight, speed=robot.driving_speed, turn=robot.turn, line=at.y, goal=goal) for at in starts]
-    return _named(robot, starts, routes)
-
-
-def _one_behind_the_other(field: StepField, robot: DrivableRobot, count: int, best: str) -> list[RobotRun]:
-    body = robot.body
-    way = planned_way(field, body, best)
-    first = adjacent_pose(field, body, float(way.points[0, 1]))
-    starts = [replace(first, x=first.x - index * (body.length + GAP)) for index in range(count)]
-    return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
 
 
 def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
@@ -108,21 +108,6 @@ def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
     at = np.linspace(0.0, run[-1], ceil(run[-1] / ahead * _POINTS) + 1)
     dense = zip(*(np.interp(at, run, column).tolist() for column in points.T), strict=True)
     return AlongWay(speed=robot.driving_speed, turn=robot.turn, points=tuple(dense), ahead=ahead, goal=goal)
-
-
-def _randomly_placed(field: StepField, robot: DrivableRobot, count: int, seed: int, *, evenest: bool) -> list[RobotRun]:
-    """Return runs on the map if a robot fits there, else in a row west of it."""
-    body = robot.body_or_box
-    places: Sequence[Spot | None] = [None] * count
-    if fits(field, body):  # a command knows `robots`, not `count`
-        try:
-            places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
-        except ParameterError as error:
-            raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
-    beside = _side_by_side(field, robot, count)
-    starts = [start_pose(spot) if spot else run.start for spot, run in zip(places, beside, strict=True)]
-    runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
-    return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
 
 
 def spot_generator(seed: int) -> np.random.Generator:

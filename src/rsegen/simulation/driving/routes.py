@@ -15,7 +15,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
-from math import atan2, cos, hypot, pi, radians, sin
+from math import atan2, cos, hypot, inf, pi, radians, sin
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -53,18 +53,22 @@ _MIN_PROGRESS = 0.2
 
 
 class Route(ABC):
-    """A way to drive; `period`: seconds between decisions, fewer of which steer worse and cost less wall time."""
+    """A way to drive, until a robot is at x = goal, metres; by default without an end.
+
+    period: seconds between decisions, fewer of which steer worse and cost less wall time
+    """
 
     name: ClassVar[str]
     period: ClassVar[float]
+    goal: float = inf
 
     @abstractmethod
     def motion(self, at: Pose) -> Motion:
         """Return the motion for the next period."""
 
     def is_done(self, at: Pose) -> bool:
-        """Return whether the route has ended."""
-        return False
+        """Return whether the robot is at the goal."""
+        return at.x >= self.goal
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -77,19 +81,15 @@ class Straight(Route):
     speed: float
     turn: float
     line: float
-    goal: float
+    goal: float = inf
 
     def motion(self, at: Pose) -> Motion:
         """Return an arc to a point of the line ahead (pure pursuit, Coulter 1992)."""
-        if at.x >= self.goal:
+        if self.is_done(at):
             return STOP
         ahead = max(_AHEAD, _PERIODS_AHEAD * self.speed * self.period)
         aside = atan2(self.line - at.y, ahead) - at.yaw
         return Motion(self.speed, _clipped(2 * self.speed * sin(aside) / ahead, self.turn))
-
-    def is_done(self, at: Pose) -> bool:
-        """Return whether the robot is at the goal."""
-        return at.x >= self.goal
 
 
 @dataclass(kw_only=True, slots=True)
@@ -106,7 +106,7 @@ class AlongWay(Route):
     turn: float
     points: Sequence[tuple[float, float]]
     ahead: float
-    goal: float
+    goal: float = inf
     passed: int = 0
 
     def motion(self, at: Pose) -> Motion:
@@ -119,10 +119,6 @@ class AlongWay(Route):
             return Motion(0.0, _clipped(aside / self.period, self.turn))
         turn = _clipped(2 * self.speed * sin(aside) / self.ahead, self.turn)
         return Motion(self.speed * cos(aside), turn)
-
-    def is_done(self, at: Pose) -> bool:
-        """Return whether the robot is at the goal."""
-        return at.x >= self.goal
 
     def _target(self, at: Pose) -> tuple[float, float]:
         """Return the first point that is far enough from the robot, after the nearest of the next few."""

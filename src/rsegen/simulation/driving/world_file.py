@@ -45,7 +45,8 @@ def add_systems(world: Element, backend: str) -> None:
 _MOST_MIB = 512
 """The largest world that is read, MiB; parsed it takes several times this in memory."""
 
-_SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:")
+_ABSOLUTE = re.compile(r"[a-z][a-z0-9+.-]*:|/|\s*$")
+"""A URI that is no path from the folder of its file: with a scheme, from the root, or empty."""
 
 
 def world_with_robots(
@@ -63,10 +64,16 @@ def world_with_robots(
     for model in models:
         element.append(fromstring(model))  # noqa: S314  # ours
     for uri in root.iter("uri"):
-        uri.text = _absolute(uri.text or "", world.absolute().parent)
+        path = uri.text or ""
+        if not _ABSOLUTE.match(path):
+            uri.text = str(world.absolute().parent / path)
     add_systems(element, backend)
-    if unthrottled:
-        _unthrottle(element)
+    if unthrottled:  # Gazebo Classic reads the update rate, Gazebo Sim the factor
+        physics = element.find("physics")
+        physics = SubElement(element, "physics", {"type": "ode"}) if physics is None else physics
+        for name in ("real_time_update_rate", "real_time_factor"):
+            limit = physics.find(name)
+            (SubElement(physics, name) if limit is None else limit).text = "0"
     return '<?xml version="1.0"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
@@ -74,20 +81,6 @@ def time_step(world: str) -> float:
     """Return the physics step of a world in seconds, from its text; by default that of both Gazebos, a millisecond."""
     element = fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
     return float(element.text or 0) if element is not None else 0.001
-
-
-def _absolute(uri: str, folder: Path) -> str:
-    return uri if not uri.strip() or _SCHEME.match(uri) or uri.startswith("/") else str(folder / uri)
-
-
-def _unthrottle(world: Element) -> None:
-    """Simulate as fast as possible: Gazebo Classic reads the update rate, Gazebo Sim the factor."""
-    physics = world.find("physics")
-    if physics is None:
-        physics = SubElement(world, "physics", {"type": "ode"})
-    for name in ("real_time_update_rate", "real_time_factor"):
-        element = physics.find(name)
-        (SubElement(physics, name) if element is None else element).text = "0"
 
 
 def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, frames: Path | None = None) -> str:

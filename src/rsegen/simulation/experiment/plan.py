@@ -200,15 +200,9 @@ class ExperimentPlan:
 
 def load_plan(name: str) -> ExperimentPlan:
     """Return the plan of that name, or in a YAML file."""
-    if name in PLANS:
-        return _plan(Path(str(PLANS[name])))
-    path = Path(name)
+    path = Path(str(PLANS.get(name, name)))
     if not path.suffix:
         raise UnknownName.among("", "plan", name, PLANS)
-    return _plan(path)
-
-
-def _plan(path: Path) -> ExperimentPlan:
     try:
         return read_plan(path.stem, content(path))
     except ParameterError as error:
@@ -221,16 +215,11 @@ def read_plan(name: str, content: Json) -> ExperimentPlan:
         raise ParameterError("", "not a plan of an experiment; it has name: and a list of rows:")
     known = [*parameters(ExperimentPlan), "rows"]
     refuse_unknown("key", content, known)
-    rows = tuple(_row(index, row) for index, row in enumerate(content["rows"]))
-    return ExperimentPlan(
-        rows=rows, **{"name": name, **{key: value for key, value in content.items() if key != "rows"}}
-    )
-
-
-def _row(index: int, content: object) -> TableRow:
-    where = f"rows[{index}]"
-    if not isinstance(content, Mapping):
-        raise ParameterError(where, f"{shown(content)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
-    with inside(where):
-        refuse_unknown("key of a row", content, [*parameters(TableRow), "recipe"])
-        return TableRow(**content)
+    rows = []
+    for index, row in enumerate(content["rows"]):
+        with inside(f"rows[{index}]"):
+            if not isinstance(row, Mapping):
+                raise ParameterError("", f"{shown(row)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
+            refuse_unknown("key of a row", row, [*parameters(TableRow), "recipe"])
+            rows.append(TableRow(**row))
+    return ExperimentPlan(**{"name": name, **content, "rows": tuple(rows)})

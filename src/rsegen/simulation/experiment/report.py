@@ -9,20 +9,23 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
+from functools import partial
+from itertools import product
 from math import pi, sqrt
 from pathlib import Path
 from statistics import fmean, median, stdev
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from rsegen.exporters.pictures.preview import encoded
 from rsegen.field.metrics.roughness import steps
 from rsegen.recipe.building import build
 from rsegen.robots import ROBOTS
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, PACES, Cell, ExperimentPlan, TableRow
-from rsegen.simulation.experiment.results import Results
-from rsegen.simulation.experiment.trial import SOURCES, STARVED, Outcome
+from rsegen.simulation.experiment.trial import SOURCES, STARVED, Outcome, Results
 from rsegen.simulation.simulators import SIMULATORS
 
 if TYPE_CHECKING:
@@ -35,12 +38,6 @@ class PublishedFigures(NamedTuple):
     rtf: str
     cpu: str
     memory: str
-
-    @property
-    def rtf_limits(self) -> tuple[float, float]:
-        """The least and the most real-time factor."""
-        least, _, most = self.rtf.partition("-")
-        return float(least), float(most)
 
 
 class PublishedRow(NamedTuple):
@@ -64,12 +61,8 @@ _CRAWLER = {
     80: PublishedFigures("0.24-0.28", "26 %", "7.7 GB"),
 }
 _BURGERS = {
-    0: PublishedFigures("0.98-1", "8 %", "0.8 GB"),
-    10: PublishedFigures("0.97-1", "8 %", "0.8 GB"),
-    20: PublishedFigures("0.97-1", "8 %", "0.8 GB"),
-    40: PublishedFigures("0.96-1", "8 %", "0.8 GB"),
-    60: PublishedFigures("0.95-1", "8 %", "0.8 GB"),
-    80: PublishedFigures("0.92-1", "8 %", "0.8 GB"),
+    size: PublishedFigures(rtf, "8 %", "0.8 GB")
+    for size, rtf in ((0, "0.98-1"), (10, "0.97-1"), (20, "0.97-1"), (40, "0.96-1"), (60, "0.95-1"), (80, "0.92-1"))
 }
 
 FIGURES: Mapping[PublishedRow, Mapping[int, PublishedFigures]] = {
@@ -120,11 +113,6 @@ def rtf_limits(outcomes: Sequence[Outcome]) -> tuple[float, float, float] | None
     return (min(least), fmean(mean), max(most)) if least and mean and most else None
 
 
-def standard_error(values: Sequence[float]) -> float:
-    """Return the standard error of the median of two or more values, if they are normally distributed."""
-    return sqrt(pi / 2 / len(values)) * stdev(values)
-
-
 def rested(outcomes: Sequence[Outcome]) -> bool:
     """Return whether the robots rested for most of the time."""
     return (mean_of(outcomes, "stuck") or 0.0) > RESTING
@@ -143,11 +131,10 @@ _TITLES = {
 _LINES = {"": ("real", "free", "beside"), "with a camera": ("camera",), "with the window": ("window",)}
 """The paces whose figures are in one line of a table, by what its first cell says."""
 
-_COLUMNS = ("blocks", "RTF min-max (mean)", "CPU: server", "CPU: machine", "memory", "load")
 _RENDERING = ("frames per s", "GPU")
-_AT_FULL_SPEED = ("simulated s per CPU s", "of the empty world's")
-_ROBOTS = ("driven", "stuck", "tipped", "covered")
 _INCIDENTS = ("off the map", "impossible", "attempts")
+"""The columns that a table has only if their figures were measured."""
+
 _PAPER = ("paper: RTF", "CPU", "memory")
 
 _RESTED = f"{MARK} The robots were stuck for more than half of the time, so these are the costs of robots at rest."
@@ -206,8 +193,23 @@ def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
     """Yield the robots and maps of rows in which robots rested, with the reason, if that is known."""
     for index, row in enumerate(plan.rows):
         sizes = [size for size in row.sizes if _rested_at(plan, results, index, size)]
-        if sizes:
-            yield _why_still(plan, results, row, [size for size in sizes if size])
+        if not sizes:
+            continue
+        name = f"{row.robots} {Path(row.robot).name}"
+        if any(_rested_at(plan, results, alike, 0) for alike in _alike(plan, row)):
+            where = f" in {_title(row)}" if _title(row) else ""
+            yield f"{name}{where}, without a map too, so maps are not the reason"
+            continue
+        what, robot, smallest = (
+            f"{name}, unit {row.unit_cm:g} cm, {row.levels} levels",
+            ROBOTS.get(row.robot),
+            min(sizes),
+        )
+        above = steps(build(row.map_of(smallest, plan.seed))).share_above(robot.climbs) if robot else None
+        if robot and above:
+            yield f"{what}, as {above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
+        else:
+            yield f"{what}, for a reason that is not known"
 
 
 def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) -> bool:
@@ -215,29 +217,9 @@ def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) ->
     return any(rested(outcomes_of(results, index, size, pace)) for pace in plan.paces)
 
 
-def _why_still(plan: ExperimentPlan, results: Results, row: TableRow, maps: Sequence[int]) -> str:
-    """Return why the robots of a row rested on maps of these sizes, or in the empty world if there is none."""
-    name = f"{row.robots} {Path(row.robot).name}"
-    if any(_rested_at(plan, results, alike, 0) for alike in _alike(plan, row)):
-        where = f" in {_title(row)}" if _title(row) else ""
-        return f"{name}{where}, without a map too, so maps are not the reason"
-    what = f"{name}, unit {row.unit_cm:g} cm, {row.levels} levels"
-    robot = ROBOTS.get(row.robot)
-    above = steps(build(row.map_of(min(maps), plan.seed))).share_above(robot.climbs) if robot else None
-    if not robot or not above:
-        return f"{what}, for a reason that is not known"
-    return f"{what}, as {above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
-
-
 def _has_incidents(results: Results) -> bool:
     """Return whether it was recorded what happened to robots and servers, which earlier trials have not."""
     return any(known(outcomes, "attempts") for outcomes in results.values())
-
-
-def row_label(plan: ExperimentPlan, row: TableRow) -> str:
-    """Return the label of a row, with its simulator if the plan has several."""
-    several = len({other.simulator for other in plan.rows}) > 1
-    return row.label + (f", {_title(row)}" if several else "")
 
 
 def _title(row: TableRow) -> str:
@@ -246,116 +228,94 @@ def _title(row: TableRow) -> str:
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:
     """Yield the table of rows that differ by the simulator only, and its footnotes."""
-    rows = [plan.rows[index] for index in numbers]
-    several, first = len(numbers) > 1, rows[0]
+    rows = {index: plan.rows[index] for index in numbers}
+    several, first = len(rows) > 1, plan.rows[numbers[0]]
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
     rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(outcomes, "gpu") for outcomes in results.values())
-    printed = any(published_figures(row) for row in rows)
-    incidents = _INCIDENTS if _has_incidents(results) else ()
-    columns = [*_COLUMNS, *(_RENDERING if rendering else ()), *_AT_FULL_SPEED, *_ROBOTS, *incidents]
-    columns += _PAPER if printed else ()
-    yield _line([*(["simulator"] if several else []), *columns])
-    yield "|---" * (len(columns) + several) + "|"
-    lines = list(_lines(plan, numbers, results, rendering=rendering, printed=printed))
-    yield from (_line([*([title] if several else []), *cells]) for title, cells in lines)
-    if any(MARK in cells[0] for _, cells in lines):
+    unknown = (*(() if rendering else _RENDERING), *(() if _has_incidents(results) else _INCIDENTS))
+    titles = [title for title in _cells({}, ()) if title not in unknown]
+    paper = _PAPER if any(map(published_figures, rows.values())) else ()
+    columns = [*["simulator"] * several, "blocks", *titles, *paper]
+    yield f"{_line(columns)}\n{'|---' * len(columns)}|"
+    # A line for each size, row and kind of pace that was tried.
+    for size in dict.fromkeys(size for row in rows.values() for size in row.sizes):
+        for (index, row), (what, paces) in product(rows.items(), _LINES.items()):
+            by_pace = {pace: outcomes_of(results, index, size, pace) for pace in PACES if pace in paces}
+            if not any(by_pace.values()):
+                continue
+            label = [", ".join(filter(None, (f"{size} x {size}" if size else "empty", what)))]
+            label += [MARK] if any(map(rested, by_pace.values())) else []
+            label += [STARVED_MARK] if any(map(_starved, by_pace.values())) else []
+            texts = _cells(by_pace, _empty(plan, results, row))
+            published = published_figures(row).get(size) if paper and not what else None
+            cells = [" ".join(label), *map(texts.__getitem__, titles), *(published or [""] * len(paper))]
+            yield _line([*[_title(row)] * several, *cells])
+    tried = [outcomes for cell, outcomes in results.items() if cell.row in rows]
+    if any(map(rested, tried)):
         yield f"\n{_RESTED}"
-    tried = [outcomes for cell, outcomes in results.items() if cell.row in numbers]
-    starved = [outcome for outcomes in tried for outcome in outcomes if outcome.starved]
-    if starved:
+    if starved := [outcome for outcomes in tried for outcome in _starved(outcomes)]:
         yield f"\n{_STARVED}{_of_the_starved(starved)}."
     if not all(known(outcomes, "driven") for outcomes in tried):
         yield f"\n{_UNKNOWN}"
     yield ""
 
 
-def _lines(
-    plan: ExperimentPlan, indices: Sequence[int], results: Results, *, rendering: bool, printed: bool
-) -> Iterator[tuple[str, list[str]]]:
-    """Yield the title of its simulator, and the cells, of each line of a table."""
-    rows = {index: plan.rows[index] for index in indices}
-    for size in dict.fromkeys(size for row in rows.values() for size in row.sizes):
-        for index, row in rows.items():
-            for what, paces in _LINES.items():
-                by_pace = {pace: outcomes_of(results, index, size, pace) for pace in PACES if pace in paces}
-                if any(by_pace.values()):
-                    cells = [*_costs(by_pace), *(_rendered(by_pace) if rendering else ())]
-                    cells += [*_full_speed(by_pace, _empty(plan, results, row)), *_robots(by_pace)]
-                    cells += _incidents(by_pace) if _has_incidents(results) else []
-                    paper = published_figures(row).get(size, ("", "", "")) if not what else ("", "", "")
-                    label = ", ".join(filter(None, (_blocks(size), what)))
-                    mark = f" {MARK}" if any(map(rested, by_pace.values())) else ""
-                    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
-                    mark += f" {STARVED_MARK}" if any(outcome.starved for outcome in every) else ""
-                    yield _title(row), [label + mark, *cells, *(paper if printed else ())]
+def _cells(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> dict[str, str]:
+    """Return the cells of a line by the titles of their columns; empty: the outcomes of the empty world.
 
-
-def _costs(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    Speeds are compared with the empty world only if it is known what the robots did.
+    """
+    # Costs are medians of the paces in real time, or of all; what robots did has a figure for each pace.
+    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
     real = [outcome for pace in IN_REAL_TIME for outcome in by_pace.get(pace, ())]
-    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
-    rtf, cpu, machine = rtf_limits(real), median_of(real, "cpu"), median_of(real, "machine")
-    return [
-        f"{rtf[0]:.2f}-{rtf[2]:.2f} ({rtf[1]:.2f})" if rtf else "-",
-        f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
-        _percent(machine) or "-",
-        f"{_plain(median_of(every, 'memory'), 0)} MB",
-        f"{_plain(median_of(every, 'load'), 1)} s",
-    ]
+    quick = [outcome for pace in ("free", "beside") for outcome in by_pace.get(pace, ())]
+    rtf, cpu = rtf_limits(real), median_of(real, "cpu")
+    speed, usual = median_of(by_pace.get("free", ()), "speed"), median_of(empty, "speed")
+    share = _share(by_pace.get("beside", ())) or (f"{speed / usual:.2f}" if speed and usual else "")
+
+    def at_each_pace(text: Callable[[Sequence[Outcome]], str]) -> str:
+        return " / ".join(filter(None, map(text, by_pace.values())))
+
+    def means(name: str) -> str:
+        return at_each_pace(lambda outcomes: _percent(mean_of(outcomes, name)))
+
+    def way(outcomes: Sequence[Outcome]) -> str:
+        driven, seconds = mean_of(outcomes, "driven"), mean_of(outcomes, "simulated")
+        return f"{_plain(driven, 2)} m in {_plain(seconds, 0)} s" if driven is not None else ""
+
+    return {
+        "RTF min-max (mean)": f"{rtf[0]:.2f}-{rtf[2]:.2f} ({rtf[1]:.2f})" if rtf else "-",
+        "CPU: server": f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
+        "CPU: machine": _percent(median_of(real, "machine")) or "-",
+        "memory": f"{_plain(median_of(every, 'memory'), 0)} MB",
+        "load": f"{_plain(median_of(every, 'load'), 1)} s",
+        "frames per s": _plain(median_of(every, "fps"), 1),
+        "GPU": _percent(median_of(every, "gpu")),
+        "simulated s per CPU s": _plain(median_of(quick, "speed"), 1) or "-",
+        "of the empty world's": (share if known(quick, "driven") else "") or "-",
+        "driven": at_each_pace(way),
+        "stuck": means("stuck"),
+        "tipped": at_each_pace(lambda outcomes: _plain(mean_of(outcomes, "tipped"), 2)),
+        "covered": means("covered"),
+        "off the map": means("off"),
+        "impossible": means("impossible"),
+        "attempts": at_each_pace(lambda outcomes: _plain(sum(known(outcomes, "attempts")) or None)),
+    }
 
 
-def _rendered(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    """Frames per second and load of the GPU; empty where there are none."""
-    every = [outcome for outcomes in by_pace.values() for outcome in outcomes]
-    return [_plain(median_of(every, "fps"), 1), _percent(median_of(every, "gpu"))]
-
-
-def _full_speed(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> list[str]:
-    """Return the speed, and its share of the empty world's, if it is known what the robots did."""
-    free, beside = by_pace.get("free", ()), by_pace.get("beside", ())
-    speed = _plain(median_of([*free, *beside], "speed"), 1) or "-"
-    if not known([*free, *beside], "driven"):
-        return [speed, "-"]
-    return [speed, _share(beside) or _quotient(median_of(free, "speed"), median_of(empty, "speed"))]
-
-
-def _robots(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    """Return the cells of what the robots did, at one pace after the other."""
-    told = [outcomes for outcomes in by_pace.values() if known(outcomes, "driven")]
-    ways = [
-        f"{_plain(mean_of(outcomes, 'driven'), 2)} m in {_plain(mean_of(outcomes, 'simulated'), 0)} s"
-        for outcomes in told
-    ]
-    stuck, covered = ([_percent(mean_of(outcomes, name)) for outcomes in told] for name in ("stuck", "covered"))
-    tipped = [_plain(mean_of(outcomes, "tipped"), 2) for outcomes in told]
-    return [" / ".join(filter(None, texts)) for texts in (ways, stuck, tipped, covered)]
-
-
-def _incidents(by_pace: Mapping[str, Sequence[Outcome]]) -> list[str]:
-    """Return the cells of what happened to robots and servers, at one pace after the other; attempts are a sum."""
-    tried = [outcomes for outcomes in by_pace.values() if outcomes]
-    off, impossible = ([_percent(mean_of(outcomes, name)) for outcomes in tried] for name in ("off", "impossible"))
-    attempts = [_plain(sum(counts)) if (counts := known(outcomes, "attempts")) else "" for outcomes in tried]
-    return [" / ".join(filter(None, texts)) for texts in (off, impossible, attempts)]
+def _starved(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.starved]
 
 
 def _of_the_starved(starved: Sequence[Outcome]) -> str:
     """Return how many trials were starved, and how little of the machine they had at worst."""
-    trials = f"{len(starved)} {'trial' if len(starved) == 1 else 'trials'}"
-    cpu, machine = min(known(starved, "cpu"), default=None), max(known(starved, "machine"), default=None)
-    simulated = min(known(starved, "simulated"), default=None)
-    return ", ".join(
-        [
-            trials,
-            *([f"with {_percent(cpu)} of a core or more"] if cpu is not None else []),
-            *([f"{simulated:.3g} s of simulation time or more"] if simulated is not None else []),
-            *([f"the machine's load up to {_percent(machine)}"] if machine is not None else []),
-        ]
-    )
-
-
-def _blocks(size: int) -> str:
-    """Return the size of a map in words."""
-    return f"{size} x {size}" if size else "empty"
+    cpu, simulated = (min(known(starved, name), default=None) for name in ("cpu", "simulated"))
+    machine = max(known(starved, "machine"), default=None)
+    facts = [f"{len(starved)} {'trial' if len(starved) == 1 else 'trials'}"]
+    facts += [f"with {_percent(cpu)} of a core or more"] if cpu is not None else []
+    facts += [f"{simulated:.3g} s of simulation time or more"] if simulated is not None else []
+    facts += [f"the machine's load up to {_percent(machine)}"] if machine is not None else []
+    return ", ".join(facts)
 
 
 def _share(beside: Sequence[Outcome]) -> str:
@@ -363,11 +323,7 @@ def _share(beside: Sequence[Outcome]) -> str:
     shares = known(beside, "share")
     if len(shares) < 2:
         return "".join(f"{share:.2f}" for share in shares)
-    return f"{median(shares):.2f} ± {standard_error(shares):.2f}"
-
-
-def _quotient(speed: float | None, usual: float | None) -> str:
-    return f"{speed / usual:.2f}" if speed and usual else "-"
+    return f"{median(shares):.2f} ± {sqrt(pi / 2 / len(shares)) * stdev(shares):.2f}"
 
 
 def _empty(plan: ExperimentPlan, results: Results, row: TableRow) -> Sequence[Outcome]:
@@ -427,39 +383,45 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
     # Three axes, each with the curves of all rows; they have one legend, below.
     figure = Figure(figsize=(15, 5.5), dpi=100, layout="constrained")
     rtf, speed, memory = figure.subplots(1, 3)
+    real = next((pace for pace in plan.paces if pace in IN_REAL_TIME), "real")
+    quick = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
+    several = len({row.simulator for row in plan.rows}) > 1
     for index, row in enumerate(plan.rows):
-        label = row_label(plan, row)
-        _curve(rtf, index, plan, _rtf_points(plan, results, index), label)
-        _curve(speed, index, plan, _points(plan, results, index, "speed"), label)
-        _curve(memory, index, plan, _points(plan, results, index, "memory"), label)
+        label = row.label + (f", {_title(row)}" if several else "")
+        _curve(rtf, index, plan, _points(plan, results, index, real, rtf_limits), label)
+        _curve(speed, index, plan, _points(plan, results, index, quick, partial(_limits, name="speed")), label)
+        _curve(memory, index, plan, _points(plan, results, index, quick, partial(_limits, name="memory")), label)
     _draw_published(rtf, plan)
     _finish(rtf, "real-time factor: least, mean, most")
     _finish(speed, "simulated seconds per second of CPU")
     _finish(memory, "memory of the simulator [MB]")
-    handles, labels = speed.get_legend_handles_labels()
-    extra = [entry for entry in zip(*rtf.get_legend_handles_labels(), strict=True) if entry[1] not in labels]
-    names = [*zip(handles, labels, strict=True), *extra]
-    if names:
-        figure.legend(*zip(*names, strict=True), loc="outside lower center", ncols=2)
+    handles: dict[str, Any] = {}
+    for axes in (speed, rtf):
+        handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    if handles:
+        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=2)
     figure.suptitle(
         "bars: the least and the most of all trials; hollow: robots that rested, stuck for most of the time"
     )
     return encoded(figure, "png")
 
 
-def _rtf_points(plan: ExperimentPlan, results: Results, index: int) -> list[_Point]:
-    pace = next((pace for pace in plan.paces if pace in IN_REAL_TIME), "real")
+def _points(
+    plan: ExperimentPlan,
+    results: Results,
+    index: int,
+    pace: str,
+    limits: Callable[[Sequence[Outcome]], tuple[float, float, float] | None],
+) -> list[_Point]:
+    """Return the points of a row at a pace, of the sizes whose outcomes have such limits."""
     by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}
-    limits = {size: rtf_limits(outcomes) for size, outcomes in by_size.items()}
-    return [_Point(size, *three, rested=rested(by_size[size])) for size, three in limits.items() if three]
+    return [_Point(size, *ends, rested(trials)) for size, trials in by_size.items() if (ends := limits(trials))]
 
 
-def _points(plan: ExperimentPlan, results: Results, index: int, name: str) -> list[_Point]:
-    """Return the medians of a figure, at full speed if that was tried."""
-    pace = next((pace for pace in ("free", "beside") if pace in plan.paces), plan.paces[0])
-    by_size = {size: outcomes_of(results, index, size, pace) for size in plan.rows[index].sizes}
-    values = {size: known(outcomes, name) for size, outcomes in by_size.items()}
-    return [_Point(size, min(v), median(v), max(v), rested(by_size[size])) for size, v in values.items() if v]
+def _limits(outcomes: Sequence[Outcome], name: str) -> tuple[float, float, float] | None:
+    """Return the least, the median and the most of a figure; None if no outcome has it."""
+    values = known(outcomes, name)
+    return (min(values), median(values), max(values)) if values else None
 
 
 def _curve(axes: Axes, index: int, plan: ExperimentPlan, points: Sequence[_Point], label: str) -> None:
@@ -467,30 +429,25 @@ def _curve(axes: Axes, index: int, plan: ExperimentPlan, points: Sequence[_Point
     if not points:
         return
     aside = (index - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
-    x = [point.size + aside for point in points]
-    spread = [[point.value - point.low for point in points], [point.high - point.value for point in points]]
+    size, low, value, high, _ = np.array(points).T
     colour = f"C{index % 10}"
-    value = [point.value for point in points]
-    axes.errorbar(x, value, yerr=spread, fmt="-", color=colour, capsize=3, label=label)
+    axes.errorbar(size + aside, value, yerr=[value - low, high - value], fmt="-", color=colour, capsize=3, label=label)
     faces = ["white" if point.rested else colour for point in points]
-    axes.scatter(x, value, s=36, facecolors=faces, edgecolors=colour, zorder=3)
+    axes.scatter(size + aside, value, s=36, facecolors=faces, edgecolors=colour, zorder=3)
 
 
 def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:
     """The paper's least and most real-time factor, for the rows that are the paper's."""
     published = {
-        (size, figures.rtf_limits)
+        (size, *map(float, figures.rtf.split("-")))
         for row in plan.rows
         for size, figures in published_figures(row).items()
         if size in row.sizes
     }
     if published:
-        sizes, limits = zip(*sorted(published), strict=True)
-        middle = [fmean(ends) for ends in limits]
-        half = [(most - least) / 2 for least, most in limits]
-        axes.errorbar(
-            sizes, middle, yerr=half, fmt="D", color="black", markerfacecolor="none", capsize=5, label="paper"
-        )
+        size, least, most = np.array(sorted(published)).T
+        middle, half = (least + most) / 2, (most - least) / 2
+        axes.errorbar(size, middle, yerr=half, fmt="D", color="black", mfc="none", capsize=5, label="paper")
 
 
 def _finish(axes: Axes, title: str) -> None:

@@ -12,43 +12,68 @@ What breaks it: a machine so busy that a span takes twenty times as long, which 
 
 from __future__ import annotations
 
+import os
+import re
+import shutil
+import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import astuple, dataclass, field, replace
 from functools import partial
 from math import ceil
 from pathlib import Path
 from statistics import fmean
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, inside
 from rsegen.exporters.gazebo import sdf
 from rsegen.exporters.scene import Scene, compose
-from rsegen.field.stepfield import Array, StepField
+from rsegen.field.stepfield import StepField
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.simulation.driving.drive_metrics import (
-    PLANE,
-    Course,
-    Incident,
-    Trajectory,
-    drive_metrics,
-    possible_part,
-)
-from rsegen.simulation.driving.recording import RobotRun, send_commands
+from rsegen.simulation.driving.drive_metrics import PLANE, Course, Incident, Trajectory, drive_metrics, possible_part
+from rsegen.simulation.driving.recording import RobotRun, send_commands, trajectories
 from rsegen.simulation.driving.robot_runs import robot_runs
 from rsegen.simulation.driving.routes import Route, Wandering
 from rsegen.simulation.driving.world_file import camera_model, world_with_robots
-from rsegen.simulation.experiment.machine import busy, gpu_load
 from rsegen.simulation.experiment.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
 from rsegen.simulation.simulators import Installation
 from rsegen.simulation.simulators.live_world import LiveWorld, Record
 from rsegen.simulation.simulators.process import running, usage
 from rsegen.simulation.simulators.server import attempted, has_screen, running_server
 from rsegen.simulation.worlds import write_world
+
+# The load of the machine: what else was going on while a server had its own figures.
+
+
+def busy() -> float:
+    """Seconds so far in which the machine's processors worked, by the number of them."""
+    import psutil
+
+    times = psutil.cpu_times()
+    idle = times.idle + getattr(times, "iowait", 0.0)
+    guests = getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0)  # Linux counts them as time of users too
+    return float(sum(times) - idle - guests) / (os.cpu_count() or 1)
+
+
+def gpu_load() -> float | None:
+    """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
+    percents = ""  # a line each
+    if command := shutil.which("nvidia-smi"):
+        query = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
+        with suppress(OSError, subprocess.SubprocessError):
+            percents = subprocess.run(query, capture_output=True, text=True, timeout=5, check=True).stdout  # noqa: S603  # no shell
+    if not percents:
+        with suppress(OSError):  # the files of AMD's driver
+            percents = "".join(
+                file.read_text() for file in Path("/sys/class/drm").glob("card*/device/gpu_busy_percent")
+            )
+    loads = [int(percent) for percent in re.findall(r"^\d+$", percents, re.MULTILINE)]
+    return max(loads) / 100 if loads else None
+
 
 # A server, in which robots drive randomly.
 
@@ -102,21 +127,6 @@ def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[floa
     raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Setup:
-    """A world file with robots on a map, their runs, and how they are simulated.
-
-    rest: seconds between commands; real: in real time; frames: the source that draws frames, None for none
-    """
-
-    file: Path
-    scene: Scene
-    runs: Sequence[RobotRun]
-    rest: float
-    real: bool
-    frames: str | None = None
-
-
 class Measurement(NamedTuple):
     """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
 
@@ -149,19 +159,27 @@ def total(spans: Sequence[Measurement]) -> Measurement:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TrialServer:
-    """A running server that took `load` seconds to load its setup, the routes of its robots, and their record.
+    """A running server that took `load` seconds to load its world, the robots on a map in it, and their record.
 
-    watch: called several times per second while robots drive; may raise
+    pace: of the trial; frames: counts those that were drawn; watch: called several times per second while robots drive;
+    may raise
     """
 
     live: LiveWorld
     pid: int
     load: float
-    setup: Setup
+    pace: str
+    scene: Scene
+    runs: Sequence[RobotRun]
     routes: Mapping[str, Route]
     frames: Callable[[], int]
     watch: Callable[[], None]
     record: Record = field(default_factory=list)
+
+    @property
+    def is_real(self) -> bool:
+        """Return whether the world is simulated in real time."""
+        return self.pace in IN_REAL_TIME
 
     def measure(self, seconds: float) -> Measurement:
         """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
@@ -190,107 +208,109 @@ class TrialServer:
         samples, end = [], time.monotonic() + _SLOWEST * seconds
         self.live.unpause()
         while getattr(last, clock) < getattr(start, clock) + seconds:
-            send_commands(self.live, self.setup.runs, self.routes, self.live.poses())
+            send_commands(self.live, self.runs, self.routes, self.live.poses())
             self._rest(record)
             now = self.live.clock()
             if time.monotonic() > end:
                 raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {_SLOWEST * seconds:g} s")
             factor = (now.simulated - last.simulated) / max(now.real - last.real, 1e-9)
-            samples.append((factor, gpu_load() if self.setup.real else None))
+            samples.append((factor, gpu_load() if self.is_real else None))
             last = now
         self.live.pause()
         return samples
 
     def _rest(self, record: Record | None) -> None:
         """Wait until the next command, and add the poses of robots to a record as they come."""
-        end = time.monotonic() + self.setup.rest
+        end = time.monotonic() + (REST if self.is_real else REST_AT_FULL_SPEED)
         while (left := end - time.monotonic()) > 0:
             time.sleep(min(left, LOOKS))
             self.watch()
-            if record is not None:
-                self._look(record)
-
-    def _look(self, record: Record) -> None:
-        """Add the last poses of robots to a record, unless it has some that are hardly older."""
-        second, poses = self.live.last_poses()
-        here = {run.name: list(astuple(poses[run.name])) for run in self.setup.runs if run.name in poses}
-        if here and (not record or second >= record[-1][0] + PERIOD):
-            record.append((second, here))
+            if record is None:
+                continue
+            second, poses = self.live.last_poses()
+            here = {run.name: list(astuple(poses[run.name])) for run in self.runs if run.name in poses}
+            if here and (not record or second >= record[-1][0] + PERIOD):
+                record.append((second, here))
 
 
 @contextmanager
-def trial_server(setup: Setup, here: Installation, watch: Callable[[], None]) -> Iterator[TrialServer]:
+def trial_server(
+    plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]
+) -> Iterator[TrialServer]:
     """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
-    # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
-    began = time.monotonic()
+    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
+    row, source = plan.rows[cell.row], cell.pace if cell.pace in SOURCES else None
+    scene = compose(row.map_of(cell.size, seed))
+    runs = _runs(row, scene, seed)
     with ExitStack() as stack:
-        screen = setup.frames == "camera"
-        server = stack.enter_context(running_server(here, setup.file, screen=screen, watch=watch))
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rsegen-")))
+        file = _write_trial(cell, scene, runs, here, folder)
+        # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
+        began = time.monotonic()
+        server = stack.enter_context(running_server(here, file, screen=source == "camera", watch=watch))
         live = stack.enter_context(server.connect())
         live.stop_recording()
-        load, routes = time.monotonic() - began, {run.name: run.route() for run in setup.runs}
-        frames = live.frame_counter(setup.frames) if setup.frames else lambda: 0
         trial = TrialServer(
-            live=live, pid=server.pid, load=load, setup=setup, routes=routes, frames=frames, watch=watch
+            live=live,
+            pid=server.pid,
+            load=time.monotonic() - began,
+            pace=cell.pace,
+            scene=scene,
+            runs=runs,
+            routes={run.name: run.route() for run in runs},
+            frames=live.frame_counter(source) if source else lambda: 0,
+            watch=watch,
         )
-        if setup.frames == "window":
+        if source == "window":
             window = here.simulator.window(here, server.launch)
             if window is None:
                 raise NoSimulator(f"{here}: its window is not installed")
             log = stack.enter_context((server.home / "window.log").open("w", encoding="utf-8"))
             stack.enter_context(running(window, log))
-            wait_for_frames(frames, setup.frames, time.sleep)  # a window draws a paused world too
+            wait_for_frames(trial.frames, source, time.sleep)  # a window draws a paused world too
         live.last_poses()
         trial.run_robots("simulated", SETTLED)
-        if setup.frames == "camera":
-            wait_for_frames(frames, setup.frames, partial(trial.run_robots, "real"))
+        if source == "camera":
+            wait_for_frames(trial.frames, source, partial(trial.run_robots, "real"))
         yield trial
+
+
+def _write_trial(cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: Installation, folder: Path) -> Path:
+    """Write the world file of a trial, with robots and perhaps a camera on a map, or on none if the cell is empty."""
+    models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+    models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if cell.pace == "camera" else []
+    if cell.size:
+        world = write_world(scene, folder)
+    else:
+        world = folder / "empty.world"
+        world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
+    unthrottled, file = cell.pace not in IN_REAL_TIME, world.with_name("experiment.world")
+    file.write_text(world_with_robots(world, models, unthrottled=unthrottled, backend=here.backend), "utf-8")
+    return file
 
 
 # What the robots did.
 
 
-class DrivingFigures(NamedTuple):
-    """The means over the robots of a trial; None if nothing of them is known.
-
-    driven: metres; stuck: share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of
-    the map over which some part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots
-    that left the map, and that did what no robot can, with which their other figures end
-    """
-
-    driven: float | None = None
-    stuck: float | None = None
-    tipped: float | None = None
-    covered: float | None = None
-    off: float | None = None
-    impossible: float | None = None
-
-
-def trajectories(record: Record, runs: Sequence[RobotRun]) -> dict[str, Trajectory]:
-    """Return the trajectories of robots that were in a record, by their names."""
-    rows = {run.name: [[second, *poses[run.name]] for second, poses in record if run.name in poses] for run in runs}
-    return {name: Trajectory(rows=np.array(own)) for name, own in rows.items() if own}
-
-
 def driving_figures(
     tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
-) -> DrivingFigures:
-    """Return the figures of robots with these trajectories on a field, None for an empty world."""
+) -> dict[str, float | None]:
+    """Return the figures of an outcome that are of robots with these trajectories on a field, None: an empty world."""
     driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
     if not driven:
-        return DrivingFigures()
+        return {}
     course = Course.over(field) if field else PLANE
     every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
     parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
     shares = [covered(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
-    return DrivingFigures(
-        driven=round(fmean(metrics.distance for metrics in every), 3),
-        stuck=round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
-        tipped=round(fmean(metrics.tipped for metrics in every), 3),
-        covered=round(fmean(shares), 5) if shares else None,
-        off=round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
-        impossible=round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
-    )
+    return {
+        "driven": round(fmean(metrics.distance for metrics in every), 3),
+        "stuck": round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
+        "tipped": round(fmean(metrics.tipped for metrics in every), 3),
+        "covered": round(fmean(shares), 5) if shares else None,
+        "off": round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
+        "impossible": round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
+    }
 
 
 def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
@@ -299,9 +319,10 @@ def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every
     row of its trajectory.
     """
-    points = _points_below(robot, field.block_width / 2)  # half a block apart, so that no cell between is missed
+    apart = field.block_width / 2  # so that no cell between is missed
+    axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
+    along, across = (offsets.ravel() for offsets in np.meshgrid(*axes))
     x, y, yaw = (track.rows[:, [column]] for column in (1, 2, 6))
-    along, across = points[:, 0], points[:, 1]
     places = [x + np.cos(yaw) * along - np.sin(yaw) * across, y + np.sin(yaw) * along + np.cos(yaw) * across]
     i, j = (
         np.floor((place + extent / 2) / field.block_width).astype(int).ravel()
@@ -311,12 +332,6 @@ def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     on_it = (i >= 0) & (j >= 0) & (i < field.shape[0]) & (j < field.shape[1])
     been[i[on_it], j[on_it]] = True
     return float(been.mean())
-
-
-def _points_below(robot: DrivableRobot, apart: float) -> Array:
-    """Return points of a robot's length and width about its origin, this far apart or less, shape (n, 2)."""
-    axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
-    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
 
 
 # A trial.
@@ -355,16 +370,19 @@ class Outcome:
     else None
     fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
     share: speed divided by that of the empty world at the pace `beside`, else None
-    simulated: seconds; driven, stuck, tipped, covered, off, impossible: as in DrivingFigures
+    simulated: seconds; all others are means over the robots, None if nothing of them is known. driven: metres; stuck:
+    share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of the map over which some
+    part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots that left the map, and
+    that did what no robot can, with which their other figures end
     """
 
     load: float
     memory: float
-    cpu: float | None
+    cpu: float | None = None
     speed: float
-    rtf_min: float | None
-    rtf: float | None
-    rtf_max: float | None
+    rtf_min: float | None = None
+    rtf: float | None = None
+    rtf_max: float | None = None
     share: float | None = None
     machine: float | None = None
     gpu: float | None = None
@@ -378,6 +396,10 @@ class Outcome:
     impossible: float | None = None
     starved: bool | None = None
     attempts: int | None = None
+
+
+Results = Mapping[Cell, list[Outcome]]
+"""The outcomes of every cell, in the order of its repeats."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -396,11 +418,8 @@ def run_trial(
 
     `watch` is called several times per second; what it raises ends the trial and its servers.
     """
-    cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
-    with ExitStack() as stack:
-        setups = [stack.enter_context(_setup(plan, part, plan.seed + repeat, here)) for part in cells]
-        trial, attempts = attempted(lambda: _trial(setups, plan.seconds, here, watch, is_empty=not cell.size))
-        return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
+    trial, attempts = attempted(lambda: _trial(plan, cell, plan.seed + repeat, here, watch))
+    return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
 
 
 def refuse_undrivable(plan: ExperimentPlan) -> None:
@@ -418,43 +437,22 @@ def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
     return robot_runs(scene.field, row.model, Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 
-@contextmanager
-def _setup(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation) -> Iterator[Setup]:
-    """Write a temporary world file with robots, of a map or empty."""
-    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
-    row = plan.rows[cell.row]
-    recipe = row.map_of(cell.size, seed)
-    scene = compose(recipe)
-    runs = _runs(row, scene, seed)
-    models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
-    real = cell.pace in IN_REAL_TIME
-    frames = cell.pace if cell.pace in SOURCES else None
-    models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if frames == "camera" else []
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
-        if cell.size:
-            world = write_world(scene, Path(folder))
-        else:
-            world = Path(folder, "empty.world")
-            world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
-        file = world.with_name("experiment.world")
-        text = world_with_robots(world, models, unthrottled=not real, backend=here.backend)
-        file.write_text(text, "utf-8")
-        rest = REST if real else REST_AT_FULL_SPEED
-        yield Setup(file=file, scene=scene, runs=runs, rest=rest, real=real, frames=frames)
-
-
-def _trial(
-    setups: Sequence[Setup], seconds: float, here: Installation, watch: Callable[[], None], *, is_empty: bool
-) -> Trial:
-    """Run the trial of the first setup, in turns with the second, if any; round its figures for the journal."""
+def _trial(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]) -> Trial:
+    """Run the trial of a cell, perhaps in turns with an empty world; round its figures for the journal."""
+    cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:  # both servers run for the whole trial
-        servers = [stack.enter_context(trial_server(setup, here, watch)) for setup in setups]
-        turns = [seconds] if len(servers) == 1 else [TURN] * ceil(seconds / TURN)
+        servers = [stack.enter_context(trial_server(plan, part, seed, here, watch)) for part in cells]
+        turns = [plan.seconds] if len(servers) == 1 else [TURN] * ceil(plan.seconds / TURN)
         spans = [[server.measure(turn) for server in servers] for turn in turns]
         ours, *others = (total(parts) for parts in zip(*spans, strict=True))
         first = servers[0]
-        tracks = trajectories(first.record, first.setup.runs)
-        figures = driving_figures(tracks, first.setup.runs, None if is_empty else first.setup.scene.field)
+        tracks = trajectories(first.record, first.runs)
+        figures = driving_figures(tracks, first.runs, first.scene.field if cell.size else None)
+        if first.is_real:
+            rtf_min, rtf, rtf_max = min(ours.factors), fmean(ours.factors), max(ours.factors)
+            figures |= {"rtf_min": round(rtf_min, 3), "rtf": round(rtf, 3), "rtf_max": round(rtf_max, 3)}
+            figures["gpu"] = round(fmean(ours.gpu), 3) if ours.gpu else None
+            figures["fps"] = round(ours.frames / ours.real, 2) if cell.pace in SOURCES else None
         outcome = Outcome(
             load=round(first.load, 3),
             memory=round(usage(first.pid).memory, 1),
@@ -463,27 +461,13 @@ def _trial(
             simulated=round(ours.simulated, 3),
             cpu=round(ours.cores, 4),
             machine=round(min(ours.busy / ours.real, 1.0), 4),
-            starved=any(is_starved(span, real=first.setup.real) for span in (ours, *others)),
-            **_in_real_time(ours, first.setup),
-            **figures._asdict(),
+            starved=any(is_starved(span, real=first.is_real) for span in (ours, *others)),
+            **figures,  # type: ignore[arg-type]  # mypy takes them for `starved` and `attempts` too
         )
-    return Trial(outcome=outcome, scene=first.setup.scene, trajectories=tracks)
+    return Trial(outcome=outcome, scene=first.scene, trajectories=tracks)
 
 
 def is_starved(span: Measurement, *, real: bool) -> bool:
     """Return whether a server had too little of the processors; in real time it wants more only if it is behind."""
     wants_more = not real or span.simulated < BEHIND * span.real
     return wants_more and span.cores < STARVED
-
-
-def _in_real_time(span: Measurement, setup: Setup) -> dict[str, Any]:
-    """Return the figures that only a trial in real time has."""
-    if not setup.real:
-        return dict.fromkeys(("gpu", "fps", "rtf_min", "rtf", "rtf_max"))
-    return {
-        "gpu": round(fmean(span.gpu), 3) if span.gpu else None,
-        "fps": round(span.frames / span.real, 2) if setup.frames else None,
-        "rtf_min": round(min(span.factors), 3),
-        "rtf": round(fmean(span.factors), 3),
-        "rtf_max": round(max(span.factors), 3),
-    }

@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import ClassVar
 
 from rsegen.params.registry import Contract, Registry
@@ -43,6 +44,10 @@ class LaunchCommand:
         """The command line for a shell."""
         variables = (f"{name}={shlex.quote(value)}" for name, value in self.environment.items())
         return " ".join(["cd", shlex.quote(str(self.folder)), "&&", *variables, shlex.join(self.command)])
+
+    def with_variables(self, variables: Mapping[str, str]) -> LaunchCommand:
+        """Return the command with more variables."""
+        return replace(self, environment=MappingProxyType({**self.environment, **variables}))
 
     def with_options(self, *options: str) -> LaunchCommand:
         """Return the command with more options in front of the world."""

@@ -18,10 +18,9 @@ import socket
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterator, Set
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from functools import partial
-from typing import Any
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.simulation.simulators.inbox import Inbox
@@ -62,8 +61,7 @@ class TransportClient(Inbox):
         self.world = ""
         self._last = 0.0
         self._master = self._registered(socket.create_connection(address, patience.sign))
-        self._host = self._master.getsockname()[0]
-        self._own = socket.create_server((self._host, 0))
+        self._own = socket.create_server((self._master.getsockname()[0], 0))
         self._port = self._own.getsockname()[1]
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
@@ -73,22 +71,11 @@ class TransportClient(Inbox):
             self.close()
             raise
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
-        """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
-        full = self.full_name(topic)
-        if full in self._types:
-            return
-        self._types[full] = type_name
-        if on_message:
-            self._takers[full] = on_message
-        self._send_to_master("subscribe", "Subscribe", self._subscription(full, self._host, self._port))
-
     def publish(self, topic: str, type_name: str, message: Message) -> None:
         """Send a message to all subscribers of a topic; the first time, wait for one."""
         full = self.full_name(topic)
         if not self._subscribers[full]:
-            publication = {"topic": full, "msg_type": _full_type(type_name), "host": self._host, "port": self._port}
-            self._send_to_master("advertise", "Publish", publication)
+            self._announce(self._master, "advertise", full, type_name)
             self.wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
         for subscriber in self._subscribers[full]:
             _send(subscriber, CLASSIC.encode(type_name, message))
@@ -98,13 +85,13 @@ class TransportClient(Inbox):
         """A topic is unsubscribed inside, so that its publishers have less to do."""
         self._unsubscribe({self.full_name(topic)})
         yield
-        self._subscribe_and_wait(self.full_name(topic))
+        self._subscribe(self.full_name(topic), wait=True)
 
     @contextmanager
     def subscribed(self, topic: str, type_name: str) -> Iterator[None]:
         """A topic is subscribed inside, and only there."""
         self._types[self.full_name(topic)] = type_name
-        self._subscribe_and_wait(self.full_name(topic))
+        self._subscribe(self.full_name(topic), wait=True)
         time.sleep(_QUIET_TIME)
         yield
         self._unsubscribe({self.full_name(topic)})
@@ -115,7 +102,11 @@ class TransportClient(Inbox):
 
         A publisher of Gazebo 11 that is about to send to a client that disconnects sends nothing more to anybody.
         """
-        self._wait_until_quiet()
+        quiet, wait = Patience(seconds=_QUIET_AFTER).begin(), Patience(seconds=DISCONNECT_TIMEOUT).begin()
+        while self._publishers and not wait.is_over:
+            if quiet.is_over and time.monotonic() > self._last + _QUIET_TIME:
+                break
+            time.sleep(_QUIET_TIME / 5)
         with suppress(SimulatorFailed):
             self._unsubscribe(set(self._publishers.values()))
         self._is_closed = True
@@ -131,35 +122,34 @@ class TransportClient(Inbox):
         """Return the name with that of the world; a full name as it is."""
         return topic if topic.startswith("/") else f"/gazebo/{self.world}/{topic.removeprefix('~/')}"
 
-    def _subscribe_and_wait(self, topic: str) -> None:
-        """Subscribe to a topic, and wait for a publisher."""
-        self._send_to_master("subscribe", "Subscribe", self._subscription(topic, self._host, self._port))
-        self.wait(f"no publisher of {topic}", lambda: topic in self._publishers.values())
+    def _subscribe(self, full: str, *, wait: bool = False) -> None:
+        """Subscribe to a topic, and perhaps wait for a publisher."""
+        self._announce(self._master, "subscribe", full)
+        if wait:
+            self.wait(f"no publisher of {full}", lambda: full in self._publishers.values())
 
     def _unsubscribe(self, topics: Set[str]) -> None:
         """Unsubscribe: a publisher knows a subscriber by its port, and disconnects."""
         for other, topic in list(self._publishers.items()):
             if topic in topics:
-                host, port = other.getsockname()[:2]
-                self._send_to_master("unsubscribe", "Subscribe", self._subscription(topic, host, port))
+                self._announce(self._master, "unsubscribe", topic, address=other.getsockname())
         self.wait(
             "a publisher does not disconnect",
             lambda: not topics & set(self._publishers.values()),
             Patience(seconds=DISCONNECT_TIMEOUT),
         )
 
-    def _wait_until_quiet(self) -> None:
-        quiet, wait = Patience(seconds=_QUIET_AFTER).begin(), Patience(seconds=DISCONNECT_TIMEOUT).begin()
-        while self._publishers and not wait.is_over:
-            if quiet.is_over and time.monotonic() > self._last + _QUIET_TIME:
-                return
-            time.sleep(_QUIET_TIME / 5)
-
-    def _subscription(self, topic: str, host: str, port: int) -> Message:
-        return {"topic": topic, "host": host, "port": port, "msg_type": _full_type(self._types[topic])}
-
-    def _send_to_master(self, kind: str, type_name: str, message: Message) -> None:
-        _send(self._master, _packet(kind, type_name, message))
+    def _announce(
+        self, other: socket.socket, kind: str, topic: str, type_name: str = "", address: tuple[str, int] | None = None
+    ) -> None:
+        """Send a packet about a topic of a type, by default that which is subscribed; address: by default ours."""
+        host, port = address or self._own.getsockname()
+        full_type = f"gazebo.msgs.{type_name or self._types[topic]}"
+        message = {"topic": topic, "host": host, "port": port, "msg_type": full_type}
+        inside = CLASSIC.encode("Publish" if kind == "advertise" else "Subscribe", message)
+        seconds, nanoseconds = divmod(time.time_ns(), 10**9)
+        stamp = {"sec": seconds, "nsec": nanoseconds}
+        _send(other, CLASSIC.encode("Packet", {"stamp": stamp, "type": kind, "serialized_data": inside}))
 
     def _read_master(self) -> None:
         for content in _received(self._master):
@@ -171,16 +161,13 @@ class TransportClient(Inbox):
                     world = next((name for name in names if "/" not in name), "")
                     self.update(partial(setattr, self, "world", world))
                 elif kind in ("publisher_subscribe", "publisher_advertise", "publisher_add"):
-                    self._connect_publisher(CLASSIC.decode("Publish", inside))
+                    publisher = CLASSIC.decode("Publish", inside)
+                    topic, host, port = publisher["topic"], publisher["host"], publisher["port"]
+                    if topic in self._types and port != self._port:
+                        self._start_thread(partial(self._read_publisher, topic, host, port))
         self._end(self._master)
         if not self._is_closed:
             self.fail("the server has ended")
-
-    def _connect_publisher(self, publisher: Mapping[str, Any]) -> None:
-        """Connect to a publisher of a subscribed topic."""
-        topic, host, port = publisher["topic"], publisher["host"], publisher["port"]
-        if topic in self._types and port != self._port:
-            self._start_thread(partial(self._read_publisher, topic, host, port))
 
     def _read_publisher(self, topic: str, host: str, port: int) -> None:
         try:
@@ -189,7 +176,7 @@ class TransportClient(Inbox):
             return
         self.update(lambda: self._publishers.update({other: topic}))
         with suppress(SimulatorFailed):  # it goes in this moment: then nothing is received
-            _send(other, _packet("sub", "Subscribe", self._subscription(topic, self._host, self._port)))
+            self._announce(other, "sub", topic)
         for content in _received(other):
             self.add(topic, partial(CLASSIC.decode, self._types[topic], content))
             self._last = time.monotonic()
@@ -197,13 +184,11 @@ class TransportClient(Inbox):
         self._end(other)
 
     def _accept_subscribers(self) -> None:
-        """Accept subscribers of our topics."""
-        while True:
-            try:
+        """Accept subscribers of our topics, until this client is closed."""
+        with suppress(OSError):
+            while True:
                 subscriber, _ = self._own.accept()
-            except OSError:
-                return
-            self._start_thread(partial(self._read_subscriber, subscriber))
+                self._start_thread(partial(self._read_subscriber, subscriber))
 
     def _read_subscriber(self, subscriber: socket.socket) -> None:
         topics: list[str] = []
@@ -250,18 +235,6 @@ def transport_client(address: tuple[str, int], patience: Patience) -> AbstractCo
     except OSError as error:
         host, port = address
         raise NothingRuns(f"Gazebo Classic: nobody answers at {host}:{port} ({error.strerror or error})") from None
-
-
-def _full_type(name: str) -> str:
-    return f"gazebo.msgs.{name}"
-
-
-def _packet(kind: str, type_name: str, message: Message) -> bytes:
-    now = time.time_ns()
-    stamp = {"sec": now // 10**9, "nsec": now % 10**9}
-    return CLASSIC.encode(
-        "Packet", {"stamp": stamp, "type": kind, "serialized_data": CLASSIC.encode(type_name, message)}
-    )
 
 
 def _send(other: socket.socket, content: bytes) -> None:

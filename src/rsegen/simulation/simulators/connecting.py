@@ -58,23 +58,19 @@ def connected(name: str | None, timeout: float) -> Iterator[tuple[Simulator, Liv
     """
     simulators = list(SIMULATORS.values()) if name is None else [SIMULATORS.named(name, "simulator")]
     with _one_at_a_time:
-        connection = _kept_connection(simulators, timeout) or _new_connection(simulators, timeout)
+        for kept in [_kept[simulator.name] for simulator in simulators if simulator.name in _kept]:
+            if kept.made_with == _made_with(timeout) and kept.process == os.getpid() and kept.live.is_current:
+                connection = kept
+                break
+            _close(kept)  # its server has gone, or is another one
+        else:
+            connection = _new_connection(simulators, timeout)
         try:
             yield connection.simulator, connection.live
         except BaseException as error:
             if not isinstance(error, UserError):
                 _close(connection)
             raise
-
-
-def _kept_connection(simulators: Sequence[Simulator], timeout: float) -> _Connection | None:
-    """Return the connection that is kept, if its server is still there; all others are closed."""
-    for simulator in simulators:
-        if kept := _kept.get(simulator.name):
-            if kept.made_with == _made_with(timeout) and kept.process == os.getpid() and kept.live.is_current:
-                return kept
-            _close(kept)
-    return None
 
 
 def _new_connection(simulators: Sequence[Simulator], timeout: float) -> _Connection:

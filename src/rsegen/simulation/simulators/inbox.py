@@ -40,6 +40,18 @@ class Inbox:
         """Return the name under which the messages of a topic are sent."""
         return topic
 
+    def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
+        """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
+        full = self.full_name(topic)
+        if full not in self._types:
+            self._types[full] = type_name
+            if on_message:
+                self._takers[full] = on_message
+            self._subscribe(full)
+
+    def _subscribe(self, full: str) -> None:
+        """Have the messages of a topic of this full name sent."""
+
     def add(self, full: str, decode: Callable[[], dict[str, Any]]) -> None:
         """Hand on a message of a topic of this full name if somebody takes them, else keep it.
 
@@ -92,17 +104,27 @@ class Inbox:
         with self._changed:
             return next(self._newest_first(self.full_name(topic)), None)
 
-    def wait_for_message(self, topic: str, wanted: Callable[[Mapping[str, Any]], bool]) -> dict[str, Any]:
+    def wait_for_message(
+        self, topic: str, wanted: Callable[[Mapping[str, Any]], bool] = lambda _: True
+    ) -> dict[str, Any]:
         """Return the last message of a topic that `wanted` accepts; waits for one if there is none yet."""
         full = self.full_name(topic)
-        found: list[dict[str, Any]] = []
+        accepted: list[dict[str, Any]] = []
 
         def has_come() -> bool:
-            found.extend(islice(filter(wanted, self._newest_first(full)), 1))
-            return bool(found)
+            accepted.extend(islice(filter(wanted, self._newest_first(full)), 1))
+            return bool(accepted)
 
         self.wait(f"no message on {full}", has_come)
-        return found[0]
+        return accepted[0]
+
+    def wait_until(self, topic: str, count: Callable[[Mapping[str, Any]], int], target: int) -> dict[str, Any]:
+        """Return a message of a topic whose count has reached a target, if it grows within patience each time."""
+        reached = -1
+        while True:
+            message = self.wait_for_message(topic, lambda message: count(message) > reached)
+            if (reached := count(message)) >= target:
+                return message
 
     def _newest_first(self, full: str) -> Iterator[dict[str, Any]]:
         """Yield the messages of a topic, which are decoded as far as they are taken."""

@@ -84,9 +84,20 @@ def running(
             )
             stack.callback(watch.wait)
             stack.callback(watch.stdin.close if watch.stdin else watch.kill)  # also if the program cannot be started
-            started = RunningProgram(process=_started(launch, output, errors, watch), watch=watch)
-            stack.callback(started.end)
-        yield started
+            process = subprocess.Popen(
+                (*_NAMED, *launch.command),
+                env=os.environ | dict(launch.environment),
+                cwd=launch.folder,
+                stdin=watch.stdin,
+                stdout=output,
+                stderr=errors,
+                text=True,
+                errors="replace",
+                start_new_session=True,
+            )
+            program = RunningProgram(process=process, watch=watch)
+            stack.callback(program.end)
+        yield program
 
 
 def command_output(command: Sequence[str | Path]) -> str:
@@ -124,19 +135,16 @@ class Work:
         self._output = OutputFiles(folder=folder).paths if folder else ()
         self._seen = time.monotonic(), 0.0, 0  # the program has just been started
 
+    @stop.held()  # a Ctrl-C inside psutil would leave the file open that it reads
     def __call__(self) -> bool:
         """Return whether they have worked since the last call."""
-        before, self._seen = self._seen, self._look()
-        (began, cpu, size), (now, cpu_now, size_now) = before, self._seen
-        return size_now > size or cpu_now - cpu > _WORKS * (now - began) * share()
-
-    @stop.held()  # a Ctrl-C inside psutil would leave the file open that it reads
-    def _look(self) -> tuple[float, float, int]:
-        """Return the time, the seconds of CPU of all processes, and the bytes of the files."""
-        cpu = 0.0
+        # The time, the seconds of CPU of all processes, and the bytes of the files: then, and now.
+        (began, cpu, size), cpu_now = self._seen, 0.0
         with suppress(SimulatorFailed):
-            cpu = usage(self._program.process.pid).cpu
-        return time.monotonic(), cpu, sum(file.stat().st_size for file in self._output if file.exists())
+            cpu_now = usage(self._program.process.pid).cpu
+        now, size_now = time.monotonic(), sum(file.stat().st_size for file in self._output if file.exists())
+        self._seen = now, cpu_now, size_now
+        return size_now > size or cpu_now - cpu > _WORKS * (now - began) * share()
 
 
 class Usage(NamedTuple):
@@ -163,22 +171,6 @@ def usage(pid: int) -> Usage:
             usages.append((child.cpu_times(), child.memory_info()))
     cpu = sum(times.user + times.system for times, _ in usages)
     return Usage(cpu=cpu, memory=sum(memory.rss for _, memory in usages) / 2**20)
-
-
-def _started(
-    launch: LaunchCommand, output: IO[str] | int, errors: IO[str] | int, watch: subprocess.Popen[str]
-) -> subprocess.Popen[str]:
-    return subprocess.Popen(
-        (*_NAMED, *launch.command),
-        env=os.environ | dict(launch.environment),
-        cwd=launch.folder,
-        stdin=watch.stdin,
-        stdout=output,
-        stderr=errors,
-        text=True,
-        errors="replace",
-        start_new_session=True,
-    )
 
 
 PAUSE = 0.1

@@ -1,4 +1,4 @@
-"""Simulators that rsegen starts: a headless server with a paused world to drive robots in, or one run for a person.
+"""Servers of simulators that rsegen starts, with a paused world to drive robots in.
 
 A server has its own home, address and log, so that it disturbs no other and changes no settings, and it ends when
 rsegen ends. Whether it has loaded its world is read from its home and log, as its exit code does not tell
@@ -7,29 +7,19 @@ rsegen ends. Whether it has loaded its world is read from its home and log, as i
 
 from __future__ import annotations
 
-import math
 import os
-import re
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
-from html import unescape
 from pathlib import Path
 from typing import TypeVar
 
 from rsegen.errors import NoSimulator, NothingRuns, SimulatorFailed
-from rsegen.simulation.simulators.base import (
-    SIMULATORS,
-    Installation,
-    LaunchCommand,
-    OpenRequest,
-    Simulator,
-    installations,
-    plain_text,
-)
+from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest, Simulator, installations
+from rsegen.simulation.simulators.base import plain_text
 from rsegen.simulation.simulators.live_world import LiveWorld
 from rsegen.simulation.simulators.patience import SECONDS, Patience
 from rsegen.simulation.simulators.process import OutputFiles, RunningProgram, Work, counted
@@ -39,12 +29,6 @@ _PAUSE = 0.02
 
 _ERRORS, _LINES = 5, 20
 """The last error lines, or else lines, of a log in a message: more hide the reason, which comes at the end."""
-
-_WORLD = re.compile(r"<world\s[^>]*?\bname\s*=\s*['\"]([^'\"]*)['\"]")
-"""The name of a world in its file."""
-
-_LOOK = Patience(seconds=1.0, sign=0.3)
-"""Patience of one look whether a server that loads answers already: output is not read meanwhile."""
 
 ATTEMPTS = 4
 """Servers that are tried, as Gazebo 11.1's now and then dies or hangs.
@@ -181,57 +165,6 @@ def choose_installation(made_for: str, name: str | None, timeout: float = SECOND
 def has_screen() -> bool:
     """Return whether a window can be shown; only on Linux can it be known that there is no screen."""
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
-
-
-def run_until_end(
-    here: Installation, launch: LaunchCommand, *, seconds: float | None, on_error: Callable[[str], None]
-) -> int | None:
-    """Return the exit code of a simulator that runs until it ends, or None if it was ended.
-
-    It is ended `seconds` after its world has loaded, which its clock proves; never, if None. `on_error` is called with
-    each of its error lines. SimulatorFailed, at once, if it says that it has no world; NothingRuns if patience is over
-    before it has loaded its world.
-    """
-    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
-        output = OutputFiles(folder=Path(folder))
-        with output.running(launch) as program:
-            wait = Patience(seconds=here.timeout, works=Work(program, Path(folder))).begin()
-            end = math.inf
-
-            def goes_on() -> bool:
-                nonlocal end
-                if seconds is not None and end == math.inf:
-                    if name := _running_world(here, launch):
-                        _refuse_another_world(here, launch, name)
-                        end = time.monotonic() + seconds
-                    elif wait.is_over:
-                        late = f"after {here.timeout:g} s without progress"
-                        raise NothingRuns(f"{here} has not loaded the world {launch.command[-1]}, {late}")
-                return program.exit_code is None and time.monotonic() < end
-
-            for line in output.lines(goes_on):
-                for error in here.simulator.error_lines(line):
-                    on_error(error)
-                if here.simulator.load_failed(line):
-                    raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}")
-            return program.exit_code
-
-
-def _running_world(here: Installation, launch: LaunchCommand) -> str:
-    """Return the name of the world of a server that tells its time; empty as long as it does not, as while it loads."""
-    variables = os.environ | dict(launch.environment)
-    with suppress(SimulatorFailed, NothingRuns), here.simulator.connect(variables, _LOOK) as live:
-        live.clock()
-        return live.name
-    return ""
-
-
-def _refuse_another_world(here: Installation, launch: LaunchCommand, name: str) -> None:
-    """Raise a SimulatorFailed if there is no world of this name in the file: Gazebo Classic falls back on its own."""
-    file = launch.folder / launch.command[-1]
-    names = map(unescape, _WORLD.findall(file.read_text("utf-8", "replace")))
-    if name not in names:
-        raise SimulatorFailed(f"{here} did not load the world {launch.command[-1]}, but one of the name {name}")
 
 
 def _missing(*able: Simulator) -> Installation:

@@ -17,7 +17,7 @@ Messages then go over TCP, by ZeroMQ:
 One thread owns all sockets; others hand it what is to be sent. Source: Gazebo Transport since Fortress, whose discovery
 has wire version 10 up to Jetty; neither Gazebo nor its Python bindings need to be installed (decision 16). Cost: 0.4 to
 0.9 ms per request. What breaks it: an interface without multicast, GZ_TRANSPORT_IMPLEMENTATION=zenoh, topic statistics
-(wire version 110), and a response that a server drops, for which another client is tried (`sim_world`).
+(wire version 110), and a response that a server drops, for which another client is tried (`gazebo_sim`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ import sys
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, closing, suppress
 from enum import IntEnum
 from functools import partial
@@ -48,30 +48,21 @@ class Sockets:
     def __init__(self, host: str, process: str) -> None:
         import zmq
 
-        self._zmq = zmq
         self._context = zmq.Context()
+        self._context.setsockopt(zmq.LINGER, 0)  # of all its sockets
         self._connected: set[str] = set()
-        self.Error = zmq.ZMQError
+        self.Error, self.poller, self.receives = zmq.ZMQError, zmq.Poller(), zmq.POLLIN
         self.subscriber = self._context.socket(zmq.SUB)
         self.subscriber.setsockopt(zmq.RCVHWM, 0)  # any number of messages may wait: none is dropped
         self.publisher = self._context.socket(zmq.XPUB)
         self.requester, self.responder = (self._context.socket(zmq.ROUTER) for _ in range(2))
         self.requester.setsockopt(zmq.ROUTER_MANDATORY, 1)  # an error, not silence, while there is no connection
         self.responder.setsockopt(zmq.ROUTING_ID, process.encode())
-        for own in self.all:
-            own.setsockopt(zmq.LINGER, 0)
+        for own in (self.publisher, self.responder):
+            own.bind(f"tcp://{host}:*")
         self.publisher_address, self.responder_address = (
-            self._bound(own, host) for own in (self.publisher, self.responder)
+            own.getsockopt_string(zmq.LAST_ENDPOINT).rstrip("\0") for own in (self.publisher, self.responder)
         )
-
-    @property
-    def all(self) -> tuple[Any, ...]:
-        """The four sockets."""
-        return self.subscriber, self.publisher, self.requester, self.responder
-
-    def subscribe(self, topic: str) -> None:
-        """Have the messages of a topic, by its full name, from all publishers that are connected."""
-        self.subscriber.setsockopt(self._zmq.SUBSCRIBE, topic.encode())
 
     def connect(self, own: Any, address: str) -> None:
         """Connect one of them to an address, once."""
@@ -79,22 +70,9 @@ class Sockets:
             self._connected.add(address)
             own.connect(address)
 
-    def poller(self, *others: Any) -> Any:
-        """Return a poller of those that receive, and of other sockets."""
-        poller = self._zmq.Poller()
-        for receiver in (self.subscriber, self.publisher, self.responder, *others):
-            poller.register(receiver, self._zmq.POLLIN)
-        return poller
-
     def close(self) -> None:
         """Close them."""
-        for own in self.all:
-            own.close()
-        self._context.term()
-
-    def _bound(self, own: Any, host: str) -> str:
-        own.bind(f"tcp://{host}:*")
-        return str(own.getsockopt(self._zmq.LAST_ENDPOINT).rstrip(b"\0").decode())
+        self._context.destroy()
 
 
 HEARTBEAT_PERIOD = 1.0
@@ -192,30 +170,18 @@ def interfaces(environment: Mapping[str, str]) -> list[str]:
 
     One that this computer has not counts as 127.0.0.1, as in Gazebo Transport.
     """
-    given, own = _variable(environment, "IP"), set(_addresses())
-    if given:
+    import psutil
+
+    interfaces_here = (address for addresses in psutil.net_if_addrs().values() for address in addresses)
+    own = {address.address for address in interfaces_here if address.family == socket.AF_INET}
+    if given := _variable(environment, "IP"):
         return [given if given in own or given.startswith("127.") else "127.0.0.1"]
     return sorted(own | {"127.0.0.1"}, key=lambda address: address.startswith("127."))
-
-
-def partition_of(environment: Mapping[str, str]) -> str:
-    """Return the name that keeps simulations apart, by default that of the computer and the user."""
-    import getpass
-
-    given = _variable(environment, "PARTITION")
-    return given or f"{socket.gethostname()}:{environment.get('USER') or getpass.getuser()}"
 
 
 def _variable(environment: Mapping[str, str], name: str) -> str:
     """Return a variable by its name since Garden, else by that of before."""
     return environment.get(f"GZ_{name}") or environment.get(f"IGN_{name}") or ""
-
-
-def _addresses() -> Iterator[str]:
-    import psutil
-
-    for addresses in psutil.net_if_addrs().values():
-        yield from (address.address for address in addresses if address.family == socket.AF_INET)
 
 
 def _udp() -> socket.socket:
@@ -239,12 +205,16 @@ _RETRY = 0.002
 
 
 class TransportClient(Inbox):
-    """A client in a partition, which publishes, subscribes, and requests services."""
+    """A client in a partition, by default that of the computer and the user, for topics and services."""
 
     def __init__(self, environment: Mapping[str, str], patience: Patience) -> None:
+        import getpass
+
         # The thread alone touches the sockets; what it learns changes inside the inbox's condition.
         super().__init__("Gazebo Sim", patience)
-        self.partition = partition_of(environment)
+        self.partition = _variable(environment, "PARTITION")
+        if not self.partition:
+            self.partition = f"{socket.gethostname()}:{environment.get('USER') or getpass.getuser()}"
         self._process, self._node = (str(uuid.uuid4()) for _ in range(2))
         self._publications: dict[str, Message] = {}
         self._subscribed: set[str] = set()
@@ -267,15 +237,8 @@ class TransportClient(Inbox):
         """Fail as soon as this program has ended."""
         self._attended, self._silent_beats = process, 0.0
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[dict[str, Any]], None] | None = None) -> None:
-        """Subscribe to a topic, if it is not subscribed yet; `on_message` takes its messages, else they are kept."""
-        full = self.full_name(topic)
-        if full in self._types:
-            return
-        self._types[full] = type_name
-        if on_message:
-            self._takers[full] = on_message
-        self._do(lambda: self._sockets.subscribe(full))
+    def _subscribe(self, full: str) -> None:
+        self._do(lambda: self._sockets.subscriber.subscribe(full))
         self._ask(self._topics, full)
 
     def wait_for_publisher(self, topic: str, patience: Patience | None = None) -> None:
@@ -355,7 +318,7 @@ class TransportClient(Inbox):
             self._wake.send(b"!")  # any byte
 
     def _run(self) -> None:
-        sockets, others = self._sockets, (self._woken, self._topics.receiver, self._offers.receiver)
+        sockets = self._sockets
         readers: dict[Any, Callable[[], None]] = {
             self._woken.fileno(): self._read_work,
             self._topics.receiver.fileno(): lambda: self._read_discovery(self._topics, self._note_publisher),
@@ -364,13 +327,15 @@ class TransportClient(Inbox):
             sockets.publisher: self._read_subscription,
             sockets.responder: self._read_response,
         }
-        poller, beat = sockets.poller(*others), 0.0
+        for receiver in readers:
+            sockets.poller.register(receiver, sockets.receives)
+        beat = 0.0
         try:
             while not self._closing:
                 if time.monotonic() >= beat:
                     self._beat()
                     beat = time.monotonic() + HEARTBEAT_PERIOD
-                for ready, _ in poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
+                for ready, _ in sockets.poller.poll(max(0, int((beat - time.monotonic()) * 1000))):
                     with suppress(KeyError, ValueError, NoMessage, sockets.Error):  # what others send may be anything
                         readers[ready]()
         finally:
@@ -401,11 +366,16 @@ class TransportClient(Inbox):
         message = where.receive()
         if not message:
             return
-        self._heard.add(message["process_uuid"])
+        process = message["process_uuid"]
+        self._heard.add(process)
         if message.get("type") == Event.ADVERTISE and "pub" in message:
             advertised(message["pub"])
-        elif message.get("type") == Event.BYE:
-            self._forget(message["process_uuid"])
+        elif message.get("type") == Event.BYE:  # it offers and publishes nothing any more
+            if process == self._attended:
+                self.fail("the server has ended")
+            self.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
+            for known in [known for known in self._connections if known[1] == process]:
+                del self._connections[known]
 
     def _note_publisher(self, publication: Message) -> None:
         """Connect to a publisher of a topic that is subscribed, and register with it.
@@ -426,20 +396,8 @@ class TransportClient(Inbox):
         self.update(lambda: self._connections.update({(topic, process): own}))
 
     def _note_service(self, publication: Message) -> None:
-        self.update(
-            lambda: self._services.setdefault(publication["topic"], {}).update(
-                {publication["process_uuid"]: publication}
-            )
-        )
-
-    def _forget(self, process: str) -> None:
-        """Drop the services and topics of a program that has said goodbye."""
-        if process == self._attended:
-            self.fail("the server has ended")
-        self.update(lambda: [offers.pop(process, None) for offers in self._services.values()])
-        for topic, other in list(self._connections):
-            if other == process:
-                del self._connections[topic, other]
+        offer = {publication["process_uuid"]: publication}
+        self.update(lambda: self._services.setdefault(publication["topic"], {}).update(offer))
 
     def _read_message(self) -> None:
         full, _, content, kind = self._sockets.subscriber.recv_multipart()[:4]

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 import struct
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
@@ -62,7 +63,7 @@ class MessageTypes:
 
     def _decoded(self, type_name: str, content: bytes) -> dict[str, Any]:
         names = {number: (name, kind) for name, (number, kind) in self.types[type_name].items()}
-        message = _Decoded(self, type_name)
+        message, parts = _Decoded(self, type_name), defaultdict[tuple[str, str], list[bytes]](list)
         for number, wire_type, value in _fields(content):
             if number not in names:
                 continue
@@ -72,16 +73,13 @@ class MessageTypes:
                 raise ValueError(f"{name} is of another kind")
             if isinstance(kind, list):
                 message.setdefault(name, []).append(self._value(single, value))
+            elif isinstance(kind, str):
+                parts[name, kind].append(value)
             else:
-                message[name] = self._value(single, value)
+                message[name] = self._value(kind, value)
+        # A message that comes in parts has the fields of all of them, by protobuf's rule that joined bytes are merged.
+        message |= {name: self.decode(kind, b"".join(own)) for (name, kind), own in parts.items()}
         return message
-
-    def default(self, type_name: str, name: str) -> Any:
-        """Return what a field is that a message does not have: a zero, or nothing."""
-        _, kind = self.types[type_name][name]
-        if isinstance(kind, list):
-            return []
-        return _Decoded(self, kind) if isinstance(kind, str) else kind()
 
     def _field(self, number: int, kind: Kind | list[Kind], value: Any) -> bytes:
         if isinstance(kind, list):
@@ -108,7 +106,10 @@ class _Decoded(dict[str, Any]):
         self._types, self._type_name = types, type_name
 
     def __missing__(self, name: str) -> Any:
-        return self._types.default(self._type_name, name)
+        _, kind = self._types.types[self._type_name][name]
+        if isinstance(kind, list):
+            return []
+        return _Decoded(self._types, kind) if isinstance(kind, str) else kind()
 
 
 def parse_text(text: str) -> Message:
@@ -175,15 +176,21 @@ def _number(content: bytes, at: int) -> tuple[int, int]:
     raise ValueError("a number of more than 64 bits")
 
 
+_BOTH: Mapping[str, Fields] = {
+    "Time": {"sec": (1, int), "nsec": (2, int)},
+    "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
+    "WorldStatistics": {"sim_time": (2, "Time"), "real_time": (4, "Time"), "paused": (5, bool), "iterations": (6, int)},
+}
+"""The message types that are the same in both."""
+
 CLASSIC = MessageTypes(
     {
-        "Time": {"sec": (1, int), "nsec": (2, int)},
+        **_BOTH,
         "Vector3d": {"x": (1, float), "y": (2, float), "z": (3, float)},
         "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
         "Pose": {"name": (1, str), "id": (2, int), "position": (3, "Vector3d"), "orientation": (4, "Quaternion")},
         "ImageStamped": {"time": (1, "Time"), "image": (2, bytes)},
         "PosesStamped": {"time": (1, "Time"), "pose": (2, [bytes])},
-        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "GzString": {"data": (1, str)},
         "GzString_V": {"data": (1, [str])},
         "Mesh": {"filename": (1, str)},
@@ -197,12 +204,6 @@ CLASSIC = MessageTypes(
         "Response": {"id": (1, int), "response": (3, str), "type": (4, str), "serialized_data": (5, bytes)},
         "LogControl": {"stop": (2, bool)},
         "WorldControl": {"pause": (1, bool), "multi_step": (3, int)},
-        "WorldStatistics": {
-            "sim_time": (2, "Time"),
-            "real_time": (4, "Time"),
-            "paused": (5, bool),
-            "iterations": (6, int),
-        },
         "Contact": {"collision1": (1, str), "collision2": (2, str), "position": (3, ["Vector3d"])},
         "Contacts": {"contact": (1, ["Contact"])},
         "Packet": {"stamp": (1, "Time"), "type": (2, str), "serialized_data": (3, bytes)},
@@ -214,7 +215,7 @@ CLASSIC = MessageTypes(
 
 SIM = MessageTypes(
     {
-        "Time": {"sec": (1, int), "nsec": (2, int)},
+        **_BOTH,
         "Header": {"stamp": (1, "Time")},
         "Vector3d": {"x": (2, float), "y": (3, float), "z": (4, float)},
         "Quaternion": {"x": (2, float), "y": (3, float), "z": (4, float), "w": (5, float)},
@@ -226,7 +227,6 @@ SIM = MessageTypes(
             "orientation": (5, "Quaternion"),
         },
         "Pose_V": {"header": (1, "Header"), "pose": (2, ["Pose"])},
-        "Twist": {"linear": (2, "Vector3d"), "angular": (3, "Vector3d")},
         "Double": {"data": (2, float)},
         "Boolean": {"data": (2, bool)},
         "Empty": {},
@@ -242,12 +242,6 @@ SIM = MessageTypes(
         "Model": {"name": (2, str), "id": (3, int), "pose": (5, "Pose"), "link": (7, ["Link"])},
         "Scene": {"name": (2, str), "model": (9, ["Model"])},
         "WorldControl": {"pause": (2, bool), "multi_step": (4, int)},
-        "WorldStatistics": {
-            "sim_time": (2, "Time"),
-            "real_time": (4, "Time"),
-            "paused": (5, bool),
-            "iterations": (6, int),
-        },
         "Subscriber": {"topic": (1, str)},
         "MessagePublisher": {"ctrl": (1, str), "msg_type": (2, str)},
         "ServicePublisher": {"socket_id": (1, str), "request_type": (2, str), "response_type": (3, str)},

@@ -1,9 +1,12 @@
-"""`rsegen.spawn`, `respawn` and `remove`: maps and robots put into the running simulation, replaced and deleted.
+"""`rsegen.spawn`, `respawn` and `remove`: maps and robots put into the running simulation, none of them into a block.
 
-A robot is put at a given or a free place, on top of the maps under it, as far as their heights are known; a map lifts
-the models on it (`spawning`). The map to replace is the one of the same recipes, else the only one whose recipe is
-known; the new one is the next in the folder, or the next index of the recipe. The new map comes before the old one
-goes, so nothing falls meanwhile.
+A new map or robot gets the free place nearest to the origin, unless a place is given; a robot is put on top of the maps
+under it. A map is known by its recipe.json, in the folder of its mesh or in a folder of its name; of other models only
+the origin is known. The map to replace is the one of the same recipes, else the only one whose recipe is known; the new
+one is the next in the folder, or the next index of the recipe. It comes before the old one goes, while the world is
+paused, and models on it are put upright on top of the blocks under them, as high above these as before. Maps are models
+in folders that stay, as the simulator reads their meshes as long as it runs. What breaks it: a map whose recipe is not
+found, whose blocks are taken for flat ground, and a map that is not upright.
 """
 
 from __future__ import annotations
@@ -14,14 +17,18 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import hypot
+from functools import cached_property
+from itertools import chain, count, product
+from math import cos, floor, hypot, sin
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
-from rsegen.errors import ParameterError, UnknownName, shown
+from rsegen.errors import OutputError, ParameterError, RsegenError, UnknownName, shown
 from rsegen.exporters.gazebo.sdf import numbers
 from rsegen.exporters.scene import Scene, compose
 from rsegen.field.stepfield import StepField
+from rsegen.io.input_files import text_of
+from rsegen.io.recipe_file import load
 from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.params.streams import generator
 from rsegen.recipe.examples import EXAMPLES
@@ -32,24 +39,229 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulation.driving.robot_runs import DROP_HEIGHT, spots_on_map, start_pose
 from rsegen.simulation.simulators.connecting import connected
 from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.spawning.spawning import (
-    GROUND,
-    RADIUS,
-    Area,
-    MapModel,
-    SpawnedMap,
-    free_area,
-    known_maps,
-    known_recipes,
-    map_model,
-    map_of,
-    maps_in,
-    occupied,
-    spawn_map,
-    unknown_maps,
-)
-from rsegen.simulation.worlds import Target
+from rsegen.simulation.worlds import Target, chosen, scene_of, write_world
 from rsegen.standing.resting import poses as resting_poses
+
+_ROUNDING = 1e-3
+"""Slack of a gap, metres: positions on the grid are rounded to millimetres."""
+
+GAP = 0.5
+"""Gap, metres, between a new model and those that are there: a small robot passes between them."""
+
+
+class Area(NamedTuple):
+    """An axis-aligned rectangle of ground: its centre, and half of its length and width, metres."""
+
+    x: float
+    y: float
+    half_x: float = 0.0
+    half_y: float = 0.0
+
+    def is_clear_of(self, other: Area) -> bool:
+        """Return whether there is a gap between both."""
+        return (
+            abs(self.x - other.x) > self.half_x + other.half_x + GAP - _ROUNDING
+            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - _ROUNDING
+        )
+
+
+def free_area(half_x: float, half_y: float, occupied: Sequence[Area]) -> Area:
+    """Return the area nearest to the origin, on a grid around it, that is clear of all occupied ones."""
+    candidates = (
+        Area(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
+        for i, j in chain.from_iterable(map(_ring, count()))
+    )
+    return next(place for place in candidates if all(map(place.is_clear_of, occupied)))
+
+
+def _ring(away: int) -> Iterator[tuple[int, int]]:
+    """Yield the cells of a square ring around the origin, the nearest first; east and north before west and south."""
+    line = range(-away, away + 1)
+    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == away)
+    return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SpawnedMap:
+    """A map under its name in the simulation, and the pose of its centre; it is upright."""
+
+    name: str
+    field: StepField
+    at: Pose
+
+    @property
+    def area(self) -> Area:
+        """The smallest axis-aligned rectangle around it."""
+        (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
+        return Area(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
+
+    def covers(self, at: Pose, reach: float) -> bool:
+        """Return whether a model at a pose, with this radius, is above the map."""
+        return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
+
+    def top(self, at: Pose, reach: float = 0.0) -> float:
+        """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
+        window = []
+        for x, along in zip(self._seen(at), self.field.extent, strict=True):
+            first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-reach, reach))
+            window.append(slice(max(first, 0), max(last + 1, 0)))
+        return self.at.z + float(self.field.heights[tuple(window)].max(initial=0.0))
+
+    def outside(self, x: float, y: float) -> tuple[float, float]:
+        """Return the place in the world of one in the map's own axes, from its middle."""
+        c, s = cos(self.at.yaw), sin(self.at.yaw)
+        return self.at.x + x * c - y * s, self.at.y + x * s + y * c
+
+    def _seen(self, at: Pose) -> tuple[float, float]:
+        """Return a place in the map's own axes, from its middle."""
+        x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
+        return x * c + y * s, y * c - x * s
+
+
+GROUND = "ground_plane"
+"""The name of the ground in Gazebo's worlds, on which everything may be placed."""
+
+RADIUS = 0.3
+"""The assumed radius, metres, of a model that is not one of rsegen's robots: that of a robot of a Jackal's class.
+
+A larger model may be put into a block; a smaller one is only put higher than need be, and falls.
+"""
+
+
+def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area]:
+    """Return the rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
+    known = {spawned.name: spawned.area for spawned in maps}
+    return [known.get(name) or Area(at.x, at.y) for name, at in poses.items() if name != GROUND]
+
+
+def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:
+    """Spawn a map and delete the old one, if given, while the world is paused; gives the models put on top of it."""
+    was_paused = live.clock().paused
+    if not was_paused:
+        live.pause()
+    try:
+        live.spawn(sdf, new.at)
+        moved = _raise_models(live, new, old)
+        if old:
+            live.delete(old.name)
+    finally:
+        if not was_paused:
+            live.unpause()
+    return moved
+
+
+def model_radius(name: str) -> float:
+    """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
+    kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
+    return hypot(*kind.size[:2]) / 2 if kind else RADIUS
+
+
+def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> tuple[str, ...]:
+    """Put movable models above a map upright on top of the blocks under them, as high above these as before."""
+    movable = live.movable() - {new.name, old.name if old else ""}
+    models = {
+        name: at
+        for name, at in live.poses().items()
+        if name in movable and any(spawned.covers(at, model_radius(name)) for spawned in (new, old) if spawned)
+    }
+    for name, at in models.items():
+        above = max(at.z - (old.top(at) if old else new.at.z), 0.0)
+        live.move(name, Pose(x=at.x, y=at.y, z=new.top(at, model_radius(name)) + above + DROP_HEIGHT, yaw=at.yaw))
+    return tuple(models)
+
+
+_MOST_MIB = 512
+"""The largest model that is read, MiB, and sent to the simulator as one message."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapModel:
+    """The recipe of one map alone, its folder, which need not exist yet, and its scene if a caller gave one."""
+
+    recipe: Recipe
+    folder: Path
+    made_of: Scene | None = None
+
+    @property
+    def name(self) -> str:
+        """The map's name."""
+        return self.folder.name
+
+    @property
+    def field(self) -> StepField:
+        """The map's blocks."""
+        return self.scene.field
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The map's scene; TooLarge if it does not fit into memory."""
+        return self.made_of or scene_of(self.recipe)
+
+    def check_spawnable(self) -> None:
+        """Raise a ParameterError if this cannot be spawned as one model."""
+        if self.recipe.mesh_type != "single":
+            problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be spawned"
+            raise ParameterError("mesh_type", problem)
+
+    def sdf(self, name: str) -> str:
+        """Return its model file under a name, with absolute paths of meshes; the map is written first if need be."""
+        if not self.folder.is_dir():
+            write_world(self.scene, self.folder.parent)
+        text = text_of(self.folder / "model.sdf", _MOST_MIB, "a model")
+        renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
+        return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
+
+
+def map_model(recipe: Recipe, output: Path, scene: Scene | None = None) -> MapModel:
+    """Return the map of a recipe in an output folder; OutputError if a different map of its name exists there."""
+    model = MapModel(recipe=recipe, folder=output / recipe.map_name(recipe.first_map), made_of=scene)
+    if model.folder.exists() and _recipe_in(model.folder) != model.recipe:
+        advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
+        raise OutputError(f"{model.folder}: exists already and is a different map; {advice}")
+    return model
+
+
+def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
+    """Return the map of a target, by index or name, by default the first; a recipe's goes into the output folder."""
+    recipe, folder, scene = chosen(target, which)
+    return MapModel(recipe=recipe, folder=folder) if folder else map_model(recipe, output, scene)
+
+
+def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> dict[str, Recipe]:
+    """Return the known recipes of the maps in a simulation, by their names.
+
+    A recipe is known if it is in the folder of the mesh, or in a folder of the map's name in one of `homes`.
+    """
+    meshes, homes = live.mesh_files(), list(homes)
+    recipes = {}
+    for name in poses:
+        mesh = Path(meshes.get(name, ""))
+        folders = [mesh.parents[1]] if mesh.is_absolute() and len(mesh.parts) > 3 else []
+        folders += [home / name for home in homes if _is_map_name(name)]
+        if recipe := next(filter(None, map(_recipe_in, folders)), None):
+            recipes[name] = recipe
+    return recipes
+
+
+def unknown_map_notes(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> Iterator[str]:
+    """Yield a warning for each model that is called like a map and is none of these: its heights are unknown."""
+    names = {spawned.name for spawned in known}
+    for name in poses:
+        if _is_map_name(name) and name not in names:
+            advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
+            yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
+
+
+def _is_map_name(name: str) -> bool:
+    return re.fullmatch(r"[\w-]+_\d{4,}", name) is not None
+
+
+def _recipe_in(folder: Path) -> Recipe | None:
+    try:
+        return load(folder / "recipe.json")
+    except RsegenError:
+        return None
+
 
 _TRIES = 10
 """Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
@@ -95,13 +307,17 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
         homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
-        maps = known_maps(live, poses, homes)
+        maps = [
+            SpawnedMap(name=known, field=compose(recipe, recipe.first_map).field, at=poses[known])
+            for known, recipe in known_recipes(live, poses, homes).items()
+        ]
+        # Three cases: a robot alone, a map alone, and a robot on a map, which is spawned first if it is not there.
         if not isinstance(what, MapModel):
             spot = None if place else _on_map(what, name, maps, poses)
-            found = spot or _on_top(what, occupied(poses, maps), maps, place)
-            live.spawn(what.file(name, live.backend), found)
-            notes = list(_notes(poses, maps)) if not spot and len(place) <= 2 else []
-            return SpawnResult(name=name, simulator=running.name, at=found, notes=(*notes, *_own_notes(what, live)))
+            start = spot or _on_top(what, occupied(poses, maps), maps, place)
+            live.spawn(what.file(name, live.backend), start)
+            notes = list(unknown_map_notes(poses, maps)) if not spot and len(place) <= 2 else []
+            return SpawnResult(name=name, simulator=running.name, at=start, notes=(*notes, *_own_notes(what, live)))
         if rider is None:
             new, moved = _spawned(live, what, name, place, poses, maps)
             return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
@@ -112,13 +328,13 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
             notes, maps = [f"{ground.name} was not in the simulation, and was spawned too"], [*maps, ground]
             poses = live.poses()
         if rest:
-            found = _in_world(rest, rider, ground)
+            start = _in_world(rest, rider, ground)
         else:
-            found = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
-        live.spawn(rider.file(name, live.backend), found)
+            start = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
+        live.spawn(rider.file(name, live.backend), start)
         notes += _own_notes(rider, live)
-        on = ground.name if ground.covers(found, 0.0) else None
-        return SpawnResult(name=name, simulator=running.name, at=found, put_on_top=moved, on=on, notes=tuple(notes))
+        on = ground.name if ground.covers(start, 0.0) else None
+        return SpawnResult(name=name, simulator=running.name, at=start, put_on_top=moved, on=on, notes=tuple(notes))
 
 
 def _rider(
@@ -171,7 +387,7 @@ def _at_rest(field: StepField, robot: DrivableRobot, place: Sequence[float]) -> 
         raise ParameterError(where, error.problem) from None
     if not rest.stands[0]:
         raise ParameterError("pose", f"{robot.kind} tips over at {numbers(place)}; give a place where it stands")
-    x, y, z, roll, pitch, yaw = (float(each[0]) for each in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
+    x, y, z, roll, pitch, yaw = (float(of[0]) for of in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
     return Pose(x=x, y=y, z=z + DROP_HEIGHT, roll=roll, pitch=pitch, yaw=yaw)
 
 
@@ -184,13 +400,6 @@ def _in_world(rest: Pose, robot: DrivableRobot, ground: SpawnedMap) -> Pose:
 
 def _own_notes(robot: DrivableRobot, live: LiveWorld) -> list[str]:
     return list(robot.spawn_notes(live.backend)) if isinstance(robot, SdfRobot) else []
-
-
-def _notes(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> Iterator[str]:
-    """Yield a warning if there are maps whose blocks the robot may be put into."""
-    for name in unknown_maps(poses, maps):
-        advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
-        yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
 def _on_top(robot: DrivableRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
@@ -211,9 +420,9 @@ def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapp
         with suppress(ParameterError):  # no spot is left
             for seed in range(_TRIES):
                 (spot,) = spots_on_map(spawned.field, body, 1, generator(seed, 0, name))
-                found = _in_world(start_pose(spot), robot, spawned)
-                if all(hypot(at.x - found.x, at.y - found.y) > radius + RADIUS for at in others):
-                    return found
+                start = _in_world(start_pose(spot), robot, spawned)
+                if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):
+                    return start
     return None
 
 
@@ -226,16 +435,14 @@ def _robot_or_map(target: Target | DrivableRobot, which: int | str | None, outpu
         if which is not None:
             raise ParameterError("map", f"{target.kind} is a robot and has no maps")
         return target
-    if isinstance(target, str):
-        _refuse_unknown_word(target)
-    return map_of(target, which, output)
-
-
-def _refuse_unknown_word(target: str) -> None:
-    """UnknownName for a bare word that names nothing."""
-    bare = not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
-    if bare and target not in EXAMPLES:
+    # A bare word that names nothing may be a robot's, so both are listed.
+    if (
+        isinstance(target, str)
+        and target not in EXAMPLES
+        and not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
+    ):
         raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
+    return map_of(target, which, output)
 
 
 def _pose(at: Sequence[float]) -> Pose:
@@ -261,10 +468,12 @@ def replace_map(  # as `rsegen.respawn`
     target: Target, which: int | str | None, name: str | None, output: Path, simulator: str | None, timeout: float
 ) -> RespawnResult:
     """Replace the map in the simulation by another one, by default the next; see `rsegen.respawn`."""
-    recipes = _recipes(target)
+    recipes, homes = _recipes(target), [output]
+    if not isinstance(target, Scene | Recipe) and os.path.isdir(target):
+        homes += [Path(target), Path(target).parent]
     with connected(simulator, timeout) as (running, live):
         poses = live.poses()
-        known = known_recipes(live, poses, [output, *_homes(target)])
+        known = known_recipes(live, poses, homes)
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
         new = _given_or_next(target, which, output, current)
         new.check_spawnable()
@@ -286,12 +495,6 @@ def _recipes(target: Target) -> list[Recipe]:
     if isinstance(target, Recipe):
         return [target]
     return [recipe_in(file) for file in recipe_files(os.fspath(target))]
-
-
-def _homes(target: Target) -> list[Path]:
-    """Folders in which the folder of a running map may be."""
-    path = Path(target) if isinstance(target, str | os.PathLike) else None
-    return [path, path.parent] if path and path.is_dir() else []
 
 
 def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
@@ -316,12 +519,12 @@ def _given_or_next(target: Target, which: int | str | None, output: Path, curren
     if which is not None or isinstance(target, Scene):
         return map_of(target, which, output)
     if not isinstance(target, Recipe) and os.path.isdir(target):
-        maps = maps_in(os.fspath(target))
+        maps = [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(os.fspath(target))]
         names = [model.name for model in maps]
         return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
     (recipe,) = _recipes(target)
     index = _index(recipe, current)
-    return map_model(recipe, recipe.first_map if index is None else index + 1, output)
+    return map_model(recipe.alone(recipe.first_map if index is None else index + 1), output)
 
 
 def _index(recipe: Recipe, name: str) -> int | None:
