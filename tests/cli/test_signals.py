@@ -80,7 +80,8 @@ def plugin(folder: Path, *lines: str) -> None:
     """Let `examples` do something else."""
     run = "".join(f"    {line}\n" for line in lines)
     (folder / "plugin.py").write_text(
-        f"import signal, time\nfrom rsegen.cli import information\ndef run(arguments):\n{run}information.run_examples = run\n"
+        "import signal, time\nfrom rsegen.cli import information\n"
+        f"def run(arguments):\n{run}information.run_examples = run\n"
     )
 
 
