@@ -72,20 +72,25 @@ class Robot(Standing):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN, *, lidar: bool = False) -> str:
         """Return its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
         sensors = self.lidar.sdf(simulator) if self.lidar and lidar else ""
-        drive, servos = self.drive.plugins(_known(simulator)), servo_plugins(self.servos, simulator)
-        return self.assembled(
-            name, sensors, (drive, servos, "" if simulator == "classic" else self._publishers(name, simulator)), at
-        )
+        plugins = [self.drive.plugins(_known(simulator)), servo_plugins(self.servos, simulator)]
+        if simulator != "classic":  # which publishes poses by itself
+            frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
+            topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
+            odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
+            plugins += [odometry, pose_publisher(simulator)]
+        return self.assembled(name, sensors, plugins, at)
 
     def assembled(self, name: str, sensors: str, plugins: Iterable[str], at: SdfPose = ORIGIN) -> str:
         """Return its <model> with these <sensor>s in its first link, and these plug-ins."""
+        if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):  # it stands in topics
+            raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
         inside = (
             f"      <pose>{numbers(at)}</pose>\n{_AWAKE}",
             *(link.sdf("" if index else sensors) for index, link in enumerate(self.links)),
             *(joint.sdf for joint in self.joints),
             *plugins,
         )
-        return f'    <model name="{_named(name)}">\n' + "".join(inside) + "    </model>\n"
+        return f'    <model name="{name}">\n' + "".join(inside) + "    </model>\n"
 
     def ros_files(self) -> Mapping[str, str]:
         """Return the text of its files in a ROS 2 package by their names."""
@@ -116,13 +121,6 @@ class Robot(Standing):
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
         return servos[joint].command(name, angle, _known(simulator))
 
-    def _publishers(self, name: str, simulator: str) -> str:
-        """Plug-ins that publish odometry and poses in Gazebo Sim; Classic needs none."""
-        frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
-        topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
-        odometry = system("OdometryPublisher", simulator, frames + topic + element("dimensions", 3))
-        return odometry + pose_publisher(simulator)
-
 
 _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
 """Gazebo Classic would put a robot to sleep that pushes against a wall, and no command wakes its tracks."""
@@ -132,13 +130,6 @@ def _known(simulator: str) -> str:
     if simulator not in BACKENDS:
         raise UnknownName.among("simulator", "simulator", simulator, BACKENDS)
     return simulator
-
-
-def _named(name: str) -> str:
-    """Return a name that can stand in a topic."""
-    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
-        raise ParameterError("name", f"{shown(name)} is not letters, digits and _, with no digit first")
-    return name
 
 
 ROBOTS = cast("Registry[Robot]", STANDING)

@@ -7,7 +7,7 @@ links that it names; of a model without a drive that is known, whatever hangs on
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, fromstring
@@ -45,10 +45,14 @@ _GROUND = 1.0
 @lru_cache(maxsize=16)
 def body_of_links(robot: Robot) -> Body:
     """Return the body of an included robot; ParameterError if it has no collision shapes."""
-    distance = sample_distance(robot.size[0])
-    links = {link.name: (link, _placed(robot, link)) for link in robot.links}
-    driven = _driven(robot.drive, {joint.name: joint.child for joint in robot.joints})
-    centres = [pose[:3, :3] @ np.array(link.centre[:3]) + pose[:3, 3] for link, pose in links.values()]
+    distance, joints = sample_distance(robot.size[0]), {joint.name: joint for joint in robot.joints}
+    poses = {link.name: posed(link.pose) for link in robot.links}
+    for servo in robot.servos:  # which holds what hangs on its joint at an angle
+        joint = joints[servo.joint]
+        poses[joint.child][:3, :3] @= turn_about(joint.axis or (0, 0, 1), servo.rest)
+    driven = _driven(robot.drive, {name: joint.child for name, joint in joints.items()})
+    links = [(link, poses[link.name]) for link in robot.links]
+    centres = [pose[:3, :3] @ np.array(link.centre[:3]) + pose[:3, 3] for link, pose in links]
     return body_of_shapes(
         _shapes(links, driven, distance),
         mass=robot.mass,
@@ -59,18 +63,9 @@ def body_of_links(robot: Robot) -> Body:
     )
 
 
-def _placed(robot: Robot, link: Link) -> Array:
-    """Return the pose of a link in the model, (4, 4), turned by the servo that holds it."""
-    joint = next((joint for joint in robot.joints if joint.child == link.name), None)
-    rest = next((servo.rest for servo in robot.servos if joint and servo.joint == joint.name), 0.0)
-    pose = posed(link.pose)
-    if joint and joint.axis and rest:
-        pose[:3, :3] = pose[:3, :3] @ turn_about(joint.axis, rest)
-    return pose
-
-
-def _shapes(links: dict[str, tuple[Link, Array]], driven: set[str], distance: float) -> Iterator[Shape]:
-    for name, (link, pose) in links.items():
+def _shapes(links: Iterable[tuple[Link, Array]], driven: set[str], distance: float) -> Iterator[Shape]:
+    """Yield the collision shapes of links at their poses, (4, 4)."""
+    for link, pose in links:
         for part in link.parts:
             if part.surface is None:
                 continue
@@ -81,7 +76,7 @@ def _shapes(links: dict[str, tuple[Link, Array]], driven: set[str], distance: fl
                 solid = cylinder(part.solid.radius, part.solid.length, distance)
             else:
                 solid = ball(part.solid.radius, distance)
-            yield Part(f"{name}::{part.name}", name in driven, mu, mu2), solid, pose @ posed(part.pose)
+            yield Part(f"{link.name}::{part.name}", link.name in driven, mu, mu2), solid, pose @ posed(part.pose)
 
 
 def _driven(drive: Drive, children: dict[str, str]) -> set[str]:
@@ -100,32 +95,23 @@ def body_of_file(robot: SdfRobot) -> Body:
         _driven(robot.read_drive.drive, children) if robot.read_drive else {children[name] for name in robot.joints}
     )
     lifted = framed((0, 0, robot.lift))  # the origin of a robot in a world is below its lowest shape
-    shapes, masses = list(_shapes_of(frames, driven, lifted, distance)), inertials(frames).values()
-    centre = np.average([inertial.centre for inertial in masses], axis=0, weights=[one.mass for one in masses])
+    shapes: list[Shape] = []
+    for link, collision, geometry in frames.collisions():
+        name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
+        texts = (collision.findtext(f"surface/friction/ode/{mu}") or "1" for mu in ("mu", "mu2"))  # 1 by default
+        mu, mu2 = (min(max(floats(text, 1, frames.where)[0], 0.0), _GROUND) for text in texts)
+        part = Part(name, link in driven, mu, mu2)
+        shapes += [(part, solid, pose @ at) for solid, at in _solids(geometry[0], distance, frames.where, name)]
+    masses = inertials(frames).values()
+    centre = np.average([link.centre for link in masses], axis=0, weights=[link.mass for link in masses])
     return body_of_shapes(
         shapes,
-        mass=sum(inertial.mass for inertial in masses),
+        mass=sum(link.mass for link in masses),
         centre=lifted[:3, :3] @ centre + lifted[:3, 3],
         speed=robot.driving_speed,
         distance=distance,
         where=robot.kind,
     )
-
-
-def _shapes_of(frames: ModelFrames, driven: set[str], lifted: Array, distance: float) -> Iterator[Shape]:
-    """Yield the collision shapes of a model; FileError for one that cannot be measured."""
-    for link, collision, geometry in frames.collisions():
-        name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
-        part = Part(name, link in driven, *_friction(collision, frames.where))
-        for solid, at in _solids(geometry[0], distance, frames.where, name):
-            yield part, solid, pose @ at
-
-
-def _friction(collision: Element, where: str) -> tuple[float, float]:
-    """Return mu and mu2 of a collision shape, by SDF's default 1."""
-    texts = (collision.findtext(f"surface/friction/ode/{name}") or "1" for name in ("mu", "mu2"))
-    mu, mu2 = (min(max(floats(text, 1, where)[0], 0.0), _GROUND) for text in texts)
-    return mu, mu2
 
 
 def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[tuple[Solid, Array]]:

@@ -109,18 +109,11 @@ def _controllers(files: Iterator[Path], joints: set[str]) -> Iterator[Controller
         # The loader is slow, and most files have nothing of wheels.
         if len(content) > _LARGEST or b"left_wheel" not in content or b"right_wheel" not in content:
             continue
-        for table in _tables(_loaded(content, file)):
-            left, right = _names(table, _LEFT), _names(table, _RIGHT)
-            if left and len(left) == len(right) and joints.issuperset((*left, *right)):
-                yield _controller(table, left, right, file)
-
-
-def _loaded(content: bytes, file: Path) -> Any:
-    """Return what is in a YAML file; None for one that is not, or that may not be, read."""
-    try:
-        return parse_yaml(content.decode("utf-8"), file)
-    except (FileError, UnicodeDecodeError):
-        return None  # of another program, or a template of a launch file
+        with suppress(FileError, UnicodeDecodeError):  # of another program, or a template of a launch file
+            for table in _tables(parse_yaml(content.decode("utf-8"), file)):
+                left, right = _names(table, _LEFT), _names(table, _RIGHT)
+                if left and len(left) == len(right) and joints.issuperset((*left, *right)):
+                    yield _controller(table, left, right, file)
 
 
 def _tables(value: Any) -> Iterator[Mapping[Any, Any]]:
@@ -136,27 +129,25 @@ def _tables(value: Any) -> Iterator[Mapping[Any, Any]]:
 
 
 def _controller(table: Mapping[Any, Any], left: tuple[str, ...], right: tuple[str, ...], file: Path) -> Controller:
-    radius, multiplier = _at(table, "wheel_radius"), _at(table, "wheel_radius_multiplier")
-    multiplier = multiplier or _at(table, "left_wheel_radius_multiplier")
+    def number(path: str) -> float | None:
+        return _positive(_value(table, path))
+
+    radius, multiplier = number("wheel_radius"), number("wheel_radius_multiplier")
+    multiplier = multiplier or number("left_wheel_radius_multiplier")
+    speed, turn = (  # None for a limit that the controller does not keep
+        None if _value(table, f"{axis}.has_velocity_limits") is False else number(f"{axis}.max_velocity")
+        for axis in ("linear.x", "angular.z")
+    )
     return Controller(
         where="/".join(file.parts[-3:]),
         left=left,
         right=right,
-        separation=_at(table, "wheel_separation"),
-        slip=_at(table, "wheel_separation_multiplier") or 1,
+        separation=number("wheel_separation"),
+        slip=number("wheel_separation_multiplier") or 1,
         radius=radius and radius * (multiplier or 1),
-        speed=_limit(table, "linear.x"),
-        turn=_limit(table, "angular.z"),
+        speed=speed,
+        turn=turn,
     )
-
-
-def _limit(table: Mapping[Any, Any], axis: str) -> float | None:
-    """Return the maximum velocity of an axis, None if the controller has none, or does not keep it."""
-    return None if _value(table, f"{axis}.has_velocity_limits") is False else _at(table, f"{axis}.max_velocity")
-
-
-def _at(table: Mapping[Any, Any], path: str) -> float | None:
-    return _positive(_value(table, path))
 
 
 def _value(table: Any, path: str) -> Any:

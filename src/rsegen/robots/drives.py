@@ -9,7 +9,6 @@ simulator (docs/robots.md). Servos hold other joints, such as flippers and arms,
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import cos, sin
 from typing import NamedTuple
@@ -34,21 +33,19 @@ def publish_command(topic: str, message: str, text: str, simulator: str) -> Comm
     kind = message_type(message, simulator)
     if simulator == "classic":
         return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
-    return Command(topic, kind, text, (_TOOLS[simulator], "topic", "-t", topic, "-m", kind, "-p", text))
-
-
-_TOOLS = {"sim": "gz", "fortress": "ign"}
+    tool = "gz" if simulator == "sim" else "ign"
+    return Command(topic, kind, text, (tool, "topic", "-t", topic, "-m", kind, "-p", text))
 
 
 def pose_text(v: float, w: float) -> str:
-    """Speeds as Classic's wheeled drives take them: v as x, w as the yaw of an orientation, so |w| < pi."""
+    """Return speeds as Classic's wheeled drives take them: v as x, w as the yaw of an orientation, so |w| < pi."""
     x, half = numbers([v]), w / 2
     turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
     return f"position {{ x: {x} y: 0 z: 0 }} orientation {{ {turned} }}"
 
 
 def twist_text(v: float, w: float) -> str:
-    """Speeds as every other drive takes them."""
+    """Return speeds as every other drive takes them."""
     return f"linear {{ x: {numbers([v])} y: 0 z: 0 }} angular {{ x: 0 y: 0 z: {numbers([w])} }}"
 
 
@@ -84,7 +81,7 @@ def pose_publisher(simulator: str) -> str:
 
 
 def element(tag: str, value: float | str) -> str:
-    """<tag>value</tag>."""
+    """Return <tag>value</tag>."""
     return f"<{tag}>{value if isinstance(value, str) else numbers([value])}</{tag}>"
 
 
@@ -141,28 +138,22 @@ class Wheels(Drive):
 
     def plugins(self, simulator: str, odometry: str = "") -> str:
         """DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""
-        if simulator != "classic":
-            return system("DiffDrive", simulator, self._system() + odometry)
-        return "".join(
-            classic("DiffDrive", f"drive_{left}", element("left_joint", right) + element("right_joint", left))
-            for left, right in zip(self.left, self.right, strict=True)
-        )
+        if simulator == "classic":
+            return "".join(
+                classic("DiffDrive", f"drive_{left}", element("left_joint", right) + element("right_joint", left))
+                for left, right in zip(self.left, self.right, strict=True)
+            )
+        inner = elements("left_joint", self.left) + elements("right_joint", self.right)
+        inner += element("wheel_separation", self.separation * self.slip) + element("wheel_radius", self.radius)
+        inner += _limits("linear", self.speed) + _limits("angular", self.turn)
+        if self.acceleration is not None:
+            turning = 2 * self.acceleration / self.separation  # the wheels turn against each other
+            inner += _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
+        return system("DiffDrive", simulator, inner + odometry)
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
         """Return the command as a Pose."""
         return publish_command(f"~/{name}/vel_cmd", "Pose", pose_text(v, w * self.slip / self.spread), "classic")
-
-    def _system(self) -> str:
-        sides = elements("left_joint", self.left) + elements("right_joint", self.right)
-        sizes = element("wheel_separation", self.separation * self.slip) + element("wheel_radius", self.radius)
-        limits = _limits("linear", self.speed) + _limits("angular", self.turn)
-        return sides + sizes + limits + self._accelerations()
-
-    def _accelerations(self) -> str:
-        if self.acceleration is None:
-            return ""
-        turning = 2 * self.acceleration / self.separation  # the wheels turn against each other
-        return _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
 
 
 _MOVING = 0.1
@@ -190,13 +181,24 @@ class Tracks(Drive):
 
         Classic's calls left what is right.
         """
+        steering = element("tracks_separation", self.separation) + element("steering_efficiency", self.efficiency)
+        fastest = 2 * self.speed  # in a turn the outer belt is faster than the robot
         if simulator == "classic":
-            return classic("SimpleTrackedVehicle", "drive", self._belts())
-        # Twice the speed, as in a turn the outer belt is faster than the robot.
-        speeds = element("min_velocity", -2 * self.speed) + element("max_velocity", 2 * self.speed)
-        belts = (element("link", belt) + speeds for belt in (*self.left, *self.right))
-        return system("TrackedVehicle", simulator, self._system() + odometry) + "".join(
-            system("TrackController", simulator, belt) for belt in belts
+            sides = (("left", self.right), ("right", self.left))
+            links = "".join(element(f"{s}_track", b[0]) + elements(f"{s}_flipper", b[1:]) for s, b in sides)
+            most = element("max_linear_speed", fastest) + element("max_angular_speed", self.in_place * self.turn)
+            friction = element("track_mu", self.mu) + element("track_mu2", self.mu2)
+            inner = element("body", self.body) + links + steering + most + friction
+            return classic("SimpleTrackedVehicle", "drive", inner)
+        left = "".join(element("left_track", element("link", belt)) for belt in self.left)
+        right = "".join(element("right_track", element("link", belt)) for belt in self.right)
+        limits = element("linear_velocity", _velocities(self.speed)) + element(
+            "angular_velocity", _velocities(self.turn)
+        )
+        inner = left + right + steering + element("tracks_height", 2 * self.radius) + limits
+        return system("TrackedVehicle", simulator, inner + odometry) + "".join(
+            system("TrackController", simulator, element("link", belt) + _velocities(fastest))
+            for belt in (*self.left, *self.right)
         )
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
@@ -204,29 +206,13 @@ class Tracks(Drive):
         gain = self.in_place if abs(v) < _MOVING else 1
         return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
 
-    def _belts(self) -> str:
-        sides = (("left", self.right), ("right", self.left))
-        links = "".join(element(f"{s}_track", b[0]) + elements(f"{s}_flipper", b[1:]) for s, b in sides)
-        most = element("max_linear_speed", 2 * self.speed) + element("max_angular_speed", self.in_place * self.turn)
-        friction = element("track_mu", self.mu) + element("track_mu2", self.mu2)
-        return element("body", self.body) + links + self._steering() + most + friction
-
-    def _system(self) -> str:
-        left = "".join(element("left_track", element("link", belt)) for belt in self.left)
-        right = "".join(element("right_track", element("link", belt)) for belt in self.right)
-        limits = _limited("linear_velocity", self.speed) + _limited("angular_velocity", self.turn)
-        return left + right + self._steering() + element("tracks_height", 2 * self.radius) + limits
-
-    def _steering(self) -> str:
-        return element("tracks_separation", self.separation) + element("steering_efficiency", self.efficiency)
-
 
 def _limits(kind: str, most: float, of: str = "velocity") -> str:
     return element(f"max_{kind}_{of}", most) + element(f"min_{kind}_{of}", -most)
 
 
-def _limited(tag: str, most: float) -> str:
-    return element(tag, element("min_velocity", -most) + element("max_velocity", most))
+def _velocities(most: float) -> str:
+    return element("min_velocity", -most) + element("max_velocity", most)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -259,21 +245,15 @@ def topic(name: str, joint: str) -> str:
 
 def servo_plugins(servos: tuple[Servo, ...], simulator: str) -> str:
     """Return a JointControl for all in Classic, a JointPositionController for each in Gazebo Sim."""
-    if not servos:
-        return ""
-    if simulator == "classic":
-        return classic("JointControl", "servos", "\n" + "".join(_controllers(servos)) + "      ")
-    return "".join(system("JointPositionController", simulator, _gains(servo)) for servo in servos)
-
-
-def _controllers(servos: tuple[Servo, ...]) -> Iterable[str]:
+    text = ""
     for servo in servos:
-        gains = element("pid_gains", numbers([servo.stiffness, 0, servo.damping]))
-        inner = element("joint", servo.joint) + element("target", servo.rest) + gains
-        yield f'        <controller type="position">{inner}</controller>\n'
-
-
-def _gains(servo: Servo) -> str:
-    gains = element("p_gain", servo.stiffness) + element("i_gain", 0) + element("d_gain", servo.damping)
-    limits = element("cmd_max", servo.effort) + element("cmd_min", -servo.effort)
-    return element("joint_name", servo.joint) + gains + limits + element("initial_position", servo.rest)
+        if simulator == "classic":
+            gains = element("pid_gains", numbers([servo.stiffness, 0, servo.damping]))
+            inner = element("joint", servo.joint) + element("target", servo.rest) + gains
+            text += f'        <controller type="position">{inner}</controller>\n'
+        else:
+            gains = element("p_gain", servo.stiffness) + element("i_gain", 0) + element("d_gain", servo.damping)
+            limits = element("cmd_max", servo.effort) + element("cmd_min", -servo.effort)
+            inner = element("joint_name", servo.joint) + gains + limits + element("initial_position", servo.rest)
+            text += system("JointPositionController", simulator, inner)
+    return classic("JointControl", "servos", f"\n{text}      ") if servos and simulator == "classic" else text

@@ -189,23 +189,20 @@ class Joint:
     @property
     def sdf(self) -> str:
         """The <joint>."""
-        kind = "revolute" if self.axis else "fixed"
+        kind, axis = "fixed", ""
+        if self.axis:
+            ends = (("lower", self.lower), ("upper", self.upper), ("effort", self.effort), ("velocity", self.rate))
+            limits = "".join(f"<{tag}>{numbers([end])}</{tag}>" for tag, end in ends if end is not None)
+            limit = f"<limit>{limits}</limit>" if limits else ""
+            damping = f"<dynamics><damping>{numbers([self.damping])}</damping></dynamics>" if self.damping else ""
+            kind, axis = "revolute", f"        <axis><xyz>{numbers(self.axis)}</xyz>{limit}{damping}</axis>\n"
         return f"""\
       <joint name="{self.name}" type="{kind}">
         <pose>{numbers(self.anchor)} 0 0 0</pose>
         <parent>{self.parent}</parent>
         <child>{self.child}</child>
-{self._turning()}      </joint>
+{axis}      </joint>
 """
-
-    def _turning(self) -> str:
-        if self.axis is None:
-            return ""
-        ends = (("lower", self.lower), ("upper", self.upper), ("effort", self.effort), ("velocity", self.rate))
-        limits = "".join(f"<{tag}>{numbers([end])}</{tag}>" for tag, end in ends if end is not None)
-        limit = f"<limit>{limits}</limit>" if limits else ""
-        damping = f"<dynamics><damping>{numbers([self.damping])}</damping></dynamics>" if self.damping else ""
-        return f"        <axis><xyz>{numbers(self.axis)}</xyz>{limit}{damping}</axis>\n"
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Array:

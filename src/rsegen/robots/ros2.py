@@ -51,53 +51,37 @@ def ros_files(robot: Robot) -> Mapping[str, str]:
     """Return the text of each file by its name."""
     about = f"topics of the {robot.kind}, between ROS and Gazebo Sim"
     motors = [servo.joint for servo in robot.servos]
+    frames = {_IMU: robot.links[0].centre}  # of sensors on its first link: the IMU is in the middle of the body
+    if robot.lidar:
+        frames[_LIDAR] = robot.lidar.pose
     return {
-        f"{robot.kind}.urdf": "".join(_urdf(robot, _frames(robot))),
-        "model.sdf": _model(robot),
+        f"{robot.kind}.urdf": "".join(_urdf(robot, frames)),
+        "model.sdf": _model(robot, frames),
         "bridge.yaml": bridge_yaml(about, robot_topics(lidar=robot.lidar is not None, motors=motors)),
         "nav2.yaml": _nav2(robot),
     }
 
 
-def _frames(robot: Robot) -> Mapping[str, SdfPose]:
-    """Return the poses of its sensors on its first link: the IMU in the middle of the body."""
-    frames = {_IMU: robot.links[0].centre}
-    return frames | {_LIDAR: robot.lidar.pose} if robot.lidar else frames
-
-
-def _model(robot: Robot) -> str:
+def _model(robot: Robot, frames: Mapping[str, SdfPose]) -> str:
     """Return the SDF file, with sensors and plug-ins that publish what `robot_topics` bridges."""
-    odometry = (
-        element("odom_topic", f"{MODEL}/wheel_odometry")
-        + element("tf_topic", f"{MODEL}/wheel_tf")
-        + element("frame_id", "wheel_odom")
-        + element("child_frame_id", ROOT)
-    )
+    imu = element("pose", numbers(frames[_IMU])) + element("always_on", "true") + element("update_rate", _IMU_RATE)
+    sensors = f'        <sensor name="imu" type="imu">{imu}{_published(_IMU, "imu")}</sensor>\n'
+    if robot.lidar:
+        sensors += robot.lidar.sdf(_BACKEND, _published(_LIDAR, "scan"))
+    # What the wheels measure, then the true pose: an odometry each, with topics and frames of its own.
+    wheels = element("odom_topic", f"{MODEL}/wheel_odometry") + element("tf_topic", f"{MODEL}/wheel_tf")
+    wheels += element("frame_id", "wheel_odom") + element("child_frame_id", ROOT)
+    true = element("odom_frame", "odom") + element("robot_base_frame", ROOT)
+    true += element("odom_topic", f"{MODEL}/odometry") + element("tf_topic", f"{MODEL}/tf")
+    true += element("odom_publish_frequency", _ODOMETRY_RATE) + element("dimensions", 3)
+    joints = element("topic", f"{MODEL}/joint_state") + element("update_rate", _JOINT_RATE)
     plugins = (
-        robot.drive.plugins(_BACKEND, odometry),
+        robot.drive.plugins(_BACKEND, wheels),
         servo_plugins(robot.servos, _BACKEND),
-        _true_odometry(),
-        system(
-            "JointStatePublisher",
-            _BACKEND,
-            element("topic", f"{MODEL}/joint_state") + element("update_rate", _JOINT_RATE),
-        ),
+        system("OdometryPublisher", _BACKEND, true),
+        system("JointStatePublisher", _BACKEND, joints),
     )
-    return HEADER + robot.assembled(ROBOT, _sensors(robot), plugins) + FOOTER
-
-
-def _true_odometry() -> str:
-    frames = element("odom_frame", "odom") + element("robot_base_frame", ROOT)
-    topics = element("odom_topic", f"{MODEL}/odometry") + element("tf_topic", f"{MODEL}/tf")
-    rate = element("odom_publish_frequency", _ODOMETRY_RATE)
-    return system("OdometryPublisher", _BACKEND, frames + topics + rate + element("dimensions", 3))
-
-
-def _sensors(robot: Robot) -> str:
-    pose = element("pose", numbers(_frames(robot)[_IMU]))
-    inside = pose + element("always_on", "true") + element("update_rate", _IMU_RATE) + _published(_IMU, "imu")
-    imu = f'        <sensor name="imu" type="imu">{inside}</sensor>\n'
-    return imu + (robot.lidar.sdf(_BACKEND, _published(_LIDAR, "scan")) if robot.lidar else "")
+    return HEADER + robot.assembled(ROBOT, sensors, plugins) + FOOTER
 
 
 def _published(frame: str, topic: str) -> str:
@@ -153,8 +137,12 @@ def _urdf(robot: Robot, frames: Mapping[str, SdfPose]) -> Iterator[str]:
     for link in robot.links:
         yield from _link(link)
     for joint in robot.joints:
-        origin = _relative(links[joint.parent].pose, links[joint.child].pose)
-        yield _joint(_kind(joint), joint.name, joint.parent, joint.child, origin, _turning(joint))
+        parent, child = links[joint.parent].pose, links[joint.child].pose
+        turned = rotation(*parent[3:]).T  # into the frame of the parent
+        x, y, z = (turned @ np.subtract(child[:3], parent[:3])).tolist()
+        kind, turning = _turning(joint)
+        origin = (x, y, z, *angles(turned @ rotation(*child[3:])))
+        yield _joint(kind, joint.name, joint.parent, joint.child, origin, turning)
     for name, pose in frames.items():
         yield f'  <link name="{name}"/>\n' + _joint("fixed", f"{name}_fixed", base.name, name, pose)
     yield "</robot>\n"
@@ -195,31 +183,18 @@ def _joint(kind: str, name: str, parent: str, child: str, origin: SdfPose, turni
 """
 
 
-def _kind(joint: Joint) -> str:
+def _turning(joint: Joint) -> tuple[str, str]:
+    """Return the type of a joint, and its axis and limits; URDF wants all four limits of a hinge that has ends."""
     if joint.axis is None:
-        return "fixed"
-    return "continuous" if joint.lower is None else "revolute"
-
-
-def _turning(joint: Joint) -> str:
-    """Return the axis and limits of a hinge; URDF wants all four limits of a hinge that has ends."""
-    if joint.axis is None:
-        return ""
+        return "fixed", ""
     axis = f'    <axis xyz="{numbers(joint.axis)}"/>\n'
     damping = f'    <dynamics damping="{decimal(joint.damping)}"/>\n' if joint.damping else ""
     if joint.lower is None:
-        return axis + damping
+        return "continuous", axis + damping
     ends = {"lower": joint.lower, "upper": joint.upper, "effort": joint.effort, "velocity": joint.rate}
     limits = " ".join(f'{name}="{decimal(value or 0)}"' for name, value in ends.items())
-    return f"{axis}    <limit {limits}/>\n{damping}"
+    return "revolute", f"{axis}    <limit {limits}/>\n{damping}"
 
 
 def _origin(pose: SdfPose) -> str:
     return f'<origin xyz="{numbers(pose[:3])}" rpy="{numbers(pose[3:])}"/>'
-
-
-def _relative(parent: SdfPose, child: SdfPose) -> SdfPose:
-    """Return the pose of a child in the frame of its parent."""
-    turned = rotation(*parent[3:])
-    x, y, z = turned.T @ (np.array(child[:3]) - np.array(parent[:3]))
-    return float(x), float(y), float(z), *angles(turned.T @ rotation(*child[3:]))

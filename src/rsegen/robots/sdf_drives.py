@@ -33,7 +33,7 @@ KNOWN = {
     "DiffDrivePlugin": "wheels",
     "SkidSteerDrivePlugin": "wheels",
     "WheelTrackedVehiclePlugin": "wheels",
-    "SimpleTrackedVehiclePlugin": "belts",
+    "SimpleTrackedVehiclePlugin": "tracks",
     "gz-sim-diff-drive-system": "wheels",
     "gz-sim-mecanum-drive-system": "wheels",
     "gz-sim-tracked-vehicle-system": "tracks",
@@ -90,12 +90,13 @@ def plugin_key(file: str) -> str:
 
 def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive | None:
     """Return the drive of a model; None if it has none that is known, nor wheels."""
-    return (
-        _plugged(model, frames)
-        or next(filter(None, (_controlled(controller, ros, frames) for controller in ros.controllers)), None)
-        or _by_interfaces(ros, frames)
-        or _by_shapes(frames)
-    )
+    if drive := _plugged(model, frames):
+        return drive
+    if drive := next(filter(None, (_controlled(controller, ros, frames) for controller in ros.controllers)), None):
+        return drive
+    if drive := _paired(_rolling((joint for joint in ros.rates if joint in frames.joints), frames), frames, ros):
+        return drive._replace(origin="ros2_control")
+    return _by_shapes(frames)
 
 
 def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -108,7 +109,7 @@ def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
         key = plugin_key(plugin.get("filename", ""))
         if key in (*KNOWN, TRACK_CONTROLLER):
             merged.setdefault(key, Element("plugin")).extend(list(plugin))
-    readers = {"wheels": _wheels, "belts": _belts, "tracks": _tracks}
+    readers = {"wheels": _wheels, "tracks": _tracks}
     read = ((key, readers[KNOWN[key]](plugin, frames)) for key, plugin in merged.items() if key in KNOWN)
     drives = (drive._replace(plugin=key, origin=key) for key, drive in read if drive)
     controllers = merged.get(TRACK_CONTROLLER)
@@ -143,7 +144,7 @@ def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
 def named_tracks(text: str, frames: ModelFrames) -> ReadDrive:
     """Return the drive of tracks whose links the user names: LEFT,RIGHT; a side's flippers joined to it by +."""
     left, right = _sides(text, "tracks", "link", dict(frames.links()))
-    drive = _tracked(Element("plugin"), left, right, frames, body=_first_link(frames))
+    drive = _tracked(Element("plugin"), left, right, frames)
     if drive is None or not drive.drive.separation:
         raise ParameterError("tracks", f"{text}: their shapes are unknown, or in one place")
     return drive._replace(origin="their names", sizes="its shapes")
@@ -176,13 +177,6 @@ def _controlled(controller: Controller, ros: Controls, frames: ModelFrames) -> R
     limits, by = (speed or read.limits[0], turn), " and ".join(filter(None, origins))
     measured = "its wheels" if None in sizes else "it"
     return read._replace(origin=controller.where, sizes=measured, limits=limits, limits_by=by)
-
-
-def _by_interfaces(ros: Controls, frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of the joints that take a velocity, if they are wheels on both sides."""
-    wheels = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
-    read = _paired(wheels, frames, ros)
-    return read and read._replace(origin="ros2_control")
 
 
 def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
@@ -231,15 +225,12 @@ def is_endless(joint: Element) -> bool:
     """Return whether a joint turns without end."""
     if joint.get("type") not in ("revolute", "continuous"):
         return False
-    low, high = (_end(joint.findtext(f"axis/limit/{name}"), sign) for name, sign in (("lower", -1), ("upper", 1)))
-    return high - low >= _ENDLESS
-
-
-def _end(text: str | None, sign: int) -> float:
     try:
-        return float(text or sign * np.inf)
+        low = float(joint.findtext("axis/limit/lower") or "-inf")
+        high = float(joint.findtext("axis/limit/upper") or "inf")
     except ValueError:
-        return 0.0
+        return False
+    return high - low >= _ENDLESS
 
 
 def _wheel_radius(joint: str, frames: ModelFrames) -> float:
@@ -326,16 +317,11 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     return ReadDrive("", drive, "", origin, _limits(plugin, frames, drive, left + right))
 
 
-def _belts(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of Gazebo Classic's SimpleTrackedVehicle."""
-    left, right = (_named(plugin, [f"{side}_track", f"{side}_flipper"]) for side in _SIDES)
-    return _tracked(plugin, left, right, frames, body=_text(plugin.find("body")))
-
-
 def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of Gazebo Sim's TrackedVehicle; its body is the first link of its model."""
-    left, right = ([_text(element.find("link")) for element in plugin.findall(f"{side}_track")] for side in _SIDES)
-    return _tracked(plugin, left, right, frames, body=_first_link(frames))
+    """Return the drive of Classic's SimpleTrackedVehicle, which names links, or of Sim's TrackedVehicle: <link>s."""
+    tags = ("{}_track", "{}_track/link", "{}_flipper")
+    left, right = (list(filter(None, _named(plugin, [tag.format(side) for tag in tags]))) for side in _SIDES)
+    return _tracked(plugin, left, right, frames)
 
 
 def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -345,7 +331,7 @@ def _track_controllers(plugin: Element, frames: ModelFrames) -> ReadDrive | None
     centre = (min(ys, default=0) + max(ys, default=0)) / 2
     longest = sorted(zip(links, ys, strict=True), key=lambda link: -_size(link[0], frames)[0])
     left, right = ([link for link, y in longest if sign * (y - centre) > 0] for sign in (1, -1))
-    drive = _tracked(plugin, left, right, frames, body=_first_link(frames))
+    drive = _tracked(plugin, left, right, frames)
     return drive and drive._replace(origin=TRACK_CONTROLLER, sizes="its shapes")
 
 
@@ -355,13 +341,9 @@ def _size(link: str, frames: ModelFrames) -> list[float]:
     return [0.0] * 3 if shape is None else (shape.high - shape.low).tolist()
 
 
-def _first_link(frames: ModelFrames) -> str:
-    return next((name for name, _ in frames.links()), "")
-
-
-def _tracked(
-    plugin: Element, left: Sequence[str], right: Sequence[str], frames: ModelFrames, *, body: str
-) -> ReadDrive | None:
+def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames: ModelFrames) -> ReadDrive | None:
+    """Return the drive of tracks whose links are known; without a <body>, as in Gazebo Sim, that is the first link."""
+    body = _text(plugin.find("body")) or next((name for name, _ in frames.links()), "")
     if not left or not right or any(link not in frames.elements for link in (*left, *right, body)):
         return None
     middles = [_middle(link, frames) for link in (left[0], right[0])]
@@ -387,7 +369,7 @@ def _tracked(
 
 
 def _radius(joints: Sequence[str], frames: ModelFrames) -> float:
-    """Half of the height of the first wheel; 0 if its shape is unknown."""
+    """Return half of the height of the first wheel; 0 if its shape is unknown."""
     return _size(frames.child(joints[0]), frames)[2] / 2
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -107,7 +107,13 @@ class SdfRobot(Standing):
     def drive(self) -> Drive:
         """The drive with its maximum speed and turn rate; ParameterError if none is known."""
         if self.read_drive is None:
-            raise ParameterError(self.kind, _no_drive(self))
+            joints = f" ({_some(self.joints)})" if self.joints else ""
+            raise ParameterError(
+                self.kind,
+                "no wheels or tracks: no plug-in that rsegen knows has them, nor ros2_control or a file of a controller"
+                f", and no links look like wheels; name them with tracks='LEFT,RIGHT', or wheels='LEFT,RIGHT'{joints};"
+                " without them it only stands, with rsegen spawn",
+            )
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
 
     @property
@@ -160,7 +166,11 @@ class SdfRobot(Standing):
 
     def _stands(self, simulator: str) -> bool:
         """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
-        return self.read_drive is None and not _has_controllers(self._model(), simulator)
+        if self.read_drive:
+            return False
+        # A plug-in that the simulator loads may move them, of ROS or its own.
+        files = (plugin.get("filename", "") for plugin in self._model().iter("plugin"))
+        return not any("control" in file.lower() and _is_loadable(file, simulator) for file in files)
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
@@ -211,10 +221,8 @@ def parsed(
     ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
     separate = re.split(r"[,+]", tracks or "")
     source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
-    root, model = source.sdf, _model(source.sdf, where)
+    model, version = _model_and_version(source.sdf, where)
     resolve_uris(model, Path(where))
-    version = _version(root)
-    _modernize(model, version)
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
     shapes = frames.shapes
@@ -228,6 +236,15 @@ def parsed(
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
+    remarks += [
+        problem.format(_some(names))
+        for names, problem in (
+            (source.left_out, "left out, as they have no mass, or hang on such a link: {}"),
+            (source.mimics, "<mimic> has no effect, so these joints move on their own, unless they are held: {}"),
+            (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
+        )
+        if names
+    ]
     return SdfRobot(
         kind=re.sub(r"\W|^(?=\d)", "_", model.get("name", ""), flags=re.ASCII),
         text=_outer(model),
@@ -241,25 +258,16 @@ def parsed(
         lift=-float(shapes.whole.low[2]) if shapes.whole else 0.0,
         derived=tuple(name for name, value in values.items() if value is not None),
         assumed=tuple(name for name, value in values.items() if value is None),
-        remarks=(*remarks, *_remarks(source, impossible_inertias(frames))),
+        remarks=tuple(remarks),
     )
-
-
-def _remarks(source: Converted, impossible: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence about links without a mass, joints that should follow others, and impossible inertias."""
-    if source.left_out:
-        yield f"left out, as they have no mass, or hang on such a link: {_some(source.left_out)}"
-    if source.mimics:
-        yield f"<mimic> has no effect, so these joints move on their own, unless they are held: {_some(source.mimics)}"
-    if impossible:
-        yield f"no body has the moments of inertia of {_some(impossible)}; Gazebo Sim may refuse them"
 
 
 def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
-def _model(root: Element, where: str) -> Element:
+def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
+    """Return the model of an <sdf>, and its version; FileError if it has none, or others."""
     models = root.findall("model")
     if root.tag != "sdf" or len(models) != 1 or root.find("world") is not None:
         raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF")
@@ -267,25 +275,17 @@ def _model(root: Element, where: str) -> Element:
         raise FileError(f"{where}: the model has no name")
     if models[0].find("link") is None and models[0].find("include") is None and models[0].find("model") is None:
         raise FileError(f"{where}: the model has no <link>")
-    return models[0]
-
-
-def _version(root: Element) -> str:
-    """Return the version of SDF, 1.6 if it is none that there is."""
     version = root.get("version", "").strip()
-    return version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"
+    version = version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"  # for one that there is not
+    # Before SDF 1.5 joints' axes are in the model's frame, which a world of a later version has to say.
+    for axis in models[0].iter("axis") if _minor(version) < 5 else ():
+        if axis.find("use_parent_model_frame") is None:
+            SubElement(axis, "use_parent_model_frame").text = "true"
+    return models[0], version
 
 
 def _minor(version: str) -> int:
     return int(version.partition(".")[2])
-
-
-def _modernize(model: Element, version: str) -> None:
-    """Write down the rule for joints' axes before SDF 1.5, for a world of a later version: the model's frame."""
-    if _minor(version) < 5:
-        for axis in model.iter("axis"):
-            if axis.find("use_parent_model_frame") is None:
-                SubElement(axis, "use_parent_model_frame").text = "true"
 
 
 def _size(shapes: Extents, where: str) -> Vector | None:
@@ -335,15 +335,6 @@ def _derived(robot: SdfRobot) -> str:
     return "; ".join(phrases)
 
 
-def _no_drive(robot: SdfRobot) -> str:
-    joints = f" ({_some(robot.joints)})" if robot.joints else ""
-    return (
-        "no wheels or tracks: no plug-in that rsegen knows has them, nor ros2_control or a file of a controller, and no"
-        f" links look like wheels; name them with tracks='LEFT,RIGHT', or wheels='LEFT,RIGHT'{joints}; without them it"
-        " only stands, with rsegen spawn"
-    )
-
-
 def _outer(model: Element) -> str:
     model.tail = "\n"
     return tostring(model, encoding="unicode")
@@ -370,11 +361,14 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     own = read.plugin if read else ""
     held = _hold(model, drive)
-    for joint in _axes(model, read.turned if read else ()):
-        joint.text = numbers([-value for value in floats(joint.text, 3, name)])
-    kept = [
-        plugin for plugin in model.iter("plugin") if _is_own_drive(plugin_key(plugin.get("filename", "")), own, backend)
-    ]
+    joints = ModelFrames(model, name).joints
+    for joint in read.turned if read else ():
+        if (axis := joints[joint].find("axis/xyz")) is not None:
+            axis.text = numbers([-value for value in floats(axis.text, 3, name)])
+    # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
+    missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
+    keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
+    kept = [plugin for plugin in model.iter("plugin") if plugin_key(plugin.get("filename", "")) in keys]
     plugins, sensors, visuals = _leave_out(model, backend)
     for plugin in kept:
         for topic in plugin.findall("topic"):
@@ -383,10 +377,9 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
             SubElement(plugin, "topic").text = f"/model/{name}/cmd_vel"
     if drive and not kept:
         kept = list(fromstring(f"<model>{drive.plugins(backend)}</model>"))  # noqa: S314  # ours
-    model.extend(kept)
+    publisher = [] if backend == "classic" else [fromstring(pose_publisher(backend))]  # noqa: S314  # ours
+    model.extend([*kept, *publisher])
     _respell(model, backend)
-    if backend != "classic":
-        model.append(fromstring(pose_publisher(backend)))  # noqa: S314  # ours
     return {
         "held as its model has them, as nothing drives them": _some(held),
         "left out for the drive, as they are not here": ", ".join(plugins),
@@ -412,33 +405,11 @@ def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
     return tuple(held)
 
 
-def _has_controllers(model: Element, backend: str) -> bool:
-    """Return whether a model has a plug-in that a simulator loads and that may move its joints, of ROS or its own."""
-    files = (plugin.get("filename", "") for plugin in model.iter("plugin"))
-    return any("control" in file.lower() and _is_loadable(file, backend) for file in files)
-
-
 def _has_spring(joint: Element) -> bool:
     try:
         return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
     except ValueError:
         return False
-
-
-def _axes(model: Element, joints: Collection[str]) -> Iterator[Element]:
-    """Yield the elements with the axes of joints."""
-    if joints:
-        elements = ModelFrames(model, model.get("name", "")).joints
-        yield from (axis for joint in joints if (axis := elements[joint].find("axis/xyz")) is not None)
-
-
-def _is_own_drive(key: str, own: str, backend: str) -> bool:
-    """Return whether a plug-in is the drive that was read, and the simulator has it.
-
-    Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
-    """
-    missing = ("classic",) if own != "gz-sim-mecanum-drive-system" else ("classic", "fortress")
-    return backend not in missing and own.startswith("gz-sim-") and key in (own, TRACK_CONTROLLER)
 
 
 def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
@@ -447,19 +418,24 @@ def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
     Sensors move nothing and need a screen or time: the rays of a lidar against a mesh cost more than the robot. Gazebo
     Sim does not load a world with a mesh that it does not find, although nobody sees it.
     """
-    names = tuple(_without(model, "sensor", lambda _: True, "name"))
-    visuals = tuple(_without(model, "visual", _lacks_its_mesh, "name"))
+
+    def without(tag: str, attribute: str, is_out: Callable[[Element], bool] = lambda _: True) -> tuple[str, ...]:
+        """Take elements of a tag out, wherever they are, and return an attribute of each."""
+        out = [(parent, element) for parent in model.iter() for element in parent.findall(tag) if is_out(element)]
+        for parent, element in out:
+            parent.remove(element)
+        return tuple(element.get(attribute, "") for _, element in out)
+
+    def lacks_its_mesh(visual: Element) -> bool:  # URIs that were found are absolute paths (`resolve_uris`)
+        uri = (visual.findtext("geometry/mesh/uri") or "/").strip()
+        return not uri.removeprefix("file://").startswith("/")
+
+    sensors, visuals = without("sensor", "name"), without("visual", "name", lacks_its_mesh)
     if backend != "classic":
-        list(_without(model, "script", lambda _: True, "name"))  # colours of Classic's, which later versions refuse
-    files = _without(model, "plugin", lambda plugin: not _is_loadable(plugin.get("filename", ""), backend), "filename")
+        without("script", "name")  # colours of Classic's, which later versions refuse
+    files = without("plugin", "filename", lambda plugin: not _is_loadable(plugin.get("filename", ""), backend))
     plugins = tuple(dict.fromkeys(file for file in files if plugin_key(file) not in (*KNOWN, TRACK_CONTROLLER)))
-    return plugins, names, visuals
-
-
-def _lacks_its_mesh(visual: Element) -> bool:
-    """Return whether the mesh of a visual was not found: URIs that were found are absolute paths (`resolve_uris`)."""
-    uri = (visual.findtext("geometry/mesh/uri") or "/").strip()
-    return not uri.removeprefix("file://").startswith("/")
+    return plugins, sensors, visuals
 
 
 def _respell(model: Element, backend: str) -> None:
@@ -479,19 +455,7 @@ def _is_loadable(file: str, backend: str) -> bool:
     if key.startswith("gz-sim-"):
         return backend != "classic"
     # Classic's own are called so; one of a robot's manufacturer, or of ROS, is in a folder of plug-ins, or not here.
-    return (backend == "classic" and key.endswith("Plugin")) or _is_installed(file)
-
-
-def _is_installed(file: str) -> bool:
     folders = [folder for variable in _LIBRARIES for folder in os.environ.get(variable, "").split(os.pathsep)]
     names = {file, file if file.startswith("lib") else f"lib{file}.so"}
-    return any(Path(folder, name).is_file() for folder in folders if folder for name in names)
-
-
-def _without(model: Element, tag: str, is_out: Callable[[Element], bool], attribute: str) -> Iterator[str]:
-    """Take elements of a tag out, wherever they are, and give an attribute of each."""
-    for parent in list(model.iter()):
-        for element in parent.findall(tag):
-            if is_out(element):
-                parent.remove(element)
-                yield element.get(attribute, "")
+    is_installed = any(Path(folder, name).is_file() for folder in folders if folder for name in names)
+    return is_installed or (backend == "classic" and key.endswith("Plugin"))

@@ -66,7 +66,7 @@ class ModelFrames:
 
     def joint(self, name: str) -> Array:
         """Return the pose of a joint in the model's frame, (4, 4)."""
-        return self._placed(name, self.joints[name], 0)
+        return self._placed(name, self.joints[name])
 
     def child(self, joint: str) -> str:
         """Return the link that a joint turns."""
@@ -91,11 +91,14 @@ class ModelFrames:
                 if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
                     yield link, collision, geometry
 
-    def _placed(self, name: str, element: Element, depth: int) -> Array:
-        scope = name.rpartition("::")[0]
+    def _placed(self, name: str, element: Element, depth: int = 0) -> Array:
+        """Return the pose of an element in the model's frame, (4, 4); of a collision shape, `name` is its link's."""
+        scope, _, own = name.rpartition("::")
         pose = element.find("pose")
         other = "" if pose is None else pose.get("relative_to", pose.get("frame", ""))
-        other = other or _default(element)
+        if not other:  # a joint is relative to its child, a frame to what it is attached to, a shape to its link
+            defaults = {"joint": (element.findtext("child") or "").strip(), "collision": own}
+            other = defaults.get(element.tag, element.get("attached_to", "") if element.tag == "frame" else "")
         base = scope if other in ("", "__model__") else _in_scope(scope, other)
         return self.transform(base, depth + 1) @ self.local(element)
 
@@ -106,10 +109,7 @@ class ModelFrames:
 
     def shape(self, link: str, collision: Element) -> Array:
         """Return the pose of a collision shape of a link in the model's frame, (4, 4)."""
-        pose = collision.find("pose")
-        other = "" if pose is None else pose.get("relative_to", "")
-        base = _in_scope(link.rpartition("::")[0], other) if other else link
-        return self.transform(base) @ self.local(collision)
+        return self._placed(link, collision)
 
     def axis(self, joint: str) -> Array:
         """Return the direction of a joint's axis in the model's frame, (3,)."""
@@ -145,13 +145,6 @@ def floats(text: str | None, count: int, where: str) -> list[float]:
         expected = "a number" if count == 1 else f"{count} numbers"
         raise FileError(f"{where}: {shown((text or '').strip())} is not {expected} within a million")
     return values
-
-
-def _default(element: Element) -> str:
-    """Return what a pose is relative to by default: a joint's to its child, a frame's to what it is attached to."""
-    if element.tag == "joint":
-        return (element.findtext("child") or "").strip()
-    return element.get("attached_to", "") if element.tag == "frame" else ""
 
 
 def _in_scope(scope: str, name: str) -> str:
@@ -197,7 +190,16 @@ def inertials(frames: ModelFrames) -> dict[str, Inertial]:
 
     FileError for a mass that is not positive, and for a moment of inertia that is negative.
     """
-    return {link: _inertial(link, element, frames) for link, element in frames.links()}
+    by_link = {}
+    for link, element in frames.links():
+        mass, place, inertial = 1.0, frames.transform(link), element.find("inertial")
+        if inertial is not None:
+            where = f"{frames.where}: link {shown(link)}"
+            (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
+            refuse_inertia(mass, _moments(link, element, frames), where)
+            place = place @ frames.local(inertial)
+        by_link[link] = Inertial(mass, place[:3, 3])
+    return by_link
 
 
 def impossible_inertias(frames: ModelFrames) -> list[str]:
@@ -224,17 +226,6 @@ def tensor_of(values: Sequence[float]) -> Array:
     """Return the tensor of inertia, (3, 3), of ixx, ixy, ixz, iyy, iyz and izz."""
     xx, xy, xz, yy, yz, zz = values
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def _inertial(link: str, element: Element, frames: ModelFrames) -> Inertial:
-    inertial = element.find("inertial")
-    place = frames.transform(link)
-    if inertial is None:
-        return Inertial(1.0, place[:3, 3])
-    where = f"{frames.where}: link {shown(link)}"
-    (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
-    refuse_inertia(mass, _moments(link, element, frames), where)
-    return Inertial(mass, (place @ frames.local(inertial))[:3, 3])
 
 
 def _moments(link: str, element: Element, frames: ModelFrames) -> Array:

@@ -74,7 +74,11 @@ def packages_around(file: Path) -> Iterator[Path]:
     seen, waiting, left = {own}, [(own, 0), *((folder, 0) for folder in list(own.parents)[:_AROUND])], _MOST_FOLDERS
     while waiting:
         folder, depth = waiting.pop(0)
-        for inner in _folders(folder, left):
+        inside: list[Path] = []
+        with suppress(OSError), os.scandir(folder) as entries:
+            names = sorted(entry.name for entry in islice(entries, _MOST_FOLDERS) if entry.is_dir())
+            inside = [folder / name for name in names if not name.startswith(".")][:left]
+        for inner in inside:
             left -= 1
             if inner in seen:
                 continue
@@ -83,21 +87,6 @@ def packages_around(file: Path) -> Iterator[Path]:
                 yield inner
             elif not depth:
                 waiting.append((inner, 1))
-
-
-def _folders(folder: Path, most: int) -> list[Path]:
-    """Return at most so many folders in a folder by their names; none if it cannot be read."""
-    with suppress(OSError), os.scandir(folder) as entries:
-        names = sorted(entry.name for entry in islice(entries, _MOST_FOLDERS) if entry.is_dir())
-        return [folder / name for name in names if not name.startswith(".")][:most]
-    return []
-
-
-def _package_name(folder: Path) -> str:
-    """Return the name in a package.xml; an empty text if there is none."""
-    text = (regular_content(folder / _MANIFEST, _LARGEST_MANIFEST) or b"").decode("utf-8", "replace")
-    name = re.search(r"<name>\s*([^<\s]+)\s*</name>", text)
-    return name[1] if name else ""
 
 
 def _resolved(uri: str, file: Path) -> Path | None:
@@ -121,7 +110,11 @@ def _of_package(rest: str, file: Path) -> Iterator[Path]:
     for variable in _PATHS:
         yield from (Path(folder, rest) for folder in _listed(variable))
     yield from (Path(prefix, "share", rest) for prefix in _listed(_PREFIXES))
-    yield from (folder / inner for folder in packages_around(file) if _package_name(folder) == name)
+    for folder in packages_around(file):
+        manifest = (regular_content(folder / _MANIFEST, _LARGEST_MANIFEST) or b"").decode("utf-8", "replace")
+        own_name = re.search(r"<name>\s*([^<\s]+)\s*</name>", manifest)
+        if own_name and own_name[1] == name:
+            yield folder / inner
 
 
 def _listed(variable: str) -> list[str]:

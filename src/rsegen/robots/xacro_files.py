@@ -85,13 +85,11 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
     """
     if XACRO.is_missing:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
-    command = [sys.executable, "-m", "rsegen.robots.xacro_files", where]
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
-    task = json.dumps({"text": text, "arguments": dict(arguments), "seconds": _SECONDS})
     try:
         ended = subprocess.run(  # noqa: S603  # no shell, and only our own words
-            command,
-            input=task,
+            [sys.executable, "-m", "rsegen.robots.xacro_files", where],
+            input=json.dumps({"text": text, "arguments": dict(arguments), "seconds": _SECONDS}),
             encoding="utf-8",
             capture_output=True,
             env=environment,
@@ -114,7 +112,11 @@ def main(where: str) -> int:
     """Print the expanded text of what comes by stdin, or why there is none; the exit code says which."""
     result, sys.stdout = sys.stdout, sys.stderr  # messages of the macros go there
     task, missing = json.load(sys.stdin), dict[str, None]()
-    _limit(task["seconds"])
+    with suppress(ImportError):  # there is none in Windows
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+        resource.setrlimit(resource.RLIMIT_CPU, (task["seconds"], task["seconds"] + 1))
     try:
         text = _expanded(task["text"], where, task["arguments"], missing)
     except Exception as error:  # macros fail in as many ways as programs
@@ -133,20 +135,9 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     if undefined:
         return f"{reason}; give it after the file, as in 'FILE {undefined[1]}:=VALUE'"
     if missing and "nknown macro" in reason:
-        return f"{reason}; these packages are not found: {', '.join(missing)}; {_ADVICE}"
+        advice = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
+        return f"{reason}; these packages are not found: {', '.join(missing)}; {advice}"
     return reason
-
-
-_ADVICE = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
-
-
-def _limit(seconds: int) -> None:
-    """Limit the CPU time and the memory of this process."""
-    with suppress(ImportError):  # there is none in Windows
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
 
 
 class _Missing(ValueError):
@@ -168,11 +159,13 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
         """Yield the files that an element includes; none if their package is not found."""
         try:
             yield from include_files(filename, symbols)
-        except Exception as error:  # xacro wraps ours in one or two of its own
-            name = _missing_package(error)
-            if name is None:
+        except Exception as error:
+            inner: Any = error
+            while inner is not None and not isinstance(inner, _Missing):  # xacro wraps ours in one or two of its own
+                inner = getattr(inner, "exc", None) or inner.__cause__ or inner.__context__
+            if inner is None:
                 raise
-            missing[name] = None
+            missing[inner.package] = None
 
     xacro.get_include_files = found_files
     xacro.safe_eval = _evaluated
@@ -185,13 +178,6 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
     if len(result) > _LARGEST:
         raise ValueError(f"its macros make {len(result) / 2**20:.0f} MiB of it")
     return result
-
-
-def _missing_package(error: BaseException | None) -> str | None:
-    """Return the package of which an error says that it is missing, None for any other error."""
-    while error is not None and not isinstance(error, _Missing):
-        error = getattr(error, "exc", None) or error.__cause__ or error.__context__
-    return error.package if error else None
 
 
 def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | None = None) -> Any:
@@ -210,19 +196,19 @@ def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:
         function = node.func
         if isinstance(function, ast.Name):
             return function.id in _CALLED and not node.keywords
-        return isinstance(function, ast.Attribute) and not node.keywords and _is_method(function)
+        callable_names = _CALLED if _is_of_namespace(function) else _METHODS
+        return isinstance(function, ast.Attribute) and not node.keywords and function.attr in callable_names
     if isinstance(node, ast.Attribute):
-        of_namespace = isinstance(node.value, ast.Name) and node.value.id in _NAMESPACES
-        # Other attributes are entries of tables; those of a namespace are numbers, and what is called.
-        return node.attr in {*_CALLED, "pi", "e", "tau", "inf"} if of_namespace else not node.attr.startswith("_")
+        if _is_of_namespace(node):  # numbers, and what is called; other attributes are entries of tables
+            return node.attr in {*_CALLED, "pi", "e", "tau", "inf"}
+        return not node.attr.startswith("_")
     if isinstance(node, ast.Name):  # a namespace alone could get another name
         return not node.id.startswith("_") and (is_before_dot or node.id not in _NAMESPACES)
     return isinstance(node, _ALLOWED)
 
 
-def _is_method(function: ast.Attribute) -> bool:
-    of_namespace = isinstance(function.value, ast.Name) and function.value.id in _NAMESPACES
-    return function.attr in (_CALLED if of_namespace else _METHODS)
+def _is_of_namespace(node: ast.AST) -> bool:
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in _NAMESPACES
 
 
 def _refused(*_: object) -> str:
