@@ -189,22 +189,19 @@ def _no_signals_for_new_processes() -> Iterator[None]:
 
 
 def _start_worker(parent_stops: Connection) -> None:
-    """Run first in a worker: ignore the signals, and watch the process that started it."""
+    """Run first in a worker: ignore the signals, and end it when the process that started it is gone, or stops."""
+    import multiprocessing
     import threading
+    from multiprocessing.connection import wait
+
+    def watch() -> None:
+        parent = multiprocessing.parent_process()
+        wait([parent_stops, *([parent.sentinel] if parent else [])])
+        os._exit(1)  # what it was writing is staged, and removed by its parent
 
     for number in _STOP_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
-    threading.Thread(target=_watch_parent, args=(parent_stops,), daemon=True).start()
-
-
-def _watch_parent(parent_stops: Connection) -> None:
-    """End the process when its parent is gone or stops: what it was writing is staged, and removed by the parent."""
-    import multiprocessing
-    from multiprocessing.connection import wait
-
-    parent = multiprocessing.parent_process()
-    wait([parent_stops, *([parent.sentinel] if parent else [])])
-    os._exit(1)
+    threading.Thread(target=watch, daemon=True).start()
 
 
 # A cluster.

@@ -11,7 +11,7 @@ with their options, so that a resumed run knows which of them are those asked fo
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import fsum, prod
@@ -81,7 +81,12 @@ def export_one(
     if not path.suffix:
         names = write_folder(exported(scene, [chosen]), path, force=force)
         return Exported(path=path, format=chosen.name, files=tuple(path / name for name in names))
-    write_file(_only_file(chosen, scene, path), path, force=force)
+    files = chosen.files(scene)
+    if len(files) != 1:
+        problem = f"{path} is one file, but {chosen.name} writes {len(files)} of them"
+        raise ParameterError("path", f"{problem}; give a folder, without a suffix")
+    (content,) = files.values()
+    write_file(content, path, force=force)
     return Exported(path=path, format=chosen.name, files=(path,))
 
 
@@ -94,16 +99,6 @@ def _format(path: Path, name: str | None, options: Mapping[str, Any]) -> Format:
         if option not in parameters(cls):
             raise UnknownName.among("format", f"option of {cls.name}", option, parameters(cls))
     return cls(**options)
-
-
-def _only_file(chosen: Format, scene: Scene, path: Path) -> Iterable[bytes]:
-    """Return the content of the one file of a format; a ParameterError for a format of several."""
-    files = chosen.files(scene)
-    if len(files) != 1:
-        problem = f"{path} is one file, but {chosen.name} writes {len(files)} of them"
-        raise ParameterError("path", f"{problem}; give a folder, without a suffix")
-    (content,) = files.values()
-    return content
 
 
 # Many maps.
@@ -149,7 +144,7 @@ def plan_exports(
     return RunPlan(
         folder=folder,
         product=partial(_export, folder),
-        seconds=_mean_seconds(recipes, sidecars),
+        seconds=fsum(recipe.maps / len(maps) * sidecars.seconds(prod(recipe.grid.shape)) for recipe in recipes),
         to_make=[export for export in planned if export.formats],
         existing=[export for export in planned if not export.formats],
         replaces=on_existing is OnExisting.REPLACE,
@@ -193,8 +188,10 @@ def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
     """Return the files of a map in other formats."""
     name = item.recipe.map_name(item.index)
     home, bundle = folder / name, exported(compose(item.recipe, item.index), item.formats)
-    if item.adds:
-        bundle = _added(bundle, home, item.formats)
+    if item.adds:  # to a map whose recipe.json stays, and whose formats.json lists the new formats too
+        listed = {**(listed_formats(str(home)) or {}), **recorded_options(item.formats)}
+        bundle = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
+        bundle[PurePosixPath(FORMATS_FILE)] = [as_json(listed)]
     names = frozenset(format_.name for format_ in item.formats)
     return Output(
         made=ExportedMap(folder=home, names=sorted_names(bundle)),
@@ -204,19 +201,6 @@ def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
         force=names | {FORMATS_FILE},  # the plan has refused those that must stay
         whole=names,
     )
-
-
-def _added(bundle: Bundle, home: Path, formats: Sequence[Format]) -> Bundle:
-    """Return what is added to a map that exists: its recipe.json stays, and formats.json lists the new formats too."""
-    listed = {**(listed_formats(str(home)) or {}), **recorded_options(formats)}
-    added = {path: content for path, content in bundle.items() if path != PurePosixPath(_RECIPE)}
-    return {**added, PurePosixPath(FORMATS_FILE): [as_json(listed)]}
-
-
-def _mean_seconds(recipes: Sequence[Recipe], sidecars: Sidecars) -> float:
-    """Return about how long a map takes, in the mean."""
-    maps = sum(recipe.maps for recipe in recipes)
-    return fsum(recipe.maps / maps * sidecars.seconds(prod(recipe.grid.shape)) for recipe in recipes)
 
 
 # Formats that a map has already.
@@ -312,7 +296,12 @@ def export_joined(
     with open_store(home.parent, sync=sync, output=home) as store:
         root, files = new_root(store.staging), dict[str, Checksum]()
         for recipe, index in maps:
-            bundle = _in_package(chosen, recipe, index)
+            own = chosen.files(compose(recipe, index))
+            bundle: Bundle = {
+                **{PurePosixPath(path).relative_to(chosen.joins): content for path, content in own.items()},
+                PurePosixPath(_recipe_file(recipe, index)): [map_json(recipe, index)],
+                PurePosixPath(FORMATS_FILE): [as_json(recorded_options([chosen]))],
+            }
             new = {path: content for path, content in bundle.items() if str(path) not in files}
             files |= stage_all(root, new)
             made.append(ExportedMap(folder=home, names=sorted_names(new)))
@@ -321,16 +310,6 @@ def export_joined(
         if maps:
             store.put_complete(root, files, home.name, "package", force=on_existing is OnExisting.REPLACE)
     return tuple(made)
-
-
-def _in_package(chosen: Format, recipe: Recipe, index: int) -> Bundle:
-    """Return the files of one map by their paths in the folder that joins all."""
-    files = chosen.files(compose(recipe, index))
-    return {
-        **{PurePosixPath(path).relative_to(chosen.joins): content for path, content in files.items()},
-        PurePosixPath(_recipe_file(recipe, index)): [map_json(recipe, index)],
-        PurePosixPath(FORMATS_FILE): [as_json(recorded_options([chosen]))],
-    }
 
 
 def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, int]]) -> None:

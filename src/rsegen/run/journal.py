@@ -262,15 +262,13 @@ def compare(folder: Path, journal: Journal, below: str = "") -> FolderComparison
     """Compare a folder, or only what is `below` a folder of it, with its journal; OSError if it is unreadable."""
     start = f"{below}/" if below else ""
     present = dict(_files(folder / below, start))
-    states = {
-        name: _state(folder / name, present.get(name), checksums)
-        for name, checksums in journal.files.items()
-        if name.startswith(start)
-    }
+    named: dict[str, list[str]] = {"intact": [], "changed": [], "missing": []}
+    for name in sorted(name for name in journal.files if name.startswith(start)):
+        named[_state(folder / name, present.get(name), journal.files[name])].append(name)
     return FolderComparison(
         foreign=tuple(sorted(present.keys() - journal.files.keys() - {JOURNAL})),
-        changed=tuple(sorted(name for name, state in states.items() if state == "changed")),
-        missing=tuple(sorted(name for name, state in states.items() if state == "missing")),
+        changed=tuple(named["changed"]),
+        missing=tuple(named["missing"]),
     )
 
 
@@ -351,15 +349,10 @@ def _is_own(name: str, path: str) -> bool:
 def _state(path: Path, status: os.stat_result | None, checksums: Collection[Checksum]) -> str:
     """Return intact, changed, or missing: that is gone, or empty where it should not be."""
     sizes = {checksum.bytes for checksum in checksums}
-    if status is None:
+    if status is None or (stat.S_ISREG(status.st_mode) and status.st_size == 0 and 0 not in sizes):
         return "missing"
-    if not stat.S_ISREG(status.st_mode):
-        return "changed"
-    if status.st_size == 0 and 0 not in sizes:
-        return "missing"
-    if status.st_size not in sizes or checksum_of(path) not in checksums:
-        return "changed"
-    return "intact"
+    is_right = stat.S_ISREG(status.st_mode) and status.st_size in sizes and checksum_of(path) in checksums
+    return "intact" if is_right else "changed"
 
 
 def _files(folder: Path, above: str = "") -> Iterator[tuple[str, os.stat_result]]:
@@ -412,18 +405,16 @@ def verify(folder: str | Path) -> Verified:
         journals = {path: journal for path in (folder, *inside) if (journal := read_journal(path))}
     if not journals:
         raise FileError(f"{folder}: no {JOURNAL} in it, nor in its folders, so its files cannot be compared")
-    unlisted = [path for home, journal in journals.items() for path in _compared(home, journal)]
+    unlisted: list[Path] = []
+    for home, journal in journals.items():
+        with read_errors(home):
+            comparison = compare(home, journal)
+        wrong = [f"{home / name}: was changed after rsegen wrote it" for name in comparison.changed]
+        wrong += [f"{home / name}: is missing or empty" for name in comparison.missing]
+        if wrong:
+            more = f"; {len(wrong) - 1} more files in this folder are changed, missing or empty" if wrong[1:] else ""
+            raise FilesDamaged(f"{wrong[0]}{more}")
+        if journal.holds not in ("files", "experiment"):  # which have others beside them
+            unlisted += [home / name for name in comparison.foreign]
     files = sum(len(journal.files) for journal in journals.values())
     return Verified(folders=len(journals), files=files, unlisted=tuple(unlisted))
-
-
-def _compared(home: Path, journal: Journal) -> list[Path]:
-    """Return the files of a folder that its journal does not list; FilesDamaged for the first that is not as it was."""
-    with read_errors(home):
-        comparison = compare(home, journal)
-    wrong = [(name, "was changed after rsegen wrote it") for name in comparison.changed]
-    wrong += [(name, "is missing or empty") for name in comparison.missing]
-    for name, what in wrong[:1]:
-        more = f"; {len(wrong) - 1} more files in this folder are changed, missing or empty" if wrong[1:] else ""
-        raise FilesDamaged(f"{home / name}: {what}{more}")
-    return [] if journal.holds in ("files", "experiment") else [home / name for name in comparison.foreign]

@@ -107,20 +107,17 @@ def refuse_leased(home: Path) -> None:
     folder = home.parent.absolute()
     for leased in (folder, *([folder.parent] if (folder / JOURNAL).exists() else [])):
         held = _held(leased / home.name)
-        if held and (leased == folder or not _is_own(held)) and is_alive(held):
-            raise _busy(leased / home.name, held)
-
-
-def _is_own(held: Path) -> bool:
-    """Return whether a lease is of this process, which may write below the folder too."""
-    entry = _read(held) or {}
-    return entry.get("pid") == os.getpid() and {key: entry.get(key) for key in _place()} == _place()
+        entry = (_read(held) if held else None) or {}
+        is_own = entry.get("pid") == os.getpid() and _is_of_here(entry)  # which may write below the folder too
+        if held and (leased == folder or not is_own) and is_alive(held):
+            who = f"process {shown(entry.get('pid'))} on {shown(entry.get('host'))}"
+            raise OutputError(f"{leased}: another run is writing there ({who}); wait for it, or stop it")
 
 
 def is_alive(path: Path) -> bool:
     """Return whether the run of a lease is alive."""
     entry = _read(path)
-    if entry is not None and {key: entry.get(key) for key in _place()} == _place():
+    if entry is not None and _is_of_here(entry):
         return entry.get("started") == _started(entry.get("pid"))
     end = time.monotonic() + (SILENCE if entry else BEAT)  # a lease that is being written is so for a moment only
     while time.monotonic() < end:
@@ -148,12 +145,6 @@ def _number(path: Path) -> int:
     return int(path.name[6:])
 
 
-def _busy(home: Path, held: Path) -> OutputError:
-    entry = _read(held) or {}
-    who = f"process {shown(entry.get('pid'))} on {shown(entry.get('host'))}"
-    return OutputError(f"{home.parent}: another run is writing there ({who}); wait for it, or stop it")
-
-
 def _read(path: Path) -> Mapping[str, Any] | None:
     """Return what a lease says, None while it is being written."""
     try:
@@ -161,6 +152,10 @@ def _read(path: Path) -> Mapping[str, Any] | None:
     except (OSError, ValueError):
         return None
     return entry if isinstance(entry, dict) else None
+
+
+def _is_of_here(entry: Mapping[str, Any]) -> bool:
+    return {key: entry.get(key) for key in _place()} == _place()
 
 
 @cache

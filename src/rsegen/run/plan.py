@@ -78,7 +78,7 @@ def _stage(
             error = failure
             break
     if sync:
-        sync_trees([item.root for item in staged if item.root])
+        sync_trees(*(item.root for item in staged if item.root))
     return staged, error
 
 
@@ -166,7 +166,7 @@ def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made],
                 if failure:
                     raise failure
     except (KeyboardInterrupt, UserError, OSError) as error:
-        raise _ended(error, store, _left(store, plan, len(made))) from error
+        raise _ended(error, store, plan, len(made)) from error
     return tuple(made)
 
 
@@ -187,8 +187,13 @@ def _noted(noted: dry.Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterato
         yield output.made
 
 
-def _ended(error: BaseException, store: Store, left: str) -> BaseException:
+def _ended(error: BaseException, store: Store, plan: RunPlan[Item, Made], made: int) -> BaseException:
     """Return what ended a run as the error that also says what is left: exit code 2 means that nothing was changed."""
+    left = f"nothing was changed in {plan.folder}"
+    if store.changed:
+        complete, planned = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
+        rest = "; the others are as they were" if plan.replaces else ""
+        left = f"{complete} of {planned} {plan.what} are complete in {plan.folder}{rest}"
     if isinstance(error, KeyboardInterrupt):
         return Stopped(left, changed=store.changed)
     if not store.changed:
@@ -198,26 +203,13 @@ def _ended(error: BaseException, store: Store, left: str) -> BaseException:
     return Incomplete(f"{error}; {left}")
 
 
-def _left(store: Store, plan: RunPlan[Item, Made], made: int) -> str:
-    """Return what is in the folder, in words that are true."""
-    complete, planned = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
-    if not store.changed:
-        return f"nothing was changed in {plan.folder}"
-    rest = "; the others are as they were" if plan.replaces else ""
-    return f"{complete} of {planned} {plan.what} are complete in {plan.folder}{rest}"
-
-
 def _put(store: Store, staged: Staged[Made], *, force: bool) -> None:
-    """Put the files of an item in their place."""
-    output = staged.output
-    if staged.root is None:
-        return
-    if not output.adds:
-        store.put_folder(staged.root, output.folder, output.holds, force=force)
-        return
-    store.put_staged(
-        staged.root, staged.files, below=output.folder, force=output.force, whole=output.whole, holds=output.holds
-    )
+    """Put the files of an item in their place; force: of a whole folder."""
+    root, files, output = staged.root, staged.files, staged.output
+    if root and output.adds:
+        store.put_staged(root, files, below=output.folder, force=output.force, whole=output.whole, holds=output.holds)
+    elif root:
+        store.put_folder(root, output.folder, output.holds, force=force)
 
 
 def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], bool]) -> list[int]:

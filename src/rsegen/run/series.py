@@ -101,10 +101,12 @@ def plan_series(
         tell("fields as designed", len(spans) / len(plan.fields))
     line = mean(plan, spans)
     existing = _existing(plan, line, folder, sidecars) if keeps else []
+    searched = 0 if plan.by == RMS else HALVINGS * _seconds_per_value(plan)
     return RunPlan(
         folder=folder,
         product=partial(_map, plan, folder, sidecars, line, frozenset(existing)),
-        seconds=_seconds_per_map(plan, sidecars),
+        # A world, 3 ms and 1 us per cell for its row, and a search for its share: estimates, as in `seconds_per_world`.
+        seconds=seconds_per_world(plan.recipe, sidecars) + 3e-3 + prod(plan.recipe.grid.shape) * 1e-6 + searched,
         to_make=numbers,
         existing=existing,
         replaces=replaces,
@@ -136,13 +138,6 @@ def _spans(plan: SeriesPlan, numbers: Iterable[int]) -> tuple[Span, ...]:
     return tuple(span(plan, number) for number in numbers)
 
 
-def _seconds_per_map(plan: SeriesPlan, sidecars: Sidecars) -> float:
-    # Estimates, as in `seconds_per_world`: a world, 3 ms and 1 us per cell for its row, and a search for its share.
-    row = 3e-3 + prod(plan.recipe.grid.shape) * 1e-6
-    searched = 0 if plan.by == RMS else HALVINGS * _seconds_per_value(plan)
-    return seconds_per_world(plan.recipe, sidecars) + row + searched
-
-
 def _map(
     plan: SeriesPlan, folder: Path, sidecars: Sidecars, line: Span, existing: frozenset[int], number: int
 ) -> Output[RowAndMap]:
@@ -172,8 +167,9 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     """Return a PNG of the metric of every map and plans of some of them; it carries the recipe at difficulty 1."""
     from matplotlib.figure import Figure
 
-    shown = _shown(len(rows))
-    scenes = [_scene(plan, rows[number]) for number in shown]
+    shown = np.unique(np.rint(np.linspace(0, len(rows) - 1, _PLANS))).astype(int).tolist()  # the first and the last too
+    drawn = [replace(plan.whole(number), difficulty=rows[number].recipe_difficulty) for number in shown]
+    scenes = [compose(recipe, recipe.first_map) for recipe in drawn]
     figure = Figure(figsize=(13, 7.4), dpi=100, layout="constrained")
     grid = figure.add_gridspec(2, len(shown), height_ratios=(2.6, 1))
     _draw_rise(figure.add_subplot(grid[0, :]), plan, rows, shown)
@@ -188,23 +184,20 @@ def _chart(plan: SeriesPlan, rows: Sequence[SeriesRow]) -> bytes:
     return encoded(figure, "png", to_json(plan.recipe))
 
 
-def _shown(maps: int) -> list[int]:
-    """Return the numbers of the maps that are drawn: the first, the last, and some between them."""
-    return [int(number) for number in np.unique(np.rint(np.linspace(0, maps - 1, _PLANS)))]
-
-
-def _scene(plan: SeriesPlan, row: SeriesRow) -> Scene:
-    recipe = replace(plan.whole(row.number), difficulty=row.recipe_difficulty)
-    return compose(recipe, recipe.first_map)
-
-
 def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: Sequence[int]) -> None:
     from matplotlib.ticker import MaxNLocator
 
     # Asked for as a line, reached as points on it, what a field cannot reach as a gap between both.
     numbers = np.array([row.number for row in rows])
     asked, reached, full = (_column(plan, rows, name) for name in ("asked", "measured", "full"))
-    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: {_line_text(plan, full)}")
+    share = f"difficulty x {np.nan_to_num(full).mean():.3g} {_unit(plan)}"
+    if plan.by != RMS:
+        line = f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
+    elif plan.same_field:
+        line = f"{share}, the rms step of the field as it is"
+    else:
+        line = f"{share}, the mean rms step of the fields as they are"
+    axes.plot(numbers, asked, color=_LINE, linewidth=2, label=f"asked for: {line}")
     if not plan.same_field:
         axes.plot(numbers, full, "_", color=_PALE, markersize=9, label="the field as it is: it gets no harder")
     axes.vlines(numbers, asked, reached, color=_INK, linewidth=1)
@@ -224,16 +217,8 @@ def _draw_rise(axes: Axes, plan: SeriesPlan, rows: Sequence[SeriesRow], shown: S
     axes.legend(frameon=False, loc="lower right")
 
 
-def _line_text(plan: SeriesPlan, full: Array) -> str:
-    """Return the legend of the straight line."""
-    if plan.by != RMS:
-        return f"from level to as designed{'' if plan.same_field else ', in the mean of the fields'}"
-    of = "the rms step of the field as it is" if plan.same_field else "the mean rms step of the fields as they are"
-    return f"difficulty x {np.nan_to_num(full).mean():.3g} {_unit(plan)}, {of}"
-
-
 def _unit(plan: SeriesPlan) -> str:
-    """Lengths are shown in the units of the recipe."""
+    """Return the unit of the metric; lengths are shown in those of the recipe."""
     return lengths_in(plan.recipe.units).unit if plan.metric.unit == "m" else plan.metric.unit
 
 

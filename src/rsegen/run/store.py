@@ -46,7 +46,7 @@ from rsegen.run.journal import (
 )
 from rsegen.run.lease import Lease, refuse_leased, take, wait_until_free
 from rsegen.run.stop import held
-from rsegen.run.swap import exchange, put, sync_folder, sync_tree
+from rsegen.run.swap import exchange, put, sync_folder, sync_trees
 
 PATIENCE = 5.0
 """Seconds that the writer of a single file waits for another run in the same folder.
@@ -130,7 +130,7 @@ class Store:
         """Give a staged folder a journal of its files, and its name, as `put_folder` does; the disk has all of it."""
         stage_journal(root, files, holds)
         if self.sync:
-            sync_tree(root)
+            sync_trees(root)
         self.put_folder(root, name, holds, force=force)
         self.sync_names()
 
@@ -145,11 +145,7 @@ class Store:
             raise
 
     def put(
-        self,
-        bundle: Mapping[str, Iterable[bytes]],
-        *,
-        force: Collection[str] | bool = False,
-        holds: str = "files",
+        self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
     ) -> None:
         """Write files of the folder, with a journal: all of them, or none if that fails.
 
@@ -158,7 +154,7 @@ class Store:
         root = new_root(self.staging)
         files = stage_all(root, {PurePosixPath(path): content for path, content in bundle.items()})
         if self.sync:
-            sync_tree(root)
+            sync_trees(root)
         self.put_staged(root, files, force=force, holds=holds)
 
     def put_staged(
@@ -257,7 +253,13 @@ class Store:
             wait_until_free(self.home, wait)
             with held(), suppress(FileNotFoundError):  # the run that had it has just removed the hidden folder
                 self._lease = take(self.home)
-        self._recover()
+        # What a killed run had moved aside and not yet replaced is put back, and what it had staged is removed.
+        for aside in (self.home / "old").glob("*"):
+            _put_back(aside, self.folder)
+        for path in (self.staging, self.home / "old"):
+            _remove(path)
+            if path.exists():
+                raise WriteError(f"{self.home}: what a killed run left there cannot be removed")
         self.staging.mkdir()
 
     def _close(self) -> None:
@@ -271,15 +273,6 @@ class Store:
             if self._lease:
                 self._lease.release()
             _remove_empty(self.home)
-
-    def _recover(self) -> None:
-        """Put back what a killed run had moved aside and not yet replaced, and remove what it had staged."""
-        for aside in (self.home / "old").glob("*"):
-            _put_back(aside, self.folder)
-        for path in (self.staging, self.home / "old"):
-            _remove(path)
-        if any((self.home / name).exists() for name in ("new", "old")):
-            raise WriteError(f"{self.home}: what a killed run left there cannot be removed")
 
 
 class _DryJournal(OpenJournal):

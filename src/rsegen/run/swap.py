@@ -14,7 +14,7 @@ import errno
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -88,16 +88,18 @@ def _of_libc(name: str) -> Any:
     return getattr(ctypes.CDLL(None, use_errno=True), name, None)
 
 
-def sync_tree(folder: Path) -> None:
-    """Wait until the disk has all files and folders below a folder, and the folder itself."""
-    sync_trees([folder])
-
-
-def sync_trees(folders: Iterable[Path]) -> None:
-    """Wait until the disk has all that is below some folders of one disk."""
+def sync_trees(*folders: Path) -> None:
+    """Wait until the disk has all that is below some folders of one disk, and these folders themselves."""
     below = [(path, is_folder) for folder in folders for path, is_folder in [*_below(folder), (str(folder), True)]]
-    if len(below) > _FEW and _of_libc("syncfs"):
-        _sync_disk(below[-1][0])
+    if len(below) > _FEW and (sync_disk := _of_libc("syncfs")):
+        import ctypes
+
+        descriptor = os.open(below[-1][0], os.O_RDONLY)
+        try:
+            if sync_disk(descriptor):
+                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()), below[-1][0])
+        finally:
+            os.close(descriptor)
         return
     for path, is_folder in below:
         (sync_folder if is_folder else sync_file)(path)
@@ -127,15 +129,3 @@ def _below(folder: str | Path) -> Iterator[tuple[str, bool]]:
             if is_folder := entry.is_dir(follow_symlinks=False):
                 yield from _below(entry.path)
             yield entry.path, is_folder
-
-
-def _sync_disk(folder: str) -> None:
-    """Wait until the disk of a folder has everything that was written to it."""
-    import ctypes
-
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        if _of_libc("syncfs")(descriptor):
-            raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()), folder)
-    finally:
-        os.close(descriptor)

@@ -174,11 +174,12 @@ def plan_worlds(
     for name in beside:
         read_journal(folder)  # which will list it
         refuse_taken_file(folder / name, force=on_existing is not OnExisting.REFUSE)
+    known = frozenset(existing)
     return RunPlan(
         folder=folder,
         product=partial(_world, recipe, folder, sidecars),
         seconds=seconds_per_world(recipe, sidecars),
-        to_make=_without(recipe.indices, existing),
+        to_make=[index for index in recipe.indices if index not in known] if known else recipe.indices,
         existing=existing,
         replaces=on_existing is not OnExisting.REFUSE,
         execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
@@ -230,10 +231,3 @@ def _world(recipe: Recipe, folder: Path, sidecars: Sidecars, index: int) -> Outp
     scene = compose(recipe, index)
     output = world_output(scene, folder, sidecars)
     return output if recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))
-
-
-def _without(indices: Sequence[int], existing: Sequence[int]) -> Sequence[int]:
-    if not existing:
-        return indices
-    known = frozenset(existing)
-    return [index for index in indices if index not in known]
