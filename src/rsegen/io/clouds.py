@@ -10,7 +10,6 @@ file that it cannot read becomes a FileError.
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
@@ -21,7 +20,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UserError, said_by
 from rsegen.field.stepfield import Array
-from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of, unreadable
+from rsegen.io.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.io.npy_files import mapped
 from rsegen.io.scan_options import CLOUDS
 from rsegen.params.extras import SCAN, pip_install
@@ -39,8 +38,9 @@ _MOST_VALUES = 1000
 _SAMPLED = 400_000
 """Points on the surface of a mesh, spread evenly: 40 on each of 10,000 blocks; with fewer, blocks are not seen."""
 
-_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|\s*nan", re.IGNORECASE)
-_SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
+_NUMBER, _SEPARATOR = r"([-+]?(\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?|nan)", r"(\s*[,;]\s*|\s+)"
+_POINT = re.compile(rf"\s*{_NUMBER}{_SEPARATOR}{_NUMBER}{_SEPARATOR}{_NUMBER}({_SEPARATOR}|$)", re.IGNORECASE)
+"""The start of a line with a point, in which no two parts can match the same letters: hostile lines take no time."""
 
 Intrinsics = tuple[float, float, float, float]
 """Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
@@ -106,9 +106,9 @@ def _image(path: Path) -> tuple[Array, str]:
 
 
 def _text(path: Path) -> tuple[Array, str]:
-    """Lines of x, y, z and perhaps more, by blanks, commas or semicolons; lines before the first of them are titles."""
-    lines = text_of(path, _mib(path), "a cloud; write it as PLY or PCD").splitlines()
-    first = next((at for at, line in enumerate(lines) if _is_point(line)), None)
+    """Return the points of lines of x, y, z and perhaps more, by blanks, commas or semicolons, below any titles."""
+    lines = text_of(path, _MOST_MIB, "a cloud; write it as PLY or PCD").splitlines()
+    first = next((at for at, line in enumerate(lines) if _POINT.match(line)), None)
     if first is None:
         raise FileError(f"{path}: no line has three numbers x, y, z")
     _refuse_many(path, len(lines) - first)
@@ -117,20 +117,6 @@ def _text(path: Path) -> tuple[Array, str]:
         return np.loadtxt(lines[first:], delimiter=separator, usecols=(0, 1, 2), ndmin=2, comments=("#", "//")), "m"
     except ValueError as error:
         raise FileError(f"{path}: {said_by(error)}") from None
-
-
-def _mib(path: Path) -> int:
-    """Return how many MiB of a file to read: no more than it has, as that much memory is taken at once."""
-    try:
-        with open_regular(path) as file:
-            return min(os.fstat(file.fileno()).st_size // 2**20 + 1, _MOST_MIB)
-    except OSError as error:
-        raise FileError(unreadable(path, error)) from None
-
-
-def _is_point(line: str) -> bool:
-    parts = _SEPARATOR.split(line.strip())
-    return len(parts) >= 3 and all(_NUMBER.fullmatch(part) for part in parts[:3])
 
 
 def _mesh(path: Path) -> tuple[Array, str]:

@@ -60,7 +60,10 @@ def read_start(path: str | Path, most: int) -> bytes:
             return _read_pipe(descriptor, most)
         if not stat.S_ISREG(kind):
             os.set_blocking(descriptor, True)  # a terminal, at which a person types
-        return file.read(most)
+        content = bytearray()
+        while piece := file.read(min(most - len(content), _AT_ONCE)):  # for all of `most` memory would be taken at once
+            content += piece
+        return bytes(content)
 
 
 def regular_content(path: str | Path, most: int) -> bytes | None:
@@ -138,19 +141,12 @@ def elements(text: str, where: str) -> ET.Element:
         root = ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
     except (ET.ParseError, LookupError, ValueError) as error:  # the last two for an encoding that is none
         raise FileError(f"{where}: not XML ({error})") from None
-    if _is_deeper(root, _DEEPEST):
-        raise FileError(f"{where}: nested too deeply, in more than {_DEEPEST} levels")
+    level, depth = [root], 0
+    while level := [child for element in level for child in element]:
+        depth += 1
+        if depth >= _DEEPEST:  # ElementTree could not write them again
+            raise FileError(f"{where}: nested too deeply, in more than {_DEEPEST} levels")
     return root
-
-
-def _is_deeper(root: ET.Element, most: int) -> bool:
-    """Return whether elements are nested in more than `most` levels, which ElementTree could not write again."""
-    level = [root]
-    for _ in range(most):
-        level = [child for element in level for child in element]
-        if not level:
-            return False
-    return True
 
 
 _STDERR = 2
@@ -190,15 +186,11 @@ def silent_libraries() -> Iterator[None]:
         stack.callback(logging.root.removeHandler, nowhere)
         with suppress(OSError):  # nobody hears them if there is no stderr
             before, null = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
-            stack.callback(_restore, before)
+            stack.callback(os.close, before)
+            stack.callback(os.dup2, before, _STDERR)
             os.dup2(null, _STDERR)
             os.close(null)
         yield
-
-
-def _restore(before: int) -> None:
-    os.dup2(before, _STDERR)
-    os.close(before)
 
 
 _IMAGE_FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")

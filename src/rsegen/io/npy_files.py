@@ -12,7 +12,7 @@ import os
 import warnings
 from io import BufferedReader, BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
@@ -28,20 +28,19 @@ _SIZE_BYTES = {(1, 0): 2, (2, 0): 4}
 """Bytes of the length of a header, by the version of the format; version 3 is for names that Latin-1 cannot write."""
 
 
-class NpyHeader(NamedTuple):
-    """The header of a file: shape, order and type of its array."""
-
-    shape: tuple[int, ...]
-    is_fortran: bool
-    dtype: np.dtype[Any]
-
-
 def mapped(path: Path) -> NDArray[Any]:
     """Return the array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
     try:
         with open_regular(path) as file:
-            shape, is_fortran, dtype = _checked_header(file)
-            start = file.tell()
+            shape, is_fortran, dtype = _header(file)
+            if dtype.hasobject or not dtype.itemsize:
+                raise ValueError(f"its values are {str(dtype)[:40]}")
+            if any(cells < 0 for cells in shape):
+                raise ValueError(f"a shape of {str(shape)[:60]}")
+            start, promised = file.tell(), math.prod(shape) * dtype.itemsize
+            size = os.fstat(file.fileno()).st_size - start
+            if promised > size:
+                raise ValueError(f"its header promises {str(promised)[:40]} bytes, {size} are there")
             return np.memmap(path, dtype=dtype, shape=shape, order="F" if is_fortran else "C", mode="r", offset=start)
     except OSError as error:
         raise FileError(unreadable(path, error)) from None
@@ -50,22 +49,10 @@ def mapped(path: Path) -> NDArray[Any]:
         raise FileError(f"{path}: not an array of numbers that numpy saved (.npy): {why}") from None
 
 
-def _checked_header(file: BufferedReader) -> NpyHeader:
-    """Return the header of a file, which is then read up to its end; ValueError if the file cannot hold its array."""
-    header = _header(file)
-    if header.dtype.hasobject or not header.dtype.itemsize:
-        raise ValueError(f"its values are {str(header.dtype)[:40]}")
-    if any(cells < 0 for cells in header.shape):
-        raise ValueError(f"a shape of {str(header.shape)[:60]}")
-    promised = math.prod(header.shape) * header.dtype.itemsize
-    size = os.fstat(file.fileno()).st_size - file.tell()
-    if promised > size:
-        raise ValueError(f"its header promises {str(promised)[:40]} bytes, {size} are there")
-    return header
-
-
-def _header(file: BufferedReader) -> NpyHeader:
-    """Return the header as numpy reads it, of no more bytes than a header has; ValueError if it is none."""
+def _header(file: BufferedReader) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Return shape, Fortran order and type as numpy reads them, of no more bytes than a header has, up to whose end
+    the file is read; ValueError if it is none.
+    """
     version = npy.read_magic(file)
     if version not in _SIZE_BYTES:
         raise ValueError(f"version {version[0]}.{version[1]} of the format")
@@ -78,6 +65,6 @@ def _header(file: BufferedReader) -> NpyHeader:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # headers that Python 2 wrote
-            return NpyHeader(*reader(text))
+            return reader(text)
     except Exception:  # numpy parses it as Python, which fails in many ways
         raise ValueError("its header is damaged") from None

@@ -54,16 +54,11 @@ def recipe_files(target: str) -> list[Path]:
 def chosen_map(target: str, which: str | None, where: str = "map") -> ChosenMap:
     """Return the given map of a target, or the first; errors about `which` name the flag or parameter `where`."""
     files = recipe_files(target)
-    if which is not None and which.isdecimal():
-        _refuse_ambiguous([file.parent.name for file in files], which, where)
+    if which is not None and which.isdecimal():  # an index that maps of several recipes in the folder may have
+        like = [file.parent.name for file in files if re.fullmatch(rf".*_0*{int(which[:20])}", file.parent.name)]
+        if len(like) > 1:
+            raise ParameterError(where, f"{shown(which)} may be {' or '.join(like[:3])}; give the name")
     return one_of(((file, recipe_in(file)) for file in files), which, target, where)
-
-
-def _refuse_ambiguous(names: Iterable[str], index: str, where: str) -> None:
-    """Raise a ParameterError for an index that maps of several recipes have; `names`: of the maps in a folder."""
-    like = [name for name in names if re.fullmatch(rf".*_0*{int(index[:20])}", name)]
-    if len(like) > 1:
-        raise ParameterError(where, f"{shown(index)} may be {' or '.join(like[:3])}; give the name")
 
 
 def one_of(

@@ -15,7 +15,6 @@ the recipes is refused. It is the last file that is written: a data set with a m
 from __future__ import annotations
 
 import json
-import random
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -228,7 +227,14 @@ def header(layout: ShardLayout) -> dict[str, Any]:
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:
     """Return the text of a manifest, one line per shard."""
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in header(layout).items()]
-    rows = ",\n".join(f"    {json.dumps(_entry(layout, shard))}" for shard in shards)
+    entries = (
+        {
+            what: {"file": name, "bytes": shard.files[what].bytes, "sha256": shard.files[what].sha256}
+            for what, name in layout.names(shard.number).items()
+        }
+        for shard in shards
+    )
+    rows = ",\n".join(f"    {json.dumps(entry)}" for entry in entries)
     return ("{\n" + ",\n".join([*lines, f'  "shards": [\n{rows}\n  ]']) + "\n}\n").encode()
 
 
@@ -236,28 +242,20 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     """Return the content of a data set's manifest; FileError if there is none, ParameterError if a value is wrong."""
     path = folder / MANIFEST
     if not path.is_file():
-        unfinished = (folder / JOURNAL).is_file()
-        why = (
-            "is not finished; the command that began it goes on with resume=True"
-            if unfinished
-            else "has no " + MANIFEST
-        )
-        raise FileError(f"{folder}: {why}" + ("" if unfinished else ", so it is not a data set of rsegen"))
+        why = f"has no {MANIFEST}, so it is not a data set of rsegen"
+        if (folder / JOURNAL).is_file():
+            why = "is not finished; the command that began it goes on with resume=True"
+        raise FileError(f"{folder}: {why}")
     entries = content(path)
     try:
         if not isinstance(entries, Mapping) or entries.get("dataset") != FORMAT:
             raise ParameterError("", f"is not a manifest of a data set in format {FORMAT}")
-        layout = _layout(entries)
-        return layout, _shards(layout, entries["shards"])
+        layout, shards = _layout(entries), entries["shards"]
+        if not isinstance(shards, Sequence) or len(shards) != layout.shards:
+            raise ParameterError("shards", f"are not the {layout.shards} that {layout.maps} maps need")
+        return layout, [_shard(layout, number, entry) for number, entry in enumerate(shards)]
     except ParameterError as error:
         raise error.of(str(path)) from None
-
-
-def _entry(layout: ShardLayout, shard: Shard) -> dict[str, object]:
-    names = layout.names(shard.number)
-    return {
-        what: {"file": names[what], "bytes": part.bytes, "sha256": part.sha256} for what, part in shard.files.items()
-    }
 
 
 def _layout(content: Mapping[str, Any]) -> ShardLayout:
@@ -266,14 +264,13 @@ def _layout(content: Mapping[str, Any]) -> ShardLayout:
     for key in ("recipes", "shard_maps", "metrics", "shards"):
         if key not in content:
             raise ParameterError(key, "is missing")
-    entries = content["recipes"]
+    entries, recipes = content["recipes"], []
     if not isinstance(entries, list):
         raise ParameterError("recipes", f"{shown(entries)} is not a list of recipes")
-    layout = ShardLayout(
-        recipes=[_recipe(f"recipes[{index}]", entry) for index, entry in enumerate(entries)],
-        shard_maps=content["shard_maps"],
-        metrics=content["metrics"],
-    )
+    for index, entry in enumerate(entries):
+        with inside(f"recipes[{index}]"):
+            recipes.append(decode(entry))
+    layout = ShardLayout(recipes=recipes, shard_maps=content["shard_maps"], metrics=content["metrics"])
     expected = header(layout)
     for key in ("maps", "shape", "dtype", "axes", "shard_maps"):
         if content.get(key) != expected[key]:
@@ -283,20 +280,8 @@ def _layout(content: Mapping[str, Any]) -> ShardLayout:
     return layout
 
 
-def _recipe(where: str, entry: object) -> Recipe:
-    with inside(where):
-        return decode(entry)
-
-
-def _shards(layout: ShardLayout, entries: object) -> list[Shard]:
-    if not isinstance(entries, Sequence) or len(entries) != layout.shards:
-        raise ParameterError("shards", f"are not the {layout.shards} that {layout.maps} maps need")
-    return [_shard(layout, number, entry) for number, entry in enumerate(entries)]
-
-
-def _shard(layout: ShardLayout, number: object, entry: object) -> Shard:
+def _shard(layout: ShardLayout, number: int, entry: object) -> Shard:
     """Return a shard of a manifest; ParameterError if a file has a wrong name or an impossible size."""
-    number = Integer(0, layout.shards - 1).check("shard", number)
     where, names = f"shards[{number}]", layout.names(number)
     files = {}
     for what, name in names.items():
@@ -327,11 +312,6 @@ def refuse_other_checksums(folder: Path, layout: ShardLayout, shards: Iterable[S
                 f"{path}: has changed, its checksum is wrong; "
                 "the command that made the data set repairs it with resume=True"
             )
-
-
-def random_places(maps: int, wanted: int) -> list[int]:
-    """`wanted` places of maps, chosen at random; all of them if there are fewer."""
-    return sorted(random.SystemRandom().sample(range(maps), min(wanted, maps)))
 
 
 def _files(folder: Path, layout: ShardLayout, shards: Iterable[Shard]) -> Iterator[tuple[Path, Checksum]]:

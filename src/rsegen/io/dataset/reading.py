@@ -8,6 +8,7 @@ pyarrow.
 from __future__ import annotations
 
 import io
+import random
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -25,7 +26,6 @@ from rsegen.io.dataset.layout import (
     ROW,
     Shard,
     ShardLayout,
-    random_places,
     read_manifest,
     refuse_other_checksums,
     refuse_other_sizes,
@@ -48,20 +48,15 @@ def npy(array: NDArray[Any]) -> bytes:
 def table(form: str, maps: range, figures: Table) -> bytes:
     """Return the metrics of maps, given by their indices, as the content of a file: rows of ROW, or Parquet."""
     if form == "parquet":
-        return _parquet(maps, figures)
+        pyarrow, parquet = arrow()
+        file = io.BytesIO()
+        parquet.write_table(pyarrow.table({"map": np.array(maps, dtype=np.int64), **figures}), file)
+        return file.getvalue()
     rows = np.empty(len(maps), dtype=ROW)
     rows["map"] = maps
     for name in COLUMNS:
         rows[name] = figures[name]
     return npy(rows)
-
-
-def _parquet(maps: range, figures: Table) -> bytes:
-    pyarrow, parquet = arrow()
-    columns = {"map": np.array(maps, dtype=np.int64), **figures}
-    file = io.BytesIO()
-    parquet.write_table(pyarrow.table(columns), file)
-    return file.getvalue()
 
 
 def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
@@ -90,7 +85,7 @@ def read_parquet(path: Path, maps: int) -> dict[str, NDArray[Any]]:
 
 
 def arrow() -> tuple[Any, Any]:
-    """pyarrow and its Parquet; a ParameterError that says how to install it, if it is missing."""
+    """Return pyarrow and its Parquet; a ParameterError that says how to install it, if it is missing."""
     try:
         import pyarrow
         from pyarrow import parquet
@@ -291,7 +286,7 @@ class Dataset:
         `rebuild` maps are built again, chosen at random.
         """
         refuse_other_checksums(self.folder, self.layout, self.shards)
-        for place in random_places(len(self), rebuild):
+        for place in sorted(random.SystemRandom().sample(range(len(self)), min(rebuild, len(self)))):
             if not np.array_equal(self[place], blocks(*self.layout.map_at(place))):
                 raise DatasetDamaged(
                     f"{self.folder}#{place}: is not the map that this version of rsegen makes of the recipe"

@@ -4,14 +4,12 @@ rows (+x): from the easiest map to the hardest       columns (+y): maps of about
 
 Maps are chosen by a metric: those nearest to evenly spaced values, each used once, or those at evenly spaced ranks.
 Cost: a sort per row; a metric that is not in the table of the data set is measured map by map, which costs most. What
-breaks
-it: a metric with few different values, of which neighbouring rows then have the same.
+breaks it: a metric with few different values, of which neighbouring rows then have the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -61,7 +59,7 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
     spacing: str,
     recipes: Sequence[str] | None,
 ) -> Tiles:
-    """Maps from the least to the greatest of a metric, evenly spaced; maps without a value are left out."""
+    """Return maps from the least to the greatest of a metric, evenly spaced; maps without a value are left out."""
     # For each recipe the maps of its columns, then what they are as a terrain.
     spacing = SPACING.check("spacing", spacing)
     rows, columns = (Integer(1).check(name, value) for name, value in (("rows", rows), ("columns", columns)))
@@ -70,19 +68,26 @@ def tiles(  # noqa: PLR0913  # as Dataset.tiles
     figures, named = _figures(dataset, by, robot, wanted)
     places = np.empty((rows, columns), dtype=np.intp)
     for kind in np.unique(kinds):
-        own = _ranked(dataset, figures, int(kind))
+        own = np.flatnonzero((dataset.recipe_numbers == kind) & ~np.isnan(figures))
+        own = own[np.argsort(figures[own], kind="stable")]  # from the least to the greatest
         count = int((kinds == kind).sum())
         if rows * count > len(own):
             of = "" if len(dataset.recipes) == 1 else f" of {dataset.recipes[kind].name}"
             raise ParameterError("rows", f"{rows} x {count} tiles{of} need as many maps, and {len(own)} have a {named}")
-        places[:, kinds == kind] = (_by_rank if spacing == "rank" else partial(_by_value, figures))(own, rows, count)
+        if spacing == "rank":
+            ranks = np.linspace(0, len(own) - 1, rows * count).round().astype(np.intp)
+            places[:, kinds == kind] = own[ranks].reshape(rows, count)
+        else:
+            places[:, kinds == kind] = _by_value(figures, own, rows, count)
     levels = dataset[places.ravel()]
     heights = np.array([dataset.layout.field(blocks).heights for blocks in levels])
     size = dataset.layout.flat_field.extent
+    x, y = ((np.arange(n) - (n - 1) / 2) * side for n, side in zip((rows, columns), size, strict=True))
+    middles = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     return Tiles(
         levels=levels.reshape(rows, columns, *levels.shape[1:]),
         heights=heights.reshape(rows, columns, *heights.shape[1:]),
-        origins=_origins(heights, (rows, columns), size),
+        origins=np.concatenate([middles, amid(heights).reshape(rows, columns, 1)], axis=-1),
         places=places,
         difficulty=figures[places],
         size=size,
@@ -101,18 +106,6 @@ def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArr
     if not 0 < len(wanted) <= columns:
         raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; give at most one per column")
     return np.array([known[wanted[kind_of_column(column, columns, len(wanted))]] for column in range(columns)])
-
-
-def _ranked(dataset: Dataset, figures: NDArray[np.float32], kind: int) -> NDArray[np.intp]:
-    """Return the maps of a recipe that have a figure, from the least to the greatest."""
-    own = np.flatnonzero((dataset.recipe_numbers == kind) & ~np.isnan(figures))
-    return own[np.argsort(figures[own], kind="stable")]
-
-
-def _by_rank(ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
-    """Return the maps at evenly spaced ranks, row by row."""
-    spaced = np.linspace(0, len(ranked) - 1, rows * columns).round().astype(np.intp)
-    return ranked[spaced].reshape(rows, columns)
 
 
 def _by_value(figures: NDArray[np.float32], ranked: NDArray[np.intp], rows: int, columns: int) -> NDArray[np.intp]:
@@ -134,9 +127,3 @@ def _figures(dataset: Dataset, by: By, robot: Crosser | None, wanted: Mask) -> t
     figures = np.full(len(dataset), np.nan, dtype=np.float32)
     figures[wanted] = [metric(dataset.field(int(place))) for place in np.flatnonzero(wanted)]
     return figures, metric.name
-
-
-def _origins(heights: Array, shape: tuple[int, int], size: tuple[float, float]) -> Array:
-    x, y = ((np.arange(n) - (n - 1) / 2) * metres for n, metres in zip(shape, size, strict=True))
-    xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-    return np.concatenate([xy, amid(heights).reshape(*shape, 1)], axis=-1)

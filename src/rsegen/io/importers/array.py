@@ -9,7 +9,6 @@ from typing import Annotated, ClassVar
 from rsegen.errors import FileError
 from rsegen.io.importers.base import CENTIMETRES, USUAL_UNIT_CM, Heights, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
-from rsegen.io.importers.table import centimetres
 from rsegen.params.sorts import Choice
 
 
@@ -35,4 +34,5 @@ class Saved(Measured):
             raise FileError(f"{path}: {array.ndim} axes of {sort}; give an array of numbers with two axes")
         refuse_too_many_cells(path, *array.shape)
         unit = unit_cm or USUAL_UNIT_CM
-        return self.measured(path, np.asarray(array, dtype=np.float64) * centimetres(self.values, unit), unit)
+        centimetres = {**CENTIMETRES, "levels": unit}[self.values]
+        return self.measured(path, np.asarray(array, dtype=np.float64) * centimetres, unit)

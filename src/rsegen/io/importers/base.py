@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -67,16 +67,6 @@ class Rounding:
     cell: Cell
     mean_cm: float
     filled: int
-
-    @classmethod
-    def of(cls, errors_cm: Array, holes: Mask) -> Rounding:
-        """Return the rounding of the errors of all cells, shape (n_x, n_y), and those that were filled."""
-        import numpy as np
-
-        errors = np.where(holes, 0, np.abs(errors_cm))
-        x, y = (int(at) for at in np.unravel_index(errors.argmax(), errors.shape))
-        mean = float(errors.sum() / max((~holes).sum(), 1))
-        return cls(largest_cm=float(errors[x, y]), cell=(x, y), mean_cm=mean, filled=int(holes.sum()))
 
     def __str__(self) -> str:
         x, y = self.cell
@@ -191,7 +181,14 @@ class Heights:
     @property
     def rounding(self) -> Rounding | None:
         """The rounding of the heights, None if it is unknown."""
-        return None if self.errors_cm is None or self.holes is None else Rounding.of(self.errors_cm, self.holes)
+        import numpy as np
+
+        if self.errors_cm is None or self.holes is None:
+            return None
+        errors = np.where(self.holes, 0, np.abs(self.errors_cm))
+        x, y = (int(at) for at in np.unravel_index(errors.argmax(), errors.shape))
+        mean = float(errors.sum() / max((~self.holes).sum(), 1))
+        return Rounding(largest_cm=float(errors[x, y]), cell=(x, y), mean_cm=mean, filled=int(self.holes.sum()))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -238,22 +235,19 @@ def whole_units(
     if bad.any():
         column, row = (int(at) for at in np.argwhere(bad[:, ::-1])[0])
         height = heights_cm[:, ::-1][column, row]
-        amiss = (
-            "nan cm is a hole"
-            if np.isnan(height)
-            else f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
-        )
-        hint = "fill_holes gives it the height of its neighbours" if np.isnan(height) else advice(heights_cm, unit_cm)
+        amiss, hint = "nan cm is a hole", "fill_holes gives it the height of its neighbours"
+        if not np.isnan(height):
+            amiss = f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
+            hint = advice(heights_cm, unit_cm)
         others = int(bad.sum()) - 1
         more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
         raise FileError(f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{more}; {hint}")
-    told = np.ones(levels.shape, dtype=bool) if holes is None else ~holes
-    if rounded and not any_heights and are_not_blocks(units[told], levels[told]):
-        heights = heights_cm[told]
+    judged = np.ones(levels.shape, dtype=bool) if holes is None else ~holes
+    if rounded and not any_heights and are_not_blocks(units[judged], levels[judged]):
+        heights = heights_cm[judged]
         raise FileError(
             f"{path}: heights of {heights.min():.4g} to {heights.max():.4g} cm are not blocks of {unit_cm:g} cm: "
-            f"{advice(heights, unit_cm)}; "
-            "any_heights rounds them anyway"
+            f"{advice(heights, unit_cm)}; any_heights rounds them anyway"
         )
     return levels.astype(np.int32)
 
@@ -310,36 +304,27 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
 
 def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
     """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    import numpy as np
+
     from rsegen.field.obstacles.matrix import Matrix
 
     n_x, n_y = heights.levels.shape
-    side = _side(n_x, n_y, chunk_size or heights.recipe_values.get("chunk_size"))
+    common, side = math.gcd(n_x, n_y), chunk_size or heights.recipe_values.get("chunk_size")
+    if side and common % side:
+        raise ParameterError("chunk_size", f"{side} does not divide {n_x} x {n_y} cells; {common} does")
+    side = side or next(side for side in (10, *range(min(common, 1000), 0, -1)) if common % side == 0)
+    parts = {"heights": heights.levels}
+    if heights.holes is not None and heights.holes.any():
+        parts = {
+            "heights": np.where(heights.holes, -1, heights.levels),
+            "filled-holes": np.where(heights.holes, heights.levels, -1),
+        }
     recipe_values = {"boundary": "none", **heights.recipe_values, "unit_cm": heights.unit_cm, "chunk_size": side}
     return Recipe(
         name=re.sub(r"[^A-Za-z0-9_.\-]", "_", path.stem).lstrip(".-")[:64] or "heights",
         description=re.sub(r"[\x00-\x1f]", " ", f"heights of {path.name}")[:500],
         chunks=(n_x // side, n_y // side),
         seed=0,
-        obstacles=tuple(Matrix.of(levels, key=key) for key, levels in _parts(heights)),
+        obstacles=tuple(Matrix.of(levels, key=key) for key, levels in parts.items()),
         **recipe_values,
     )
-
-
-def _parts(heights: Heights) -> Iterator[tuple[str, Ints]]:
-    """Yield the levels that were measured, and those of holes if any were filled; -1 elsewhere."""
-    import numpy as np
-
-    holes = heights.holes
-    if holes is None or not holes.any():
-        yield "heights", heights.levels
-    else:
-        yield "heights", np.where(holes, -1, heights.levels)
-        yield "filled-holes", np.where(holes, heights.levels, -1)
-
-
-def _side(n_x: int, n_y: int, wished: int | None) -> int:
-    """Return the side of a chunk, a divisor of both sides of the map: by default 10, as of a pallet, if it is one."""
-    common = math.gcd(n_x, n_y)
-    if wished and common % wished:
-        raise ParameterError("chunk_size", f"{wished} does not divide {n_x} x {n_y} cells; {common} does")
-    return wished or next(side for side in (10, *range(min(common, 1000), 0, -1)) if common % side == 0)

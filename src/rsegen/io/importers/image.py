@@ -17,14 +17,12 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.io.importers.measured import Measured
 from rsegen.io.input_files import opened_image
-from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Json, Parameter, Text, parameters
-
-if TYPE_CHECKING:
-    from rsegen.field.stepfield import Array, Ints
-
+from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Text, parameters
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+    from rsegen.field.stepfield import Array, Ints
 
 
 _WHITE_OF_16_BITS = 65535
@@ -98,12 +96,13 @@ class Picture(Measured):
 def brightness(path: Path, size: Cell | None = None) -> Array:
     """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
     import numpy as np
+    from PIL.Image import Resampling
 
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
         grey, white = _grey(path, image)
-        grey = grey.resize(size, _box()) if size else grey
+        grey = grey.resize(size, Resampling.BOX) if size else grey  # to the mean of the pixels in a cell
         return (np.asarray(grey, dtype=np.float64) / white)[::-1].T
 
 
@@ -121,13 +120,6 @@ def _grey(path: Path, image: Image) -> tuple[Image, float]:
         image = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", image.size, "black"), image)
     return image.convert("L").convert("F"), 255.0
-
-
-def _box() -> int:
-    """Resampling to the mean of the pixels in a cell."""
-    from PIL import Image
-
-    return Image.Resampling.BOX
 
 
 _WALL_CM = 100.0
@@ -158,7 +150,15 @@ class OccupancyImage(Importer):
         """Return walls for cells whose probability, high for dark pixels, is above `occupied_thresh`."""
         import numpy as np
 
-        metadata = _metadata(path)
+        from rsegen.io import recipe_file
+
+        content = recipe_file.content(path)
+        if not isinstance(content, Mapping):
+            raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
+        try:
+            metadata = {key: sort.check(key, content.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
+        except ParameterError as error:
+            raise error.of(str(path)) from None
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright
         walls = probability >= metadata["free_thresh"] if self.unknown else probability > metadata["occupied_thresh"]
@@ -167,15 +167,3 @@ class OccupancyImage(Importer):
             unit_cm=unit_cm or _WALL_CM,
             recipe_values={"block_width_cm": round(metadata["resolution"] * 100, 6)},
         )
-
-
-def _metadata(path: Path) -> dict[str, Json]:
-    from rsegen.io.recipe_file import content
-
-    keys = content(path)
-    if not isinstance(keys, Mapping):
-        raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
-    try:
-        return {key: sort.check(key, keys.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
-    except ParameterError as error:
-        raise error.of(str(path)) from None

@@ -33,7 +33,7 @@ _MOST_ROWS = 1_000_000
 
 @cache
 def _head() -> re.Pattern[str]:
-    """The header of a build sheet, with any of the usual separators, in cm or inches."""
+    """Return the pattern of a build sheet's header, with any of the usual separators, in cm or inches."""
     from rsegen.exporters.sheet.listing import COLUMNS
 
     names = r"([,;\t])".join(f'"?{name}"?' for name in COLUMNS).replace("_cm", "_(?P<unit>cm|in)")
@@ -42,34 +42,29 @@ def _head() -> re.Pattern[str]:
 
 @cache
 def _said() -> re.Pattern[str]:
-    """A comment of a build sheet that says a parameter of the recipe."""
+    """Return the pattern of a comment of a build sheet that says a parameter of the recipe."""
     from rsegen.exporters.sheet.listing import RECIPE_KEYS
 
     return re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 
 
-def is_build_sheet(text: str) -> bool:
-    """Return whether a text has the header of a build sheet."""
-    return bool(_head().search(text))
-
-
-def recipe_values(path: Path, text: str) -> dict[str, Any]:
-    """Return the values of a recipe in its comments; a FileError for an invalid one."""
-    sorts = parameters(Recipe)
+def _value(where: str, name: str, text: str) -> Any:
+    """Return a value of a recipe that a file says; a FileError, which begins with `where`, for an invalid one."""
+    sort = parameters(Recipe)[name]
     try:
-        return {name: sorts[name].check(name, sorts[name].parse(value)) for name, value in _said().findall(text)}
+        return sort.check(name, sort.parse(text))
     except ParameterError as error:
-        raise FileError(f"{path}: {error}") from None
+        raise FileError(f"{where}: {error}") from None
 
 
-def heights_cm(path: Path, text: str) -> Array:
-    """Heights [cm] of shape (n_x, n_y); a FileError if a cell is missing, duplicate, or no number."""
+def _listed(path: Path, text: str, head: re.Match[str]) -> Array:
+    """Return the heights of a build sheet, (n_x, n_y); a FileError if a cell is missing, duplicate, or no number."""
     import numpy as np
 
     from rsegen.exporters.sheet.listing import COLUMNS
 
     cells: dict[Cell, float] = {}
-    for line, cell, height in _rows(path, text):
+    for line, cell, height in _rows(path, text, head):
         if cell in cells:
             raise FileError(f"{path}: line {line}: duplicate cell x {cell[0]}, y {cell[1]}")
         cells[cell] = height
@@ -83,35 +78,21 @@ def heights_cm(path: Path, text: str) -> Array:
         )
     heights = np.empty((n_x, n_y))
     heights[tuple(np.array(list(cells)).T)] = list(cells.values())
-    return heights * CENTIMETRES[unit_of(text)]
+    return heights
 
 
-def unit_of(text: str) -> str:
-    """Return the unit of the heights of a build sheet, by its header: cm or in."""
-    head = _head().search(text)
-    return head["unit"] if head else "cm"
-
-
-def _rows(path: Path, text: str) -> Iterator[tuple[int, Cell, float]]:
-    """Line, cell and height of each row; comments and rows of blanks are left out."""
-    head = _head().search(text)
-    if not head:
-        return
+def _rows(path: Path, text: str, head: re.Match[str]) -> Iterator[tuple[int, Cell, float]]:
+    """Yield line, cell and height of each row below the header; comments and rows of blanks are left out."""
     first = text.count("\n", 0, head.end()) + 2
     body = text[head.end() :]
     rows = max(body.count(end) - body.endswith(end) for end in "\n\r")
     if rows > _MOST_ROWS:
         raise FileError(f"{path}: {rows:,} rows; up to {_MOST_ROWS:,} can be read")
-    lines = body.splitlines()[1:]
-    for line, row in enumerate(_split_rows(path, lines, head[1]), first):
-        if any(row) and not row[0].startswith("#"):
-            yield line, *_cell(f"{path}: line {line}", row, head[1])
-
-
-def _split_rows(path: Path, lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     try:
-        for row in csv.reader(lines, delimiter=delimiter, quoting=csv.QUOTE_NONE):
-            yield [cell.strip(' "') for cell in row]
+        for line, row in enumerate(csv.reader(body.splitlines()[1:], delimiter=head[1], quoting=csv.QUOTE_NONE), first):
+            cells = [cell.strip(' "') for cell in row]
+            if any(cells) and not cells[0].startswith("#"):
+                yield line, *_cell(f"{path}: line {line}", cells, head[1])
     except csv.Error as error:
         raise FileError(f"{path}: {error}") from None
 
@@ -157,37 +138,19 @@ class Table(Measured):
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of a table, or of a build sheet, which has all its parameters in itself."""
         text = text_of(path, _MOST_MIB, "a table of heights")
-        if is_build_sheet(text):
-            return self._read_list(path, text, unit_cm)
+        if head := _head().search(text):
+            written = head["unit"]
+            if self.values not in ("auto", written):
+                problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
+                raise ParameterError("values", problem)
+            own_values = {name: _value(str(path), name, value) for name, value in _said().findall(text)}
+            unit = unit_cm or own_values.get("unit_cm", USUAL_UNIT_CM)
+            return self.measured(path, _listed(path, text, head) * CENTIMETRES[written], unit, own_values)
         ours = _OURS.match(text)
         values = ("levels" if ours else "cm") if self.values == "auto" else self.values
-        unit = unit_cm or (_unit_cm(path, ours[1]) if ours else USUAL_UNIT_CM)
+        unit = unit_cm or (_value(f"{path}: line 1", "unit_cm", ours[1]) if ours else USUAL_UNIT_CM)
         numbers = _numbers(path, text, blanks=self.fill_holes)
-        return self.measured(path, numbers * centimetres(values, unit), unit)
-
-    def _read_list(self, path: Path, text: str, unit_cm: float | None) -> Heights:
-        written = unit_of(text)
-        if self.values not in ("auto", written):
-            problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
-            raise ParameterError("values", problem)
-        own_values = recipe_values(path, text)
-        unit = unit_cm or own_values.get("unit_cm", USUAL_UNIT_CM)
-        return self.measured(path, heights_cm(path, text), unit, own_values)
-
-
-def centimetres(values: str, unit_cm: float) -> float:
-    """Centimetres of one unit of a file's numbers."""
-    return unit_cm if values == "levels" else CENTIMETRES[values]
-
-
-def _unit_cm(path: Path, text: str) -> float:
-    """Return the unit in the first line of what rsegen wrote."""
-    sort = parameters(Recipe)["unit_cm"]
-    try:
-        unit: float = sort.check("unit_cm", sort.parse(text))
-    except ParameterError as error:
-        raise FileError(f"{path}: line 1: {error}") from None
-    return unit
+        return self.measured(path, numbers * {**CENTIMETRES, "levels": unit}[values], unit)
 
 
 def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
