@@ -78,9 +78,7 @@ class StepField:
         return bool(self.levels[part].any()) or self._frame_stands(part)
 
     def materials(self, window: CellWindow | None = None) -> list[int]:
-        """Return the materials above the ground in the field or a window of it: 0 for frames, else the level of
-        blocks.
-        """
+        """Return the materials above the ground in the field or a window: 0 for frames, else the level of blocks."""
         part = window or self.whole
         levels = np.flatnonzero(np.bincount(self.levels[part].ravel())).tolist()
         return [0] * self._frame_stands(part) + [int(level) for level in levels if level]
@@ -119,7 +117,8 @@ class StepField:
 
     def edges(self) -> tuple[Array, Array]:
         """Return the coordinates of the cell edges, metres: x of shape (n_x + 1,) and y of shape (n_y + 1,)."""
-        return _edges(self.shape[0], self.block_width), _edges(self.shape[1], self.block_width)
+        x, y = ((np.arange(cells + 1) - cells / 2) * self.block_width for cells in self.shape)
+        return np.round(x, NANOMETRE_DIGITS), np.round(y, NANOMETRE_DIGITS)
 
     def middles(self) -> tuple[Array, Array]:
         """Return the coordinates of the middles of cells, metres: x of shape (n_x,) and y of shape (n_y,)."""
@@ -138,19 +137,11 @@ class StepField:
         for i, x in enumerate(middle_x):
             for j, y in enumerate(middle_y):
                 part = slice(cuts_x[i], cuts_x[i + 1]), slice(cuts_y[j], cuts_y[j + 1])
-                yield Chunk(index=(i, j), centre=(float(x), float(y)), field=self._part(part))
+                field = replace(self, levels=self.levels[part], frame=self.frame[part])
+                yield Chunk(index=(i, j), centre=(float(x), float(y)), field=field)
 
     def _frame_stands(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
-
-    def _part(self, part: CellWindow) -> StepField:
-        return StepField(
-            levels=self.levels[part],
-            frame=self.frame[part],
-            block_width=self.block_width,
-            unit=self.unit,
-            frame_height=self.frame_height,
-        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -184,19 +175,13 @@ def _inside(cells: int, period: int) -> Mask:
 
 
 def _cuts(inside: Mask, chunk_size: int) -> NDArray[np.intp]:
-    """Return the indices that split an axis into chunks: after every `chunk_size` blocks and their frame cell, if
-    any.
-    """
+    """Return the indices that split an axis into chunks: after every `chunk_size` blocks and any frame cell of them."""
     ends = np.flatnonzero(inside)[chunk_size - 1 :: chunk_size] + 1
     last = len(inside)
     framed_between = len(ends) > 1 and not inside[min(ends[0], last - 1)]
     cuts = ends + 1 if framed_between else ends.copy()
     cuts[-1] = last
     return np.concatenate([[0], cuts])
-
-
-def _edges(cells: int, width: float) -> Array:
-    return np.round((np.arange(cells + 1) - cells / 2) * width, NANOMETRE_DIGITS)
 
 
 def coarseness(field: StepField, most: int) -> int:
@@ -210,13 +195,8 @@ def coarse(field: StepField, factor: int) -> StepField:
     if factor == 1:
         return field
     i, j = coarse_indices(field, factor)
-    return StepField(
-        levels=field.levels[i, j],
-        frame=field.frame[i, j],
-        block_width=field.block_width * factor,
-        unit=field.unit,
-        frame_height=field.frame_height,
-    )
+    block_width = field.block_width * factor
+    return replace(field, levels=field.levels[i, j], frame=field.frame[i, j], block_width=block_width)
 
 
 def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWindow:

@@ -112,7 +112,9 @@ class _InManyMaps:
     def __init__(self, recipe: MapDesign, obstacle: Obstacle) -> None:
         self._recipe, self._grid, self._obstacle = recipe, recipe.grid, obstacle
         self._ends = _ends_of_all(recipe.grid, obstacle)
-        self._patch = _patch_of_all(recipe.grid, obstacle, self._ends)
+        self._patch: Patch | None = None  # if it is the same in all maps
+        if self._ends is not None and obstacle.draws_nothing:
+            self._patch = obstacle.patch(recipe.grid, *self._ends, np.random.Generator(np.random.PCG64(0)))
 
     def impose_on(self, levels: Any, indices: Sequence[int]) -> None:
         """Impose the obstacle on these maps, (maps, n_x, n_y), in place."""
@@ -180,13 +182,6 @@ def _ends_of_all(grid: Grid, obstacle: Obstacle) -> tuple[Cell, Cell] | None:
     before = rng.bit_generator.state
     ends = obstacle.ends(grid, first, last, rng)
     return ends if rng.bit_generator.state == before else None
-
-
-def _patch_of_all(grid: Grid, obstacle: Obstacle, ends: tuple[Cell, Cell] | None) -> Patch | None:
-    """Return the patch of an obstacle that is the same in all maps; None for all others."""
-    if ends is None or not obstacle.draws_nothing:
-        return None
-    return obstacle.patch(grid, *ends, np.random.Generator(np.random.PCG64(0)))
 
 
 def _is_drawn_anywhere(obstacle: Region) -> bool:

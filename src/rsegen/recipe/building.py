@@ -1,4 +1,4 @@
-"""Builds the step field of a map: the obstacles in their order, the difficulty, the frames, the constraints.
+"""Build the step field of a map: the obstacles in their order, the difficulty, the frames, the constraints.
 
     obstacles --placed_by--> patches --impose, in their order--> levels --scaled, framed, constrained--> StepField
 
@@ -29,19 +29,24 @@ INDEX = Integer(0, SEEDS - 1, help="index of a map")
 def build(recipe: MapDesign, index: int = 0) -> StepField:
     """Return the step field of map `index` (0 or more) of a recipe; it does not depend on which other maps are made."""
     index = INDEX.check("index", index)
-    levels, frame = framed(_at_difficulty(recipe, index), recipe.chunk_size, recipe.boundary)
-    field = StepField(
+    field = field_of(recipe, _at_difficulty(recipe, index))
+    if not recipe.is_constrained:
+        return field
+    from rsegen.recipe.constraints.meeting import constrained
+
+    return constrained(field, recipe, index)
+
+
+def field_of(recipe: MapDesign, levels: Levels) -> StepField:
+    """Return the field of a map with these levels of its blocks, (n_x, n_y), as the recipe says: frames, and metres."""
+    levels, frame = framed(levels, recipe.chunk_size, recipe.boundary)
+    return StepField(
         levels=levels,
         frame=frame,
         block_width=recipe.block_width_cm / 100,
         unit=recipe.unit_cm / 100,
         frame_height=recipe.frame_height_cm / 100,
     )
-    if not recipe.is_constrained:
-        return field
-    from rsegen.recipe.constraints.meeting import constrained
-
-    return constrained(field, recipe, index)
 
 
 def blocks(recipe: MapDesign, index: int) -> Levels:
@@ -56,20 +61,14 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
 
 def _at_difficulty(recipe: MapDesign, index: int) -> Levels:
     """Return the levels of all obstacles, scaled to the difficulty of the map, on its ground."""
-    levels = _imposed(recipe, index)
+    levels, level_range = flat_ground(recipe.grid), recipe.level_range
+    for _, obstacle, patch in _patches(recipe, index):
+        impose(levels, patch, obstacle.blend, level_range)
     if recipe.difficulty != 1:
         from rsegen.recipe.difficulty import scaled_to_difficulty
 
         levels = scaled_to_difficulty(levels, recipe, index)
     return levels + np.int16(recipe.ground_level)
-
-
-def _imposed(recipe: MapDesign, index: int) -> Levels:
-    """Return the levels of all obstacles, each imposed on those before it, counted from the ground."""
-    levels, level_range = flat_ground(recipe.grid), recipe.level_range
-    for _, obstacle, patch in _patches(recipe, index):
-        impose(levels, patch, obstacle.blend, level_range)
-    return levels
 
 
 def owners(recipe: MapDesign, index: int) -> NDArray[np.int32]:

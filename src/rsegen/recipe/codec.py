@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any
 
 from rsegen import __version__
-from rsegen.errors import ParameterError, PluginWarning, refuse_unknown, shown
+from rsegen.errors import ParameterError, PluginWarning, inside, refuse_unknown, shown
 from rsegen.field.obstacles import KINDS, Obstacle, kind
 from rsegen.field.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
@@ -100,16 +100,13 @@ def decode_obstacles(rows: object) -> tuple[Obstacle, ...]:
     if not isinstance(rows, (list, tuple)):
         raise ParameterError("obstacles", f"{shown(rows)} is not a list; start every obstacle with '- kind: '")
     refuse_longer("obstacles", rows, MOST_OBSTACLES)
-    return tuple(_obstacle(f"obstacles[{index}]", row) for index, row in enumerate(rows))
-
-
-def _obstacle(where: str, row: object) -> Obstacle:
-    if not isinstance(row, Mapping):
-        raise ParameterError(where, f"{shown(row)} is not an obstacle; give kind: and its parameters")
-    try:
-        return decode_obstacle(row)
-    except ParameterError as error:
-        raise error.inside(where) from None
+    obstacles = []
+    for index, row in enumerate(rows):
+        with inside(f"obstacles[{index}]"):
+            if not isinstance(row, Mapping):
+                raise ParameterError("", f"{shown(row)} is not an obstacle; give kind: and its parameters")
+            obstacles.append(decode_obstacle(row))
+    return tuple(obstacles)
 
 
 def decode_obstacle(row: Mapping[str, Any]) -> Obstacle:
@@ -148,10 +145,7 @@ def encode(recipe: Recipe) -> dict[str, Json]:
 
 def to_json(recipe: Recipe) -> str:
     """Return a recipe as the text of a JSON file, with one line per obstacle."""
-    return _json_text(encode(recipe))
-
-
-def _json_text(content: dict[str, Json]) -> str:
+    content = encode(recipe)
     rows = [f"    {json.dumps(row)}" for row in content.pop("obstacles")]
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
     obstacles = "[\n" + ",\n".join(rows) + "\n  ]" if rows else "[]"

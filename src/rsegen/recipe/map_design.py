@@ -67,20 +67,6 @@ class DifficultySort:
         return "a number from 0 to 1, or a range as in [0.2, 1] or, in 10 steps, [0.2, 1, 10]"
 
 
-def difficulties_of_maps(given: Difficulty, seed: int, indices: Sequence[int]) -> list[float]:
-    """Return the difficulties of maps: of a range a draw by the seed for each, or with steps the next in turn."""
-    if not isinstance(given, tuple):
-        return [given] * len(indices)
-    low, high, *steps = given
-    if steps:
-        shares = [index % steps[0] / (steps[0] - 1) for index in indices]
-    elif len(indices) == 1:  # streams of many maps cost more than one generator
-        shares = [generator(seed, indices[0], _KEY).random()]
-    else:
-        shares = Streams.of(seed, indices, _KEY).random().tolist()
-    return [round(low + (high - low) * share, 9) for share in shares]  # as files have it: not 0.30000000000000004
-
-
 @dataclass(frozen=True)
 class CrossableBySort:
     """A kind of robot that crosses every map, or the climb, drop and width [cm] of a path of cells."""
@@ -210,8 +196,17 @@ class MapDesign:
         return self.difficulties_of([index])[0]
 
     def difficulties_of(self, indices: Sequence[int]) -> list[float]:
-        """Return the difficulties of several maps."""
-        return difficulties_of_maps(self.difficulty, self.seed, indices)
+        """Return the difficulties of several maps: of a range a draw for each, or with steps the next in turn."""
+        if not isinstance(self.difficulty, tuple):
+            return [self.difficulty] * len(indices)
+        low, high, *steps = self.difficulty
+        if steps:
+            shares = [index % steps[0] / (steps[0] - 1) for index in indices]
+        elif len(indices) == 1:  # streams of many maps cost more than one generator
+            shares = [generator(self.seed, indices[0], _KEY).random()]
+        else:
+            shares = Streams.of(self.seed, indices, _KEY).random().tolist()
+        return [round(low + (high - low) * share, 9) for share in shares]  # as files have it: not 0.30000000000000004
 
     @property
     def is_constrained(self) -> bool:

@@ -83,20 +83,17 @@ class Terrain(TerrainDesign):
                 "recipes", f"{len(self._kinds)} for {self.columns} columns; give at most one per column"
             )
         refuse_unlike(self._kinds, _ALIKE)
+        first = tile_shape(self._kinds[0])
         for index, recipe in enumerate(self._kinds):
-            self._check_tile(f"recipes[{index}]", recipe)
+            with inside(f"recipes[{index}]"):
+                if (tile := tile_shape(recipe)) != first:
+                    sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, first))
+                    raise ParameterError("", f"tiles of {sides} cells with their frames; give recipes of one size")
+                check_tile(recipe)
         metric_by(self.by, self.robot)
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:
             raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; give fewer or smaller tiles")
-
-    def _check_tile(self, where: str, recipe: Recipe) -> None:
-        first = self._kinds[0]
-        if (tile := tile_shape(recipe)) != tile_shape(first):
-            sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, tile_shape(first)))
-            raise ParameterError(where, f"tiles of {sides} cells with their frames; give recipes of one size")
-        with inside(where):
-            check_tile(recipe)
 
     @property
     def _kinds(self) -> tuple[Recipe, ...]:
@@ -146,9 +143,8 @@ class Terrain(TerrainDesign):
         """All tiles in one field, whose middle is the origin."""
         first = self._kinds[0]
         levels = np.full(self._shape, self._ground, dtype=np.int16)
-        for row in range(self.rows):
-            for column in range(self.columns):
-                levels[self._window(row, column)] = self.levels[row, column]
+        for row, column in np.ndindex(self.rows, self.columns):
+            levels[self._window(row, column)] = self.levels[row, column]
         return StepField(
             levels=levels,
             frame=np.zeros(levels.shape, dtype=bool),
@@ -167,7 +163,12 @@ class Terrain(TerrainDesign):
     @property
     def origins(self) -> Array:
         """The middle of each tile, (rows, columns, 3), metres; z is the highest of the cells that meet there."""
-        return np.concatenate([self._middles, amid(self.levels)[..., None] * (self._kinds[0].unit_cm / 100)], axis=2)
+        x, y = (
+            (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self._block_width
+            for tiles, cells in zip((self.rows, self.columns), tile_shape(self._kinds[0]), strict=True)
+        )
+        middles = np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
+        return np.concatenate([middles, amid(self.levels)[..., None] * (self._kinds[0].unit_cm / 100)], axis=2)
 
     def grid_origins(self, count: int) -> Array:
         """Return places for `count` environments in an even grid over all tiles, (count, 3), metres, along x first.
@@ -184,14 +185,7 @@ class Terrain(TerrainDesign):
         heights = field.heights[i[:, None], j[None, :]].max(axis=(0, 1))
         return np.column_stack([places * extent - extent / 2, heights])
 
-    def spots(
-        self,
-        robot: Body | Sequence[float],
-        count: int = 1,
-        *,
-        seed: int = 0,
-        evenest: bool = False,
-    ) -> Array:
+    def spots(self, robot: Body | Sequence[float], count: int = 1, *, seed: int = 0, evenest: bool = False) -> Array:
         """Return spots on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
 
         robot: its body, or the length and width in metres of one that stands on all of its rectangle; evenest: where a
@@ -201,11 +195,11 @@ class Terrain(TerrainDesign):
         count = _COUNT.check("count", count)
         tiles = list(np.ndindex(self.rows, self.columns))
         rngs = (generator(seed, row * self.columns + column, "spots of a terrain") for row, column in tiles)
-        found = spots_of_parts(self.field, body, count, [self._window(*tile) for tile in tiles], rngs, evenest=evenest)
+        spots = spots_of_parts(self.field, body, count, [self._window(*tile) for tile in tiles], rngs, evenest=evenest)
         poses = np.empty((self.rows, self.columns, count, 4))
         for row, column in tiles:
             with inside(f"tile {row}, {column}"):
-                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in next(found)]
+                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in next(spots)]
             self._tell_progress()
         return poses
 
@@ -257,16 +251,6 @@ class Terrain(TerrainDesign):
         x, y = (self.border + tile * (cells + self.gap) for tile, cells in ((row, n_x), (column, n_y)))
         return slice(x, x + n_x), slice(y, y + n_y)
 
-    @property
-    def _middles(self) -> Array:
-        """x and y of the middle of each tile, (rows, columns, 2), metres."""
-        tile = tile_shape(self._kinds[0])
-        x, y = (
-            (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self._block_width
-            for tiles, cells in zip((self.rows, self.columns), tile, strict=True)
-        )
-        return np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
-
     def _share(self, row: int, column: int) -> float:
         """Return the share of its recipe's difficulty that a tile has."""
         difficulty = float(self.difficulties[row])
@@ -285,12 +269,11 @@ class Terrain(TerrainDesign):
 
     @cached_property
     def _spans(self) -> list[tuple[dict[int, Span], Span]]:
-        """For each recipe: the metric's range on each of its maps by their index, and the mean range."""
+        """The metric's range on each map of each recipe by its index, and the mean range."""
         spans_of_kinds = []
         metric = metric_by(self.by, self.robot)
         for kind, recipe in enumerate(self._kinds):
-            tiles = [tile for tile in np.ndindex(self.rows, self.columns) if self._kind_of(tile[1]) == kind]
-            indices = [row * self.columns + column for row, column in tiles]
+            indices = (i for i in range(self.rows * self.columns) if self._kind_of(i % self.columns) == kind)
             spans = {index: span_of(recipe, index, metric) for index in indices}
             spans_of_kinds.append((spans, mean_of(list(spans.values()), metric.name)))
         return spans_of_kinds

@@ -36,20 +36,20 @@ _LEFT, _RIGHT = ("left_wheel_names", "left_wheel"), ("right_wheel_names", "right
 
 
 class Controller(NamedTuple):
-    """The parameters of a diff_drive_controller, None for what its file does not say.
+    """The parameters of a diff_drive_controller, None for what its file does not say; or what else says of wheels.
 
     where: its file, from its package on; left, right: joints; separation, radius: metres, slip: by which the separation
     is multiplied, as wheels that skid must turn faster; speed, turn: the maximum, m/s and rad/s.
     """
 
     where: str
-    left: tuple[str, ...]
-    right: tuple[str, ...]
-    separation: float | None
-    slip: float
-    radius: float | None
-    speed: float | None
-    turn: float | None
+    left: Sequence[str]
+    right: Sequence[str]
+    separation: float | None = None
+    radius: float | None = None
+    speed: float | None = None
+    turn: float | None = None
+    slip: float = 1
 
 
 class Controls(NamedTuple):

@@ -92,11 +92,14 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
     """Return the drive of a model; None if it has none that is known, nor wheels."""
     if drive := _plugged(model, frames):
         return drive
-    if drive := next(filter(None, (_controlled(controller, ros, frames) for controller in ros.controllers)), None):
-        return drive
-    if drive := _paired(_rolling((joint for joint in ros.rates if joint in frames.joints), frames), frames, ros):
-        return drive._replace(origin="ros2_control")
-    return _by_shapes(frames)
+    for controller in ros.controllers:
+        joints = (*controller.left, *controller.right)  # of which some may be left out, as they have no mass
+        if all(joint in frames.joints and abs(frames.axis(joint)[1]) >= _ALONG for joint in joints) and (
+            drive := _of_wheels(controller, frames, ros.rates)
+        ):
+            return drive
+    controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
+    return _paired(controlled, frames, "ros2_control", ros.rates) or _by_shapes(frames)
 
 
 def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -116,17 +119,6 @@ def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
     return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames))
 
 
-class _Sizes(NamedTuple):
-    """Separation and radius, metres, None for what is measured, and how much faster the wheels turn as they skid."""
-
-    separation: float | None = None
-    radius: float | None = None
-    slip: float = 1
-
-
-_MEASURED = _Sizes()
-
-
 def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
     """Return the drive of wheels whose joints the user names: LEFT,RIGHT; several of a side joined by +."""
     left, right = _sides(text, "wheels", "joint", frames.joints)
@@ -134,11 +126,11 @@ def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
     if any(abs(frames.axis(joint)[1]) < _ALONG for joint in (*left, *right)):
         raise ParameterError("wheels", f"{text}: their axes are not all along y")
-    drive = _of_joints(left, right, frames, ros)
+    drive = _of_wheels(Controller("their names", left, right), frames, ros.rates)
     if drive is None:
         problem = "their places or shapes are unknown; a wheel needs a collision shape such as a cylinder or sphere"
         raise ParameterError("wheels", f"{text}: {problem}")
-    return drive._replace(origin="their names")
+    return drive
 
 
 def named_tracks(text: str, frames: ModelFrames) -> ReadDrive:
@@ -161,24 +153,6 @@ def _sides(text: str, what: str, of: str, known: Mapping[str, object]) -> list[l
     return sides
 
 
-def _controlled(controller: Controller, ros: Controls, frames: ModelFrames) -> ReadDrive | None:
-    """Return the drive of a controller of ROS, whose file says which wheels are left."""
-    wheels = [joint for joint in (*controller.left, *controller.right) if joint in frames.joints]
-    if len(wheels) < len(controller.left) + len(controller.right):  # some were left out, as they have no mass
-        return None
-    if any(abs(frames.axis(joint)[1]) < _ALONG for joint in wheels):
-        return None
-    sizes = _Sizes(controller.separation, controller.radius, controller.slip)
-    read = _of_joints(controller.left, controller.right, frames, ros, sizes)
-    if read is None:
-        return None
-    speed, turn = (_limit(sort, of, frames) for sort, of in ((SPEED, controller.speed), (TURN, controller.turn)))
-    origins = [None if speed else read.limits_by, controller.where if speed or turn else None]
-    limits, by = (speed or read.limits[0], turn), " and ".join(filter(None, origins))
-    measured = "its wheels" if None in sizes else "it"
-    return read._replace(origin=controller.where, sizes=measured, limits=limits, limits_by=by)
-
-
 def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     """Return the drive of what looks like wheels: round, on the ground, on endless joints across, and not swivelling.
 
@@ -189,8 +163,7 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     radii = {joint: _wheel_radius(joint, frames) for joint in _rolling(frames.joints, frames)}
     largest = max(radii.values(), default=0.0)
     wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
-    read = _paired(wheels, frames, Controls())
-    return read and read._replace(origin="the shapes of its links, as nothing in its file says")
+    return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", {})
 
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
@@ -245,7 +218,9 @@ def _wheel_radius(joint: str, frames: ModelFrames) -> float:
     return float(height / 2) if is_round and is_on_ground else 0.0
 
 
-def _paired(wheels: Sequence[str], frames: ModelFrames, ros: Controls) -> ReadDrive | None:
+def _paired(
+    wheels: Sequence[str], frames: ModelFrames, origin: str, rates: Mapping[str, float | None]
+) -> ReadDrive | None:
     """Return the drive of wheels on two sides, as many on either; those in the middle are casters."""
     middles = {joint: _middle(frames.child(joint), frames) for joint in wheels}
     if not middles:
@@ -255,47 +230,44 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, ros: Controls) -> ReadDr
     from_front = sorted(wheels, key=lambda joint: -middles[joint][0])
     left = [joint for joint in from_front if middles[joint][1] - centre > half / 2]
     right = [joint for joint in from_front if centre - middles[joint][1] > half / 2]
-    return _of_joints(left, right, frames, ros) if left and len(left) == len(right) else None
+    paired = left and len(left) == len(right)
+    return _of_wheels(Controller(origin, left, right), frames, rates) if paired else None
 
 
-def _of_joints(
-    first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, ros: Controls, sizes: _Sizes = _MEASURED
-) -> ReadDrive | None:
-    """Return the drive of wheels on joints along y, with the limits of ROS or of the joints; None as `_sized`."""
-    drive = _sized(first_side, second_side, frames, sizes)
-    if drive is None:
-        return None
-    joints = (*drive.left, *drive.right)
-    rates = [rate for joint in joints if (rate := ros.rates.get(joint))]
-    speed = _limit(SPEED, min(rates, default=0) * drive.radius, frames)
-    by = "ros2_control"
-    if not speed:
-        speed, by = _limits(Element("plugin"), frames, drive, joints)[0], "its joints"
-    turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
-    return ReadDrive("", drive, "", "its wheels", (speed, None), by, turned)
+def _of_wheels(said: Controller, frames: ModelFrames, rates: Mapping[str, float | None]) -> ReadDrive | None:
+    """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
 
-
-def _sized(first_side: Sequence[str], second_side: Sequence[str], frames: ModelFrames, sizes: _Sizes) -> Wheels | None:
-    """Return wheels of these sizes; a size that is not given is measured; None if it cannot be."""
+    rates: the limits of joints in ROS, rad/s, for a speed that is not said; else those of the joints themselves
+    """
     # Left is known by the places of the joints: Classic calls left what is right.
-    first, second = (_middle(frames.child(side[0]), frames)[1] for side in (first_side, second_side))
-    left, right = (second_side, first_side) if first < second else (first_side, second_side)
-    separation = sizes.separation or float(abs(first - second))
-    radius = sizes.radius or _radius(left, frames)
+    first, second = (_middle(frames.child(side[0]), frames)[1] for side in (said.left, said.right))
+    left, right = (said.right, said.left) if first < second else (said.left, said.right)
+    separation, radius = said.separation or float(abs(first - second)), said.radius or _radius(left, frames)
     if not separation or not radius:
         return None
     # Classic's plug-in takes the distance between the joints for the separation.
     apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
-    return Wheels(
+    drive = Wheels(
         left=tuple(left),
         right=tuple(right),
         separation=separation,
         radius=radius,
         speed=DEFAULT_SPEED,
         turn=DEFAULT_TURN,
-        slip=sizes.slip,
+        slip=said.slip,
         spread=apart / separation if apart else 1,
     )
+    joints = (*left, *right)
+    speed, turn = _limit(SPEED, said.speed, frames), _limit(TURN, said.turn, frames)
+    limits_by = said_by = [said.where] if speed or turn else []
+    own = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
+    for source, limits in (("ros2_control", map(rates.get, joints)), ("its joints", own)):
+        if not speed:
+            speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
+            limits_by = [source, *said_by]
+    turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
+    sizes = "it" if said.separation and said.radius else "its wheels"
+    return ReadDrive("", drive, said.where, sizes, (speed, turn), " and ".join(limits_by), turned)
 
 
 def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -307,14 +279,14 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    drive = _sized(left, right, frames, _Sizes(separation, radius))
-    if drive is None:
+    read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, {})
+    if read is None:
         return None
-    measured = _radius(drive.left, frames)
-    origin = "its plug-in" if separation and radius else "its wheels"
+    measured = _radius(read.drive.left, frames)
+    sizes = "its plug-in" if separation and radius else "its wheels"
     if radius and measured and abs(radius - measured) > _AGREES * measured:
-        origin += f", although its wheels measure {measured:.4g} m"
-    return ReadDrive("", drive, "", origin, _limits(plugin, frames, drive, left + right))
+        sizes += f", although its wheels measure {measured:.4g} m"
+    return read._replace(sizes=sizes, limits_by="its model", turned=())
 
 
 def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -365,7 +337,9 @@ def _tracked(plugin: Element, left: Sequence[str], right: Sequence[str], frames:
         mu2=_number(plugin, frames, "track_mu2") or 0.5,
         efficiency=_number(plugin, frames, "steering_efficiency") or 0.5,
     )
-    return ReadDrive("", drive, "", "its plug-in", _limits(plugin, frames, drive, ()))
+    speed, turn = _limits(plugin, frames)
+    limits = _limit(SPEED, speed, frames), _limit(TURN, turn, frames)
+    return ReadDrive("", drive, "", "its plug-in", limits)
 
 
 def _radius(joints: Sequence[str], frames: ModelFrames) -> float:
@@ -379,17 +353,12 @@ def _middle(link: str, frames: ModelFrames) -> np.ndarray[tuple[int], np.dtype[n
     return np.asarray(frames.transform(link)[:3, 3] if shape is None else (shape.low + shape.high) / 2)
 
 
-def _limits(
-    plugin: Element, frames: ModelFrames, drive: Drive, joints: Iterable[str]
-) -> tuple[float | None, float | None]:
-    """Return the greatest speed and turn rate by the plug-in, else the greatest speed by its wheels' joints."""
+def _limits(plugin: Element, frames: ModelFrames) -> tuple[float | None, float | None]:
+    """Return the maximum speed and turn rate that a plug-in says."""
     speed = _number(plugin, frames, "max_linear_velocity", "max_velocity", "max_linear_speed")
     speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
-    rates = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
-    least = min((rate for rate in rates if rate), default=0) * drive.radius
-    speed = _limit(SPEED, speed, frames) or _limit(SPEED, least, frames)
-    return speed, _limit(TURN, turn, frames)
+    return speed, turn
 
 
 def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | None:

@@ -11,8 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from rsegen.field.metrics.traversability import percolation
@@ -86,21 +88,14 @@ def _steps(whole: Ints, like: StepField) -> dict[str, Array]:
 def _tri(whole: Ints, like: StepField) -> dict[str, Array]:
     """Return the ruggedness index of each map, over the blocks with 8 neighbouring blocks."""
     n_x, n_y = like.shape
-    inner = _surrounded(~like.frame)
+    inner = ~sliding_window_view(like.frame, (3, 3)).any(axis=(2, 3)) if min(n_x, n_y) > 2 else np.zeros((0, 0), bool)
     if not inner.any():
         return {"ruggedness.tri": np.full(whole.shape[2], np.nan)}
     middle = whole[1:-1, 1:-1]
     total = np.zeros_like(middle)
-    for i in range(3):
-        for j in range(3):
-            total += (whole[i : n_x - 2 + i, j : n_y - 2 + j] - middle) ** 2
+    for i, j in product(range(3), range(3)):
+        total += (whole[i : n_x - 2 + i, j : n_y - 2 + j] - middle) ** 2
     return {"ruggedness.tri": np.sqrt(total[inner]).mean(axis=0) * like.unit / math.sqrt(8)}
-
-
-def _surrounded(block: Mask) -> Mask:
-    """Return whether a cell and its 8 neighbours are blocks, without the outermost cells, which have fewer."""
-    rows = block[2:] & block[1:-1] & block[:-2]
-    return np.asarray(rows[:, 2:] & rows[:, 1:-1] & rows[:, :-2])
 
 
 def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
@@ -112,7 +107,13 @@ def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
         fields = (replace(like, levels=whole[:, :, k].astype(np.int16)) for k in range(whole.shape[2]))
         steps = [percolation(field) for field in fields]
         return {f"opening.{name}": np.array([getattr(step, name) for step in steps]) for name in _DIRECTIONS}
-    heights, unit = _heights(whole, like)
+    # Heights are integer multiples of their greatest common divisor, in as few bits as hold their differences.
+    levels = np.arange(int(whole.max()) + 1) * like.unit
+    nanometres = np.rint(np.round([*levels, like.frame_height], 9) * NANOMETRES).astype(np.int64)
+    unit = int(np.gcd.reduce(nanometres)) or 1
+    sizes = nanometres // unit
+    sizes = sizes.astype(np.result_type(np.int16, np.min_scalar_type(-2 * int(sizes.max()) - 2)))
+    heights = np.where(like.frame[:, :, None], sizes[-1], sizes[whole])
     along = ((heights, like.frame), (heights.swapaxes(0, 1), like.frame.T))
     return {
         f"opening.{name}": np.asarray(_minimax(*of) * (unit / NANOMETRES))
@@ -120,24 +121,12 @@ def _opening(whole: Ints, like: StepField) -> dict[str, Array]:
     }
 
 
-def _heights(whole: Ints, like: StepField) -> tuple[Ints, int]:
-    """Return the heights as integer multiples of their greatest common divisor, and that divisor in nanometres."""
-    levels = np.arange(int(whole.max()) + 1) * like.unit
-    nanometres = np.rint(np.round([*levels, like.frame_height], 9) * NANOMETRES).astype(np.int64)
-    unit = int(np.gcd.reduce(nanometres)) or 1
-    sizes = nanometres // unit
-    sizes = sizes.astype(np.result_type(np.int16, np.min_scalar_type(-2 * int(sizes.max()) - 2)))
-    return np.where(like.frame[:, :, None], sizes[-1], sizes[whole]), unit
-
-
 def _minimax(heights: Ints, frame: Mask) -> Ints:
-    """Return the smallest highest step of all paths along the first axis, for each map, by sweeps until nothing
-    changes.
+    """Return the smallest highest step of all paths along the first axis, for each map, by sweeps until none changes.
 
     No path goes along a row or column of only frame cells; before and behind the map there is level ground.
     """
-    # A cell costs the larger of its predecessor's cost and the step from it; the smallest cost of all predecessors
-    # counts.
+    # A cell costs the larger of its predecessor's cost and the step from it; the least over all predecessors counts.
     far = np.iinfo(heights.dtype).max
     ground = np.pad(heights, ((1, 1), (0, 0), (0, 0)))
     ahead, aside = (np.abs(np.diff(ground, axis=axis)) for axis in (0, 1))

@@ -10,7 +10,6 @@ are mostly one-way (a robot that drops far more than it climbs, on a rough map) 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -72,13 +71,13 @@ def _on_cycles(nodes: int, tails: Ints, heads: Ints) -> tuple[Ints, Ints]:
 
 
 def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
-    """Return for each node one node of its strongly connected component, by Tarjan's algorithm (1972) without
-    recursion.
-    """
-    onward = _successors(nodes, tails, heads)
+    """Return for each node one node of its strongly connected component, by Tarjan's algorithm without recursion."""
+    # For each node an iterator over the nodes that its edges lead to.
+    by_tail = np.argsort(tails, kind="stable")
+    starts, ahead = np.searchsorted(tails[by_tail], np.arange(nodes + 1)).tolist(), heads[by_tail].tolist()
+    onward = [iter(ahead[start:stop]) for start, stop in pairwise(starts)]
     # `order` is the order of discovery from 1, `low` the earliest open node that is reachable; a node whose `low` is
-    # its
-    # own order is the first of its component, and all open nodes after it belong to it.
+    # its own order is the first of its component, and all open nodes after it belong to it.
     order, low, group = [0] * nodes, [0] * nodes, [0] * nodes
     seen, open_, way = 0, list[int](), list[int]()
     for root in range(nodes):
@@ -100,14 +99,6 @@ def _strong(nodes: int, tails: Ints, heads: Ints) -> list[int]:
                 elif way:
                     low[way[-1]] = min(low[way[-1]], low[node])
     return group
-
-
-def _successors(nodes: int, tails: Ints, heads: Ints) -> list[Iterator[int]]:
-    """Return for each node an iterator over the nodes that its edges lead to."""
-    order = np.argsort(tails, kind="stable")
-    starts = np.searchsorted(tails[order], np.arange(nodes + 1)).tolist()
-    ahead = heads[order].tolist()
-    return [iter(ahead[start:stop]) for start, stop in pairwise(starts)]
 
 
 def _pop_component(node: int, open_: list[int], group: list[int], low: list[int]) -> None:

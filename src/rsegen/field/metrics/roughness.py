@@ -18,9 +18,7 @@ from rsegen.params.sorts import NANOMETRES
 
 
 def differences(field: StepField, lag: int = 1) -> Ints:
-    """Return |difference| in levels of all pairs of blocks `lag` cells apart along x or y, without frames, shape
-    (n,).
-    """
+    """Return |difference| in levels of all pairs of blocks `lag` cells apart along x or y, without frames, (n,)."""
     levels, block = field.levels.astype(np.int32), ~field.frame
     return np.concatenate(
         [np.abs(h[lag:] - h[:-lag])[b[lag:] & b[:-lag]] for h, b in ((levels, block), (levels.T, block.T))]

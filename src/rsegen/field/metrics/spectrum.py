@@ -41,9 +41,7 @@ class ProfileSpectrum:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Spectrum:
-    """The spectra of the profiles from west to east and from south to north, which differ if obstacles have a
-    direction.
-    """
+    """The spectra from west to east and from south to north, which differ if obstacles have a direction."""
 
     west_east: ProfileSpectrum
     south_north: ProfileSpectrum
@@ -56,8 +54,12 @@ def spectrum(field: StepField) -> Spectrum:
 
 
 def _spectrum(field: StepField, axis: int) -> ProfileSpectrum:
-    profiles = _detrended(_profiles(field, axis))
+    profiles = _profiles(field, axis)
     n = profiles.shape[1]
+    # Without their lines of least squares, and tapered.
+    along = np.arange(n) - (n - 1) / 2
+    slopes = profiles @ along / max(float(along @ along), 1.0)
+    profiles = profiles - profiles.mean(axis=1, keepdims=True) - slopes[:, None] * along
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
     power = np.abs(np.fft.rfft(profiles * window, axis=1)) ** 2
     kept = slice(1, (n - 1) // 2 + 1)
@@ -85,11 +87,3 @@ def _profiles(field: StepField, axis: int) -> Array:
     longest = length == length.max()
     along = first[longest, None] + np.arange(length.max())
     return levels[along, line[longest, None]].astype(np.float64)
-
-
-def _detrended(profiles: Array) -> Array:
-    """Return profiles (profiles, n) without their lines of least squares."""
-    n = profiles.shape[1]
-    along = np.arange(n) - (n - 1) / 2
-    slopes = profiles @ along / max(float(along @ along), 1.0)
-    return np.asarray(profiles - profiles.mean(axis=1, keepdims=True) - slopes[:, None] * along)

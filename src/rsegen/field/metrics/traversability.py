@@ -45,9 +45,7 @@ class PathGround(NamedTuple):
     columns: Mask
 
     def moves(self) -> tuple[Ints, Ints]:
-        """Return every move between two neighbours once, as flat indices: the cell of smaller x or y, and the other
-        one.
-        """
+        """Return every move between two neighbours once, as flat indices: the cell of smaller x or y, and the other."""
         cells = np.arange(self.heights.size).reshape(self.heights.shape)
         along_x, along_y = cells[:, self.rows], cells[self.columns]
         low = np.concatenate([along_x[:-1].ravel(), along_y[:, :-1].ravel()])
@@ -83,17 +81,12 @@ def field_heights(field: StepField) -> Heights:
 def _widened(heights: Heights, aside: int) -> Heights:
     """Return the maximum over the (2 aside + 1)^2 cells around each cell; outside the field is ground of height 0."""
     for _axis in (0, 1):
-        heights = _highest(np.pad(heights, ((aside, aside), (0, 0))), 2 * aside + 1).T
-    return heights
-
-
-def _highest(heights: Heights, cells: int) -> Heights:
-    """Return the maximum over `cells` successive rows from each row on, by doubling the number of rows covered."""
-    covered = 1
-    while covered < cells:
-        ahead = min(covered, cells - covered)
-        heights = np.maximum(heights[:-ahead], heights[ahead:])
-        covered += ahead
+        heights, covered = np.pad(heights, ((aside, aside), (0, 0))), 1
+        while covered <= 2 * aside:  # rows over which each is the maximum: doubled, up to 2 aside + 1
+            ahead = min(covered, 2 * aside + 1 - covered)
+            heights = np.maximum(heights[:-ahead], heights[ahead:])
+            covered += ahead
+        heights = heights.T
     return heights
 
 
@@ -126,8 +119,7 @@ def cheapest_paths(ground: PathGround, tread: int, limits: tuple[int, int], *, s
     are in the same unit.
     """
     # On a flat array with a border of walls the neighbours of a cell are at -row, -1, 1 and row. Of the front, cells
-    # are
-    # settled that no path through another one can make cheaper; these are expanded, the others wait.
+    # are settled that no path through another one can make cheaper; these are expanded, the others wait.
     flat, row = np.pad(ground.heights, 1, constant_values=_WALL).ravel(), ground.heights.shape[1] + 2
     rows, columns = (np.pad(open_, 1) for open_ in (ground.rows, ground.columns))
     costs, moves, predecessors = (np.full(flat.size, value) for value in (UNREACHABLE, 0, -1))
@@ -144,24 +136,14 @@ def cheapest_paths(ground: PathGround, tread: int, limits: tuple[int, int], *, s
             if shortest:
                 better |= (cost == costs[nodes + side]) & (moves[nodes] + 1 < moves[nodes + side])
             better &= may_go[abs(side)] & (rise <= limits[0]) & (-rise <= limits[1])
-            reached = nodes[better] + side
-            costs[reached], moves[reached], predecessors[reached] = (
-                cost[better],
-                moves[nodes[better]] + 1,
-                nodes[better],
-            )
+            before = nodes[better]
+            reached = before + side
+            costs[reached], moves[reached], predecessors[reached] = cost[better], moves[before] + 1, before
             fronts.append(reached)
         front = np.concatenate(fronts)
-    return CheapestPaths(_inner(costs, row), _inner(moves, row), _unpadded(_inner(predecessors, row), row))
-
-
-def _inner(values: NDArray[np.int64], row: int) -> NDArray[np.int64]:
-    return values.reshape(-1, row)[1:-1, 1:-1]
-
-
-def _unpadded(places: NDArray[np.int64], row: int) -> NDArray[np.int64]:
-    """Return flat indices of the padded array as flat indices of the array without its border."""
-    return np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1)
+    # Without the border: the values, and the flat indices of predecessors.
+    costs, moves, places = (values.reshape(-1, row)[1:-1, 1:-1] for values in (costs, moves, predecessors))
+    return CheapestPaths(costs, moves, np.where(places < 0, -1, (places // row - 1) * (row - 2) + places % row - 1))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -217,22 +199,17 @@ def cells_to_each_side(field: StepField, width: float) -> int:
 
 def traversability(field: StepField, limits: StepLimits) -> Traversability:
     """Return the traversability of a field within limits; frames are obstacles, but are not counted as area."""
-    climbable, droppable = (_share_within(field, limit / NANOMETRES) for limit in limits.limits)
+    too_high, too_deep = (steps(field).share_above(limit / NANOMETRES) for limit in limits.limits)
     region = _largest_region(field, limits)
     return Traversability(
         limits=limits,
-        climbable=climbable,
-        droppable=droppable,
+        climbable=None if too_high is None else 1 - too_high,
+        droppable=None if too_deep is None else 1 - too_deep,
         cover=float(region.sum() / (~field.frame).sum()),
         west_east=crossing(field, limits, 0),
         south_north=crossing(field, limits, 1),
         region=region,
     )
-
-
-def _share_within(field: StepField, limit: float) -> float | None:
-    above = steps(field).share_above(limit)
-    return None if above is None else 1 - above
 
 
 def _largest_region(field: StepField, limits: StepLimits) -> Mask:
@@ -261,7 +238,10 @@ def crossing(field: StepField, limits: StepLimits, axis: int, *, shortest: bool 
     costs = costs if axis == 0 else costs.T
     end = int(np.lexsort((paths.moves[-1] * shortest, paths.costs[-1]))[0])
     if (cost := int(paths.costs[-1, end])) == UNREACHABLE:
-        return _no_crossing(costs)
+        none = np.empty((0, 2), dtype=np.int64)
+        return Crossing(
+            crosses=False, length=None, length_ratio=None, cost=None, cost_ratio=None, path=none, costs=costs
+        )
     path = paths.path_to(paths.costs.size - paths.costs.shape[1] + end) - (margin, 0)
     length, straight = ((cells - 1) * field.block_width for cells in (len(path), len(paths.costs)))
     return Crossing(
@@ -273,11 +253,6 @@ def crossing(field: StepField, limits: StepLimits, axis: int, *, shortest: bool 
         path=path if axis == 0 else path[:, ::-1],
         costs=costs,
     )
-
-
-def _no_crossing(costs: Array) -> Crossing:
-    none = np.empty((0, 2), dtype=np.int64)
-    return Crossing(crosses=False, length=None, length_ratio=None, cost=None, cost_ratio=None, path=none, costs=costs)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -17,42 +17,26 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Shaped, elementwise, ends_of_one, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Sloped, elementwise, ends_of_one, register
 from rsegen.field.stepfield import Array
 from rsegen.params.sorts import ANYWHERE, Cell, Place
 from rsegen.params.streams import randint
 
 
-class Barrier(Shaped):
+class Barrier(Sloped):
     """A ridge whose profile is 1 within half a cell of the segment first..last and falls to 0 over w cells."""
 
     __slots__ = ()
 
-    def run_out(self, grid: Grid) -> float:
-        """Return the width of the slopes in cells: w = (softness / 100) * L, with the chunk size L."""
-        return self.softness / 100 * grid.chunk_size
-
-    def reach(self, grid: Grid) -> float:
-        """Return w + 1/2 cells, beyond which the profile is 0."""
-        return self.run_out(grid) + 0.5
-
     @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
-        """Return 1 - (d - 1/2) / w on the slopes, with the distance d from the axis; vertical walls if w = 0."""
-        beyond = _distance_to_segment(x, y, first, last) - 0.5
-        w = self.run_out(grid)
-        slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0
-        return np.where(beyond <= 0, 1.0, slope)
-
-
-def _distance_to_segment(x: Array, y: Array, first: Cell, last: Cell) -> Array:
-    """Return the distance of each cell from its nearest point of the segment, at the share t of the way, 0..1."""
-    (x1, y1), (x2, y2) = first, last
-    along_x, along_y = x2 - x1, y2 - y1
-    squared = along_x**2 + along_y**2
-    t = ((x - x1) * along_x + (y - y1) * along_y) / np.maximum(squared, 1)  # 0 / 1 for a segment of one cell
-    t = np.clip(t, 0, 1)
-    return np.asarray(np.sqrt((x - x1 - t * along_x) ** 2 + (y - y1 - t * along_y) ** 2))
+        """Return 1 near the axis and 1 - (d - 1/2) / w on the slopes, with the distance d from the segment."""
+        (x1, y1), (x2, y2) = first, last
+        along_x, along_y = x2 - x1, y2 - y1
+        squared = along_x**2 + along_y**2
+        # The nearest point of the segment is at the share t of the way; 0 / 1 for a segment of one cell.
+        t = np.clip(((x - x1) * along_x + (y - y1) * along_y) / np.maximum(squared, 1), 0, 1)
+        return self.sloped(np.sqrt((x - x1 - t * along_x) ** 2 + (y - y1 - t * along_y) ** 2), grid)
 
 
 @register
@@ -76,8 +60,8 @@ class HorizontalBarrier(Barrier):
 
 def _ends_along(grid: Grid, first: Place, last: Place, shared: int, rng: np.random.Generator) -> tuple[Cell, Cell]:
     """Return ends of one coordinate on the axis `shared`."""
-    given = _given(first[shared], last[shared])
-    line = randint(rng, 0, grid.shape[shared] - 1) if given is None else given
+    given = [at for at in (first[shared], last[shared]) if isinstance(at, int)]  # equal if both are
+    line = given[0] if given else randint(rng, 0, grid.shape[shared] - 1)
     cells = grid.shape[1 - shared]
     start, stop = first[1 - shared], last[1 - shared]
     if start == stop == "random":
@@ -90,12 +74,6 @@ def _shareable(first: Place, last: Place) -> list[int]:
     """Return the axes (0: x, 1: y) on which both ends can have one coordinate; only those of given ones, if any."""
     given = [axis for axis in (0, 1) if first[axis] == last[axis] != "random"]
     return given or [axis for axis in (0, 1) if "random" in (first[axis], last[axis])]
-
-
-def _given(first: int | str, last: int | str) -> int | None:
-    """Return the coordinate that is not random, if any is not; they do not differ if both are given."""
-    numbers = [at for at in (first, last) if isinstance(at, int)]
-    return numbers[0] if numbers else None
 
 
 @register

@@ -277,6 +277,22 @@ class Shaped(Obstacle):
         return Patch(EVERYWHERE, levels, footprint)
 
 
+class Sloped(Shaped):
+    """A shape with slopes of w = (softness / 100) * L cells on all sides, with the chunk size L."""
+
+    __slots__ = ()
+
+    def reach(self, grid: Grid) -> float:
+        """Return w + 1/2 cells, beyond which the profile is 0."""
+        return self.softness / 100 * grid.chunk_size + 0.5
+
+    def sloped(self, away: Array, grid: Grid) -> Array:
+        """Return 1 up to half a cell away from the shape, 1 - (d - 1/2) / w beyond; vertical walls if w = 0."""
+        beyond, w = away - 0.5, self.softness / 100 * grid.chunk_size
+        slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0
+        return np.asarray(np.where(beyond <= 0, 1.0, slope))
+
+
 class Filling(Obstacle):
     """A kind that fills the rectangle first..last, by default the whole map."""
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from itertools import count
+from itertools import count, product
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -99,7 +99,10 @@ class Pallet(Obstacle):
         """Return the levels of one pallet per square of chunk size, and of smaller ones for the rest at the ends."""
         (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
         levels, limits = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16), _Limits()
-        for index, tile in enumerate(_tiles(levels.shape, grid.chunk_size)):
+        side = grid.chunk_size
+        starts = product(*(range(0, cells, side) for cells in levels.shape[::-1]))  # along x first
+        for index, (y, x) in enumerate(starts):
+            tile = slice(x, x + side), slice(y, y + side)
             pattern, turns = self.pattern[index % len(self.pattern)], self.turns[index % len(self.turns)]
             n_x, n_y = levels[tile].shape[:: -1 if turns % 2 else 1]
             levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), limits, rng), turns)
@@ -149,13 +152,6 @@ class _Limits:
             one_by_one = tried < _ONE_BY_ONE and self._spent <= _MOST_SPENT and not many
             apart = 1 if one_by_one else (16 if many else 4) * apart  # up to 32766 in a few attempts
             limit = min(limit + apart, top)
-
-
-def _tiles(shape: Cell, side: int) -> Iterator[tuple[slice, slice]]:
-    """Yield squares of `side` cells, along x first; those at the far ends may be smaller."""
-    for y in range(0, shape[1], side):
-        for x in range(0, shape[0], side):
-            yield slice(x, x + side), slice(y, y + side)
 
 
 def _off_the_ridge(pattern: str, shape: Cell) -> Ints:

@@ -14,14 +14,14 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Shaped, elementwise, random_ends, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Sloped, elementwise, random_ends, register
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.params.sorts import Cell, Integer, Place, Size2D
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Platform(Shaped):
+class Platform(Sloped):
     """An even rectangle for the start or the goal of a robot; with softness, slopes lead up to it on all sides."""
 
     kind: ClassVar[str] = "platform"
@@ -53,22 +53,11 @@ class Platform(Shaped):
         )
         return (x1, y1), (x2, y2)
 
-    def run_out(self, grid: Grid) -> float:
-        """Return the width of the slopes in cells: w = (softness / 100) * L, with the chunk size L."""
-        return self.softness / 100 * grid.chunk_size
-
-    def reach(self, grid: Grid) -> float:
-        """Return w + 1/2 cells, beyond which the profile is 0."""
-        return self.run_out(grid) + 0.5
-
     @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:
         """Return level / (levels - 1) inside, times 1 - (d - 1/2) / w at a distance d from the rectangle."""
-        away_x, away_y = _away(x, first[0], last[0]), _away(y, first[1], last[1])
-        beyond = np.hypot(away_x, away_y) - 0.5
-        w = self.run_out(grid)
-        slope = np.maximum(0.0, 1 - beyond / w) if w else 0.0
-        return np.asarray(np.where(beyond <= 0, 1.0, slope) * (self.top / (self.levels - 1)))
+        away = np.hypot(_away(x, first[0], last[0]), _away(y, first[1], last[1]))
+        return self.sloped(away, grid) * (self.top / (self.levels - 1))
 
     @elementwise
     def covers(self, levels: Levels, x: Ints, y: Ints, first: Cell, last: Cell) -> Mask:

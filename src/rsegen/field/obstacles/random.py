@@ -21,58 +21,48 @@ from rsegen.field.obstacles.base import Grid, Obstacle, Patch, Region, elementwi
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Array, Levels
 from rsegen.params.arrays import asarray, cast, least, level_of, order_of_draws
-from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, parse_int, refuse_longer
+from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, Parameter, refuse_longer
 
 
 @dataclass(frozen=True)
 class Weights:
     """A weight for each level, lowest first: any numbers from 0 on, not all of them 0."""
 
+    sort: ClassVar[Parameter] = Float(0, 1e12)
+    plural: ClassVar[str] = "weights"
+    meaning: ClassVar[str] = "one number from 0 on for each level, lowest level first, as in [1, 2, 2, 1, 1]"
+
     help: str = ""
 
-    def check(self, where: str, value: object) -> tuple[float, ...]:
+    def check(self, where: str, value: object) -> tuple[Any, ...]:
         if not isinstance(value, (list, tuple)) or not value:
-            raise ParameterError(where, f"{shown(value)} is not a list of weights; give {self.describe()}")
+            raise ParameterError(where, f"{shown(value)} is not a list of {self.plural}; give {self.meaning}")
         refuse_longer(where, value, MOST_LEVELS)
-        weights = tuple(Float(0, 1e12).check(f"{where}[{level}]", weight) for level, weight in enumerate(value))
-        if not any(weights):
-            raise ParameterError(where, "all weights are 0; give at least one above 0")
-        return weights
+        numbers = tuple(self.sort.check(f"{where}[{level}]", number) for level, number in enumerate(value))
+        if not any(numbers):
+            raise ParameterError(where, f"all {self.plural} are 0; give at least one above 0")
+        return numbers
 
     def parse(self, text: str) -> object:
-        return [Float().parse(part) for part in text.split(",")]
+        return [self.sort.parse(part) for part in text.split(",")]
 
     def format(self, value: Any) -> str:
         return ",".join(map(str, value))
 
     def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": Float(0, 1e12).schema(), "minItems": 1, "maxItems": MOST_LEVELS}
+        return {"type": "array", "items": self.sort.schema(), "minItems": 1, "maxItems": MOST_LEVELS}
 
     def describe(self) -> str:
-        return "one number from 0 on for each level, lowest level first, as in [1, 2, 2, 1, 1]"
+        return self.meaning
 
 
 @dataclass(frozen=True)
 class Counts(Weights):
     """A number of blocks for each level, lowest first: whole numbers from 0 on, not all of them 0."""
 
-    def check(self, where: str, value: object) -> tuple[int, ...]:
-        if not isinstance(value, (list, tuple)) or not value:
-            raise ParameterError(where, f"{shown(value)} is not a list of counts; give {self.describe()}")
-        refuse_longer(where, value, MOST_LEVELS)
-        counts = tuple(Integer(0, 10**9).check(f"{where}[{level}]", blocks) for level, blocks in enumerate(value))
-        if not any(counts):
-            raise ParameterError(where, "all counts are 0; give at least one above 0")
-        return counts
-
-    def parse(self, text: str) -> object:
-        return [parse_int(part) for part in text.split(",")]
-
-    def schema(self) -> dict[str, Json]:
-        return {"type": "array", "items": Integer(0, 10**9).schema(), "minItems": 1, "maxItems": MOST_LEVELS}
-
-    def describe(self) -> str:
-        return "a number of blocks for each level, lowest level first, as in [9, 27, 33, 21, 10]"
+    sort: ClassVar[Parameter] = Integer(0, 10**9)
+    plural: ClassVar[str] = "counts"
+    meaning: ClassVar[str] = "a number of blocks for each level, lowest level first, as in [9, 27, 33, 21, 10]"
 
 
 @register
@@ -134,7 +124,10 @@ class Random(Region):
         """Return levels sampled per cell, or shuffled from `counts` in each map."""
         if self.counts is None:
             return Region.levels_in_maps(self, uniform)
-        return self._shuffled(uniform.reshape(len(uniform), -1)).reshape(uniform.shape)
+        # Sorted by their numbers, all permutations of the blocks are equally likely.
+        blocks = asarray(np.repeat(np.arange(self.levels, dtype=np.int16), self.counts), uniform)
+        levels: Levels = blocks[order_of_draws(uniform.reshape(len(uniform), -1))].reshape(uniform.shape)
+        return levels
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return levels sampled per cell or shuffled from `counts`, reordered until no step exceeds `max_step`."""
@@ -151,12 +144,6 @@ class Random(Region):
                 )
             levels = order
         return patch._replace(levels=levels)
-
-    def _shuffled(self, uniform: Array) -> Levels:
-        """Return the blocks of `counts` in each row, in an order in which all permutations are equally likely."""
-        blocks = np.repeat(np.arange(self.levels, dtype=np.int16), self.counts or ())
-        levels: Levels = asarray(blocks, uniform)[order_of_draws(uniform)]
-        return levels
 
     @elementwise
     def drawn(self, uniform: Array) -> Levels:
@@ -185,11 +172,7 @@ class NormalRandom(Region):
         No quantile per cell is needed: f reaches level k if u >= P(z < z_k), so the levels are found among n bounds.
         """
         scale = self.levels * (1 - self.softness / 100)
-        levels = range(1, math.ceil(scale))
-        bounds = [_normal_cdf((level / scale - 0.5) / self.spread) for level in levels]
+        quantiles = ((level / scale - 0.5) / self.spread for level in range(1, math.ceil(scale)))
+        # P(Z < z), rounded, so that math libraries that differ in the last bit give the same levels.
+        bounds = [round(0.5 * math.erfc(-z / math.sqrt(2)), 12) for z in quantiles]
         return cast(level_of(np.array(bounds), uniform), "int16")  # type: ignore[no-any-return]  # as the numbers
-
-
-def _normal_cdf(z: float) -> float:
-    """Return P(Z < z), rounded, so that math libraries that differ in the last bit give the same levels."""
-    return round(0.5 * math.erfc(-z / math.sqrt(2)), 12)

@@ -213,25 +213,18 @@ class _Arrangement:
             a, b = self._pairs(cells, rng)
             if not len(a):
                 continue
-            rise = self._rise_of_excess(a, b)
+            of_a, of_b = self._levels[a], self._levels[b]
+            levels = np.concatenate(
+                [of_b, of_a, of_a, of_b]
+            )  # after each swap, and before it: at once, as grids are small
+            excess = self._excess(np.concatenate([a, b, a, b]), levels).reshape(4, len(a))
+            rise = excess[0] + excess[1] - excess[2] - excess[3]
             swapped = rng.random(len(a)) < probabilities[np.clip(rise, 0, _MOST_WORSE)]
-            if self._like is not None:
-                swapped &= (rise != 0) | ~self._is_farther(self._like, a, b)
-            a, b = a[swapped], b[swapped]
-            self._levels[a], self._levels[b] = self._levels[b], self._levels[a]
-
-    def _is_farther(self, like: Array, a: Ints, b: Ints) -> Mask:
-        """Return whether each swap of cells a and b makes their two blocks differ more from `like` in sum."""
-        of_a, of_b = self._levels[a], self._levels[b]
-        before, after = ((np.abs(x - like[a]) + np.abs(y - like[b])) for x, y in ((of_a, of_b), (of_b, of_a)))
-        return np.asarray(after > before)
-
-    def _rise_of_excess(self, a: Ints, b: Ints) -> Ints:
-        """Return by how many levels the excess over the limit would rise with each swap of cells a and b."""
-        of_a, of_b = self._levels[a], self._levels[b]
-        pairs, levels = np.concatenate([a, b]), np.concatenate([of_b, of_a, of_a, of_b])
-        excess = self._excess(np.tile(pairs, 2), levels).reshape(4, len(a))  # at once: most grids are small
-        return np.asarray(excess[0] + excess[1] - excess[2] - excess[3])
+            if (like := self._like) is not None:
+                before, after = (np.abs(x - like[a]) + np.abs(y - like[b]) for x, y in ((of_a, of_b), (of_b, of_a)))
+                swapped &= (rise != 0) | (after <= before)
+            a, b, of_a, of_b = a[swapped], b[swapped], of_a[swapped], of_b[swapped]
+            self._levels[a], self._levels[b] = of_b, of_a
 
     def _pairs(self, cells: Ints, rng: np.random.Generator) -> tuple[Ints, Ints]:
         """Return random pairs of cells of one zone; some cells are left over."""

@@ -27,10 +27,11 @@ import numpy as np
 
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, inside, shown
 from rsegen.field.metrics.batch import COLUMNS
-from rsegen.field.stepfield import Ints, StepField, framed
+from rsegen.field.stepfield import Ints, StepField
 from rsegen.io.input_files import JOURNAL, Checksum, checksum_of
 from rsegen.io.recipe_file import content
 from rsegen.params.sorts import Choice, Integer, Text, validate
+from rsegen.recipe.building import field_of
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.tiles import recipes_of, refuse_unlike
@@ -110,15 +111,7 @@ class ShardLayout:
 
     def field(self, blocks: Ints) -> StepField:
         """Return the field of a map with these block levels: frames round them, lengths in metres."""
-        recipe = self.recipes[0]
-        levels, frame = framed(blocks.astype(np.int16), recipe.chunk_size, recipe.boundary)
-        return StepField(
-            levels=levels,
-            frame=frame,
-            block_width=recipe.block_width_cm / 100,
-            unit=recipe.unit_cm / 100,
-            frame_height=recipe.frame_height_cm / 100,
-        )
+        return field_of(self.recipes[0], blocks.astype(np.int16))
 
     def recipe_of_shard(self, number: int) -> Recipe:
         """Return the recipe of the maps of a shard."""

@@ -112,11 +112,7 @@ def crossing_caps(field: StepField, crosser: Standing | StepLimits) -> Ints | No
     ParameterError if a robot does not get across even on a level lane, as frames are in its way.
     """
     for axis in (0, 1):
-        if isinstance(crosser, StepLimits):
-            step = percolation_step(field, crosser.width, axis)
-            caps = None if _crosses(field, crosser, axis, step) else _along(field, crosser, axis, step)
-        else:
-            caps = _lane_caps(field, crosser, axis)
+        caps = _path_caps(field, crosser, axis) if isinstance(crosser, StepLimits) else _lane_caps(field, crosser, axis)
         if caps is not None:
             return caps
     return None
@@ -176,20 +172,17 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
     return caps
 
 
-def _crosses(field: StepField, limits: StepLimits, axis: int, step: float) -> bool:
-    """Return whether a path leads across; it is searched only if the percolation step is between its two limits."""
-    least, most = sorted(limits.limits)
-    needed = round(step * NANOMETRES)
-    return needed <= least or (needed <= most and crossing(field, limits, axis).crosses)
-
-
-def _along(field: StepField, limits: StepLimits, axis: int, step: float) -> Ints:
-    """Return the highest levels along the cheapest of the paths whose highest step is `step`, the least possible
-    one.
+def _path_caps(field: StepField, limits: StepLimits, axis: int) -> Ints | None:
+    """Return the highest levels along the cheapest of the paths whose highest step is the least possible one; None if
+    a path leads across.
     """
-    path = crossing(
-        field, StepLimits.of(step, limits.width), axis, shortest=False
-    ).path  # any of the cheapest: another would be another map
+    step, (least, most) = percolation_step(field, limits.width, axis), sorted(limits.limits)
+    needed = round(step * NANOMETRES)
+    # A path is searched only if the percolation step is between both limits.
+    if needed <= least or (needed <= most and crossing(field, limits, axis).crosses):
+        return None
+    # Any of the cheapest: another would be another map.
+    path = crossing(field, StepLimits.of(step, limits.width), axis, shortest=False).path
     aside = cells_to_each_side(field, limits.width)
     caps = np.full(field.shape, _ANYTHING)
     for (i, j), top in zip(path, _tops(field, limits, axis, path), strict=True):
