@@ -199,15 +199,6 @@ def coarse(field: StepField, factor: int) -> StepField:
     return replace(field, levels=field.levels[i, j], frame=field.frame[i, j], block_width=block_width)
 
 
-def coarse_window(field: StepField, window: CellWindow, factor: int) -> CellWindow:
-    """Return the cells of the downsampled field that a window of the field overlaps."""
-    x, y = (
-        slice(min(part.start // factor, cells // factor - 1), min(-(-part.stop // factor), cells // factor))
-        for part, cells in zip(window, field.shape, strict=True)
-    )
-    return x, y
-
-
 def coarse_indices(field: StepField, factor: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the indices of the highest of every `factor` x `factor` cells."""
     n_x, n_y = (cells // factor for cells in field.shape)

@@ -50,9 +50,7 @@ def mapped(path: Path) -> NDArray[Any]:
 
 
 def _header(file: BufferedReader) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    """Return shape, Fortran order and type as numpy reads them, of no more bytes than a header has, up to whose end
-    the file is read; ValueError if it is none.
-    """
+    """Return shape, Fortran order and type, of no more bytes than a header has; ValueError if it is none."""
     version = npy.read_magic(file)
     if version not in _SIZE_BYTES:
         raise ValueError(f"version {version[0]}.{version[1]} of the format")

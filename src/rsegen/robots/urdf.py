@@ -80,6 +80,8 @@ _PLACED = ("sensor", "light", "projector")
 _SCRIPTS = "file://media/materials/scripts/gazebo.material"
 """The file of Gazebo Classic's colours, such as Gazebo/Blue."""
 
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
 _UNLIMITED = 1e16
 """The number that means no limit in SDF."""
 
@@ -152,7 +154,9 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
     bodies = {name: _body(link, f"{where}: link {shown(name)}") for name, link in links.items()}
     extensions = _extensions(robot)
     heads = _heads(order, above, bodies, extensions, separate)
-    source = _Source(where=where, links=links, heads=heads, extensions=extensions, colours=_colours(robot))
+    materials = reversed(list(robot.iter("material")))  # wherever they are; of one name, the first counts
+    colours = {part.get("name", ""): rgba for part in materials if (rgba := _attribute(part, "rgba", "color"))}
+    source = _Source(where=where, links=links, heads=heads, extensions=extensions, colours=colours)
 
     # Places of links in the model, and in the link of SDF that they become a part of.
     places: dict[str, Array] = {}
@@ -294,8 +298,7 @@ def _body(link: Element, where: str) -> _Body:
     if mass == 0:
         return _NOTHING
     inertia = inertial.find("inertia")
-    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in names])
+    tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in _MOMENTS])
     refuse_inertia(mass, tensor, where)
     return _moved(_Body(mass, np.zeros(3), tensor), _origin(inertial, where))
 
@@ -320,10 +323,9 @@ def _sum(parts: Iterable[tuple[_Body, Array]]) -> _Body:
 
 
 def _append_inertial(link: Element, body: _Body) -> None:
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.tensor
     _put(link, "inertial/pose", f"{_text(body.centre)} 0 0 0")
     _put(link, "inertial/mass", _text([body.mass]))
-    for name, value in zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), (xx, xy, xz, yy, yz, zz), strict=True):
+    for name, value in zip(_MOMENTS, body.tensor[np.triu_indices(3)], strict=True):
         _put(link, f"inertial/inertia/{name}", _text([value]))
 
 
@@ -427,16 +429,6 @@ def _geometry(geometry: Element | None, where: str) -> Element:
     return made
 
 
-def _colours(robot: Element) -> dict[str, str]:
-    """Return the colours of materials by their names, wherever they are defined, as red, green, blue and opacity."""
-    colours: dict[str, str] = {}
-    for material in robot.iter("material"):
-        colour = _attribute(material, "rgba", "color")
-        if colour:
-            colours.setdefault(material.get("name", ""), colour)
-    return colours
-
-
 def _placed(extension: Element, place: Array, where: str) -> Element:
     """Return a copy of an element of a link, with its <pose> in the link that this is a part of."""
     made = deepcopy(extension)
@@ -482,17 +474,17 @@ def _put_number(element: Element, path: str, text: str, where: str) -> None:
         _put(element, path, _text([value]))
 
 
-def _put_all(element: Element, paths: Iterable[str], text: str | None) -> None:
+def _put_all(element: Element, paths: Iterable[str], text: str) -> None:
     for path in paths:
         _put(element, path, text)
 
 
-def _put(element: Element, path: str, text: str | None) -> None:
+def _put(element: Element, path: str, text: str) -> None:
     """Set the text of the element at a path in another, which is made if there is none."""
     for tag in path.split("/"):
         inner = element.find(tag)
         element = SubElement(element, tag) if inner is None else inner
-    element.text = (text or "").strip()
+    element.text = text.strip()
 
 
 def _value(extension: Element) -> str:

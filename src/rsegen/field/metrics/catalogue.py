@@ -76,16 +76,8 @@ def metrics(field: StepField, robot: Crosser | None = None) -> Metrics:
     _refuse_no_crosser(robot)
     if field.frame.all():
         raise ParameterError("field", "has only frame cells; there is no block to measure")
-    return Metrics(
-        spread=spread(field),
-        steps=steps(field),
-        plane=plane(field),
-        scale=scale(field),
-        spectrum=spectrum(field),
-        ruggedness=ruggedness(field),
-        opening=percolation(field, robot.width if robot else 0.0),
-        reach=robot.reach(field) if robot else None,
-    )
+    families = (part.name for part in fields(Metrics) if robot or part.name != "reach")
+    return Metrics(**{family: _FAMILIES[family](field, robot) for family in families})
 
 
 def nested(value: Any) -> Any:

@@ -441,15 +441,19 @@ def random_ends(first: Coordinate, last: Coordinate, span: int, cells: int, rng:
     return first, last
 
 
-def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
-    """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
-    given = [abs(a - b) for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
-    span = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size) - 1
+def ends_of_size(grid: Grid, first: Place, last: Place, size: Cell, rng: np.random.Generator) -> tuple[Cell, Cell]:
+    """Return ends; random ones make a rectangle of this size, in cells, inside the map."""
     (x1, x2), (y1, y2) = (
-        random_ends(a, b, least(span, cells - 1), cells, rng)
-        for a, b, cells in zip(first, last, grid.shape, strict=True)
+        random_ends(a, b, own - 1, cells, rng) for a, b, own, cells in zip(first, last, size, grid.shape, strict=True)
     )
     return (x1, y1), (x2, y2)
+
+
+def square_ends(grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
+    """Return ends; random ones make a square inside the map, with a random side of L/2..L if no side is given."""
+    given = [abs(a - b) + 1 for a, b in zip(first, last, strict=True) if a != "random" and b != "random"]
+    side = given[0] if given else randint(rng, (grid.chunk_size + 1) // 2, grid.chunk_size)
+    return ends_of_size(grid, first, last, (least(side, grid.n_x), least(side, grid.n_y)), rng)
 
 
 def _at_distance(at: int, span: int, cells: int) -> int:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, elementwise, random_ends, register
+from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, elementwise, ends_of_size, register
 from rsegen.field.stepfield import Ints
 from rsegen.params.sorts import ANYWHERE, MOST_LEVELS, Cell, Json, Place, as_int, parameters, refuse_longer
 
@@ -134,11 +134,7 @@ class Matrix(Obstacle):
     @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a rectangle of the size of the matrix inside the map."""
-        (x1, x2), (y1, y2) = (
-            random_ends(a, b, own - 1, cells, rng)
-            for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
-        )
-        return (x1, y1), (x2, y2)
+        return ends_of_size(grid, first, last, self.size, rng)
 
     @property
     def draws_nothing(self) -> bool:

@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import Grid, Obstacle, Sloped, elementwise, random_ends, register
+from rsegen.field.obstacles.base import Grid, Obstacle, Sloped, elementwise, ends_of_size, register
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.params.sorts import Cell, Integer, Place, Size2D
 
@@ -47,11 +47,8 @@ class Platform(Sloped):
     @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:
         """Return ends; random ones make a rectangle of `size` inside the map."""
-        (x1, x2), (y1, y2) = (
-            random_ends(a, b, min(own, cells) - 1, cells, rng)
-            for a, b, own, cells in zip(first, last, self.size, grid.shape, strict=True)
-        )
-        return (x1, y1), (x2, y2)
+        (own_x, own_y), (n_x, n_y) = self.size, grid.shape
+        return ends_of_size(grid, first, last, (min(own_x, n_x), min(own_y, n_y)), rng)
 
     @elementwise
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:

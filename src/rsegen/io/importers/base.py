@@ -36,9 +36,7 @@ _HALFWAY = 0.4
 """Error, in units, from which on a height is almost halfway between two levels; it is at most 0.5."""
 
 _MOST_HALFWAY = 0.05
-"""Share of heights that may be almost halfway: blocks that are measured so badly that every sixth is off by more than
-0.2 units have fewer.
-"""
+"""Share of heights that may be almost halfway: fewer are of blocks of which every sixth is off by over 0.2 units."""
 
 _NEAR = 0.12
 """Mean error, in units, below which heights count as nearly whole units when a unit is looked for.
@@ -133,6 +131,14 @@ def _are_near(heights: Array, unit: float) -> bool:
     return float(np.abs(units - np.rint(units)).mean()) < _NEAR
 
 
+def lower_medians(rows: Array) -> Array:
+    """Return the lower median of the values of each row that are not nan; nan if all are."""
+    import numpy as np
+
+    middles = np.maximum(np.count_nonzero(~np.isnan(rows), axis=1) - 1, 0) // 2
+    return np.take_along_axis(np.sort(rows, axis=1), middles[:, None], axis=1)[:, 0]  # nan are last
+
+
 def filled(heights: Array, holes: Mask) -> Array:
     """Return heights (n_x, n_y) with the lower median of the known of its eight neighbours in every hole.
 
@@ -144,13 +150,10 @@ def filled(heights: Array, holes: Mask) -> Array:
     missing = np.argwhere(holes)
     while len(missing):
         padded = np.pad(complete, 1, constant_values=np.nan)
-        around = np.stack(
-            [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-        )
-        known = ~np.isnan(around).all(axis=0)
-        ordered = np.sort(around[:, known], axis=0)  # nan last
-        middle = (np.count_nonzero(~np.isnan(ordered), axis=0) - 1) // 2
-        complete[tuple(missing[known].T)] = np.take_along_axis(ordered, middle[None], axis=0)[0]
+        around = [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+        medians = lower_medians(np.stack(around, axis=1))
+        known = ~np.isnan(medians)
+        complete[tuple(missing[known].T)] = medians[known]
         missing = missing[~known]
     return complete
 

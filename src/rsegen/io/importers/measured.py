@@ -14,7 +14,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.io.importers.base import Heights, Importer, filled, refuse_too_many_cells, whole_units
+from rsegen.io.importers.base import (
+    Heights,
+    Importer,
+    filled,
+    lower_medians,
+    refuse_too_many_cells,
+    whole_units,
+)
 from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
 
 if TYPE_CHECKING:
@@ -46,7 +53,8 @@ def sampled(
     ]
     c, s = cos(radians(turn)), sin(radians(turn))
     rows = (_heights_at(heights, origin, u[:, None, None], along[1], (c, s)) for u in along[0])
-    return np.array([_medians(row.transpose(1, 0, 2).reshape(size[1], -1)) for row in rows])
+    points = (row.transpose(1, 0, 2).reshape(size[1], -1) for row in rows)
+    return np.array([np.where(np.isnan(row).mean(axis=1) > 0.5, np.nan, lower_medians(row)) for row in points])
 
 
 def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
@@ -61,16 +69,6 @@ def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array,
     n_x, n_y = heights.shape
     inside = (x >= 0) & (x < n_x) & (y >= 0) & (y < n_y)
     return np.where(inside, heights[x.clip(0, n_x - 1), y.clip(0, n_y - 1)], np.nan)
-
-
-def _medians(samples: Array) -> Array:
-    """Return the lower median of each row, nan if more than half of it is nan."""
-    import numpy as np
-
-    ordered = np.sort(samples, axis=1)
-    known = np.count_nonzero(~np.isnan(ordered), axis=1)
-    middle = np.take_along_axis(ordered, np.maximum(known - 1, 0)[:, None] // 2, axis=1)[:, 0]
-    return np.where(2 * known >= samples.shape[1], middle, np.nan)
 
 
 RESAMPLED = "resample to this many cells along x and y; default: one per cell, or pixel, of the file"

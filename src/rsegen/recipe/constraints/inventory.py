@@ -111,7 +111,8 @@ class _Carried:
         ends = [0] * (most + 1) + np.cumsum(wished).tolist()
         ends += ends[-1:] * (most + 1)
         for k, (cells, blocks) in enumerate(zip(self._wished, self._given, strict=True)):
-            self._least.append(self._where_least())
+            left, right = self._left[0][0], self._right[0][0]  # where f(k - 1) is least
+            self._least.append((self._shifts[0] - left, self._shifts[1] + right))
             self._shifts = [self._shifts[0] - cells, self._shifts[1] + blocks - cells]
             below, here, above = ends[k + 1], ends[k + most + 1], ends[k + 2 * most + 1]
             self._forbid(below - here, above - here)
@@ -128,9 +129,6 @@ class _Carried:
             before = min(max(x + self._wished[k] - self._given[k], min(x, high), low), x + self._wished[k])
             counts[k], x = x - before + self._wished[k], before
         return np.array(counts)
-
-    def _where_least(self) -> tuple[int, int]:
-        return -self._left[0][0] + self._shifts[0], self._right[0][0] + self._shifts[1]
 
     def _forbid(self, low: int, high: int) -> None:
         """Let x below `low` and above `high` cost more than anything."""
@@ -160,9 +158,7 @@ def blocks(owned: Sequence[int], levels: int) -> Blocks:
 
 
 def lowered_to(levels: Ints, caps: Ints, left: Blocks | None) -> Ints:
-    """Return levels no higher than `caps`, from the blocks that are left (changed in place); None: any number of
-    blocks.
-    """
+    """Return levels no higher than `caps`, from the blocks that are left (changed in place); None: any number."""
     lowered = levels.astype(np.int64)
     if left is None:
         return np.minimum(lowered, caps)
@@ -188,9 +184,7 @@ _Cumulative = NDArray[np.int64]
 
 
 class BlockCounts:
-    """Possible counts of blocks, from `owned` blocks of level 0, 1, ...; with_neighbours: n(m) for m = 0 .. all
-    cells.
-    """
+    """Possible counts of blocks, from `owned` blocks of level 0, 1, ...; with_neighbours: n(m) for m = 0 .. cells."""
 
     def __init__(self, owned: Ints, limit: int, with_neighbours: Ints) -> None:
         self._cells = len(with_neighbours) - 1

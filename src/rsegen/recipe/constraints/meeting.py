@@ -173,9 +173,7 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
 
 
 def _path_caps(field: StepField, limits: StepLimits, axis: int) -> Ints | None:
-    """Return the highest levels along the cheapest of the paths whose highest step is the least possible one; None if
-    a path leads across.
-    """
+    """Return the highest levels along the cheapest path of the least highest step; None if one leads across."""
     step, (least, most) = percolation_step(field, limits.width, axis), sorted(limits.limits)
     needed = round(step * NANOMETRES)
     # A path is searched only if the percolation step is between both limits.
@@ -268,9 +266,7 @@ def _is_still_met(met: StepField, design: MapDesign) -> Callable[[StepField], bo
 
 
 def _with_all_counted(met: StepField, designed: StepField, like: Array, design: MapDesign, index: int) -> StepField:
-    """Return the blocks that a random obstacle counts, arranged anew if the largest step allows it; else the field
-    `met`.
-    """
+    """Return the blocks that a random obstacle counts, arranged anew if the largest step allows it; else `met`."""
     counts = designed.level_counts()
     if design.max_step is None or met.level_counts() == counts or not _counts_blocks(design):
         return met
@@ -284,9 +280,7 @@ def _counts_blocks(design: MapDesign) -> bool:
 
 
 def _arranged(wished: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
-    """Return the blocks of an inventory arranged near `like`, with about the counts of a field; all constraints are
-    met.
-    """
+    """Return the blocks of an inventory near `like`, with about the counts of a field; all constraints are met."""
     owned = blocks(inventory, max(len(inventory), int(wished.levels.max(initial=0))) + 1)
     stock, rng = Stock(owned=owned, limit=design.max_step or 1), generator(design.seed, index, "arrangement")
     cells, met, caps, empty = int(np.count_nonzero(~wished.frame)), [], None, 0
