@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rsegen.errors import FileError
 from rsegen.robots import ROBOTS, SdfRobot, from_file
 from rsegen.robots.links import rotation
-from rsegen.robots.sdf_shapes import Inertial, ModelFrames, inertials, is_impossible
+from rsegen.robots.sdf_shapes import Inertial, ModelFrames, extents, inertials, is_impossible
 from tests.robots.two_wheels import ROS_1, two_wheels
 
 INERTIAL = "<inertial>{}</inertial>"
@@ -51,6 +51,15 @@ def test_a_centre_is_in_the_frame_of_the_model_and_defaults_are_those_of_sdf() -
     assert {name: each.mass for name, each in found.items()} == {"a": 2, "b": 1, "n::c": 1}
     for name, centre in (("a", (1, 3, 3)), ("b", (0, 2, 3)), ("n::c", (5, 0, 0))):
         np.testing.assert_allclose(found[name].centre, centre, atol=1e-9)
+
+
+def test_a_shape_in_a_nested_model_may_be_relative_to_that_model() -> None:
+    pose = "<pose relative_to='__model__'>0 0 2 0 0 0</pose>"
+    collision = f"<collision name='s'>{pose}<geometry><sphere><radius>1</radius></sphere></geometry></collision>"
+    link = f"<link name='c'><pose>1 0 0 0 0 0</pose>{collision}</link>"
+    model = fromstring(f"<model name='m'><model name='n'><pose>5 0 0 0 0 0</pose>{link}</model></model>")
+    (extent,) = extents(ModelFrames(model, "m.sdf")).known.values()
+    np.testing.assert_allclose([extent.low, extent.high], [(4, -1, 1), (6, 1, 3)], atol=1e-12)
 
 
 @pytest.mark.parametrize(

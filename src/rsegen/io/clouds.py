@@ -48,7 +48,7 @@ Intrinsics = tuple[float, float, float, float]
 
 def is_cloud(path: Path) -> bool:
     """Return whether a file is a point cloud, by its name."""
-    return path.suffix.lower() in READERS
+    return path.suffix.lower() in CLOUDS
 
 
 def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: Intrinsics | None = None) -> Array:
@@ -62,10 +62,9 @@ def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: In
 
 
 def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Array:
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in READERS)}")
-    numbers, usual = reader(path)
+    if not is_cloud(path):
+        raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
+    numbers, usual = _READERS[CLOUDS[path.suffix.lower()]](path)
     if numbers.ndim == 2 and numbers.shape[1] != 3:
         points = _of_depth(path, numbers, intrinsics)
     elif intrinsics is not None:
@@ -181,5 +180,4 @@ def _refuse_many(path: Path, points: int) -> None:
 _READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
     {"text": _text, "mesh": _mesh, "pcd": _pcd, "array": _array, "image": _image}
 )
-READERS = {suffix: _READERS[way] for suffix, way in CLOUDS.items()}
-"""What reads a file by its suffix: its points (n, 3), or its depths (rows, columns), and their usual unit."""
+"""Readers of files: of points (n, 3), or depths (rows, columns), and their usual unit."""

@@ -31,7 +31,7 @@ def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """The header and the rows below it, each with its line."""
+    """Yield the header and the rows below it, each with its line."""
     lines = text_of(path, _MOST_MIB, "an inventory").splitlines()
     lines = ["" if not line.strip() or line.startswith("#") else line for line in lines]  # they keep their numbers
     semicolons = ";" in next(filter(None, lines), "")
@@ -50,7 +50,7 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def _row(where: str, row: list[str], unit_cm: float, written: str) -> tuple[int, int]:
-    """A block's level, and how many of them there are."""
+    """Return the level of the blocks in a row, and how many of them there are."""
     if len(row) != len(COLUMNS):
         raise FileError(f"{where}: {shown(','.join(row))} is not a height and a count")
     height = Float(0, 100_000, unit=written).check(where, Float().parse(row[0]))

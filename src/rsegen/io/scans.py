@@ -83,8 +83,8 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
     """
     options = options or ScanOptions()
     points, name = _points(clouds, options)
-    found = find_field(points, options.settings)
-    return ScannedMap(scan=found, recipe=_recipe(found, name, fill_holes=options.fill_holes), points=points)
+    field = find_field(points, options.settings)
+    return ScannedMap(scan=field, recipe=_recipe(field, name, fill_holes=options.fill_holes), points=points)
 
 
 def compare(
@@ -102,10 +102,10 @@ def compare(
         return ComparedMap(comparison=compared(_field(stands), field), units=units)
     options = options or ScanOptions()
     points, _ = _points(stands, options)
-    found = find_field(points, options.settings, known=field)
-    stretch = found.unit / found.measured_unit
-    comparison = Comparison(heights=found.heights * stretch, wanted=field, tolerance=field.unit / 2)
-    return ComparedMap(comparison=comparison, scan=found, units=units)
+    built = find_field(points, options.settings, known=field)
+    stretch = built.unit / built.measured_unit
+    comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
+    return ComparedMap(comparison=comparison, scan=built, units=units)
 
 
 def _field(shown: Recipe | StepField) -> StepField:

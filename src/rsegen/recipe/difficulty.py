@@ -53,8 +53,8 @@ def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Level
     if not asked:
         return scaled(field, 0.5, difficulty).astype(np.int16)  # type: ignore[no-any-return]  # as the field
     rounding = _rounding(levels[None], generator(design.seed, index, _KEY).random((1, *levels.shape)))[0]
-    found: Levels = nearest(partial(scaled, field, rounding), measure, asked, int(_halvings(levels[None])[0]))
-    return found.astype(np.int16)
+    levels_at_scale: Levels = nearest(partial(scaled, field, rounding), measure, asked, int(_halvings(levels[None])[0]))
+    return levels_at_scale.astype(np.int16)
 
 
 def scaled_to_difficulties(levels: Any, design: MapDesign, indices: Sequence[int]) -> Any:

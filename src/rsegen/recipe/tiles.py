@@ -13,7 +13,7 @@ as bisection keeps one below and one above, but perhaps not the only one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from math import fsum, inf, isnan
 from typing import NamedTuple
@@ -91,6 +91,15 @@ HALVINGS = 12
 """Halvings of the interval 0..1 in the search for a difficulty: finer than one block changes most metrics."""
 
 
+def bisected(is_enough: Callable[[float], bool], most: float = 1.0) -> tuple[float, float]:
+    """Return the ends of what halvings leave of 0..most: the lower is not enough, or 0; the upper is, or `most`."""
+    low, high = 0.0, most
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if is_enough(middle) else (middle, high)
+    return low, high
+
+
 class Span(NamedTuple):
     """A metric's value on level ground and on the hardest map that has one; `hardest`: its difficulty, as a share.
 
@@ -124,11 +133,8 @@ def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
         raise ParameterError("by", f"{metric.name} of {name} has no value even at difficulty 0; give another metric")
     if not isnan(full):
         return Span(level, full)
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        low, high = (low, middle) if isnan(_value(recipe, index, metric, middle)) else (middle, high)
-    return Span(level, _value(recipe, index, metric, low), low)
+    hardest, _ = bisected(lambda share: isnan(_value(recipe, index, metric, share)))
+    return Span(level, _value(recipe, index, metric, hardest), hardest)
 
 
 def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, difficulty: float) -> float:
@@ -145,13 +151,14 @@ def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, 
         return 0.0
     if sign * (wanted - own.full) >= 0:
         return own.hardest
-    low, high = 0.0, own.hardest
-    tried = {low: own.level, high: own.full}
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        value = _value(recipe, index, metric, middle)
-        tried[middle] = sign * inf if isnan(value) else value
-        low, high = (middle, high) if sign * (wanted - tried[middle]) > 0 else (low, middle)
+    tried = {0.0: own.level, own.hardest: own.full}
+
+    def is_enough(share: float) -> bool:
+        value = _value(recipe, index, metric, share)
+        tried[share] = sign * inf if isnan(value) else value
+        return sign * (wanted - tried[share]) <= 0
+
+    bisected(is_enough, own.hardest)
     return min(tried, key=lambda share: (abs(wanted - tried[share]), share))
 
 

@@ -18,7 +18,7 @@ _RADIUS, _HALF, _WIDTH, _SEPARATION = 0.085, 0.27, 0.07, 0.36  # a track: its en
 _REACH, _FLIPPER_RADIUS, _FLIPPER_WIDTH = 0.30, 0.05, 0.04  # a flipper, from axle to axle
 _MU, _MU2 = 1.0, 0.5  # along a belt, and across it, where it has to skid in a turn
 _ROAD, _PROUD = 0.15, 0.002  # the wheels that the tracks stand on, and by how much lower they are than the others
-_HULL = Surface(mu=0.3, mu2=0.3, soft=FIRM)
+_HULL, _GRIP = Surface(mu=0.3, mu2=0.3, soft=FIRM), Surface(mu=_MU, mu2=_MU2, along=(1, 0, 0), soft=FIRM)
 _RAISED = 0.25  # radians: low enough not to hang on what it has climbed
 _SIDES = {"left": 1, "right": -1}
 _Y: Vector = (0, 1, 0)
@@ -65,15 +65,15 @@ _BASE = Link(
 
 
 def _track(side: str) -> Link:
-    belts = belt(-_HALF, _HALF, radius=_RADIUS - _PROUD, width=_WIDTH, mu=_MU, mu2=_MU2)
-    roads = tuple(road(x, radius=_RADIUS, width=_WIDTH, mu=_MU, mu2=_MU2) for x in (-_ROAD, _ROAD))
+    belts = belt(-_HALF, _HALF, radius=_RADIUS - _PROUD, width=_WIDTH, surface=_GRIP)
+    roads = tuple(road(x, radius=_RADIUS, width=_WIDTH, surface=_GRIP) for x in (-_ROAD, _ROAD))
     solid = Box(size=(2 * (_HALF + _RADIUS), _WIDTH, 2 * _RADIUS))
     at = (0, _SIDES[side] * _SEPARATION / 2, _RADIUS, 0, 0, 0)
     return Link(name=f"{side}_track", mass=3.5, solid=solid, parts=belts + roads, pose=at)
 
 
 def _flipper(side: str) -> Link:
-    belts = belt(0, _REACH, radius=_FLIPPER_RADIUS, width=_FLIPPER_WIDTH, mu=_MU, mu2=_MU2)
+    belts = belt(0, _REACH, radius=_FLIPPER_RADIUS, width=_FLIPPER_WIDTH, surface=_GRIP)
     solid = Box(size=(_REACH + 2 * _FLIPPER_RADIUS, _FLIPPER_WIDTH, 2 * _FLIPPER_RADIUS))
     y = _SIDES[side] * (_SEPARATION / 2 + _WIDTH / 2 + _FLIPPER_WIDTH / 2 + 0.01)
     centre = (_REACH / 2, 0, 0, 0, 0, 0)
@@ -83,11 +83,9 @@ def _flipper(side: str) -> Link:
 
 
 def _limb(limb: _Limb) -> Link:
-    middle = (*limb.middle, 0, 0, 0)
+    at, middle = (*limb.at, 0, 0, 0), (*limb.middle, 0, 0, 0)
     part = Part(name=limb.joint, solid=limb.solid, pose=middle, colour=GREY, surface=_HULL)
-    return Link(
-        name=limb.joint, mass=limb.mass, solid=limb.solid, parts=(part,), pose=(*limb.at, 0, 0, 0), centre=middle
-    )
+    return Link(name=limb.joint, mass=limb.mass, solid=limb.solid, parts=(part,), pose=at, centre=middle)
 
 
 def _hinge(name: str, parent: str, child: str, axis: Vector, ends: tuple[float, float], effort: float) -> Joint:
@@ -99,10 +97,8 @@ def _joints() -> Iterator[Joint]:
     yield from (Joint(name=f"{side}_track_mount", parent="base", child=f"{side}_track") for side in _SIDES)
     for side in _SIDES:
         yield _hinge(f"{side}_flipper_pivot", "base", f"{side}_flipper", (0, -1, 0), (-1.2, 2.8), 60)
-    parent = "base"
-    for limb in _ARM:
+    for parent, limb in zip(("base", *(limb.joint for limb in _ARM)), _ARM, strict=False):
         yield _hinge(f"{limb.joint}_joint", parent, limb.joint, limb.axis, (limb.lower, limb.upper), limb.effort)
-        parent = limb.joint
 
 
 CRAWLER = register(

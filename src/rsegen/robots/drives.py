@@ -30,29 +30,16 @@ class Command(NamedTuple):
 
 def publish_command(topic: str, message: str, text: str, simulator: str) -> Command:
     """Return a message to a topic by the simulator's own tool; `message` is a type without its package."""
-    kind = message_type(message, simulator)
-    if simulator == "classic":
-        return Command(topic, kind, text, ("gz", "topic", "-p", topic, "-m", text))
-    tool = "gz" if simulator == "sim" else "ign"
-    return Command(topic, kind, text, (tool, "topic", "-t", topic, "-m", kind, "-p", text))
-
-
-def pose_text(v: float, w: float) -> str:
-    """Return speeds as Classic's wheeled drives take them: v as x, w as the yaw of an orientation, so |w| < pi."""
-    x, half = numbers([v]), w / 2
-    turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
-    return f"position {{ x: {x} y: 0 z: 0 }} orientation {{ {turned} }}"
+    names = {"classic": ("gazebo", "gz"), "sim": ("gz", "gz"), "fortress": ("ignition", "ign")}
+    package, tool = names[simulator]
+    kind = f"{package}.msgs.{message}"
+    words = ("-p", topic, "-m", text) if simulator == "classic" else ("-t", topic, "-m", kind, "-p", text)
+    return Command(topic, kind, text, (tool, "topic", *words))
 
 
 def twist_text(v: float, w: float) -> str:
-    """Return speeds as every other drive takes them."""
+    """Return speeds as all drives but Classic's wheeled ones take them."""
     return f"linear {{ x: {numbers([v])} y: 0 z: 0 }} angular {{ x: 0 y: 0 z: {numbers([w])} }}"
-
-
-def message_type(message: str, simulator: str) -> str:
-    """Return the full name of a message type, as in gazebo.msgs.Twist, gz.msgs.Twist or ignition.msgs.Twist."""
-    package = {"classic": "gazebo", "sim": "gz", "fortress": "ignition"}[simulator]
-    return f"{package}.msgs.{message}"
 
 
 def classic(library: str, name: str, inner: str) -> str:
@@ -137,7 +124,7 @@ class Wheels(Drive):
     acceleration: float | None = None
 
     def plugins(self, simulator: str, odometry: str = "") -> str:
-        """DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""
+        """Return DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""
         if simulator == "classic":
             return "".join(
                 classic("DiffDrive", f"drive_{left}", element("left_joint", right) + element("right_joint", left))
@@ -152,8 +139,11 @@ class Wheels(Drive):
         return system("DiffDrive", simulator, inner + odometry)
 
     def classic_command(self, name: str, v: float, w: float) -> Command:
-        """Return the command as a Pose."""
-        return publish_command(f"~/{name}/vel_cmd", "Pose", pose_text(v, w * self.slip / self.spread), "classic")
+        """Return the command as a Pose: v as x, w as the yaw of an orientation, so |w| < pi."""
+        half = w * self.slip / self.spread / 2
+        turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
+        text = f"position {{ x: {numbers([v])} y: 0 z: 0 }} orientation {{ {turned} }}"
+        return publish_command(f"~/{name}/vel_cmd", "Pose", text, "classic")
 
 
 _MOVING = 0.1
@@ -177,7 +167,7 @@ class Tracks(Drive):
     in_place: float = 1
 
     def plugins(self, simulator: str, odometry: str = "") -> str:
-        """SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim.
+        """Return SimpleTrackedVehicle in Classic; TrackedVehicle, and a TrackController for every belt, in Gazebo Sim.
 
         Classic's calls left what is right.
         """

@@ -269,9 +269,8 @@ SLACK = 0.001
 """Depth, metres, of the belt inside its wheels' circles: on a floor only the wheels are in contact."""
 
 
-def belt(rear: float, front: float, *, radius: float, width: float, mu: float, mu2: float) -> tuple[Part, ...]:
-    """Return a belt round equal wheels at x = rear and x = front of its link; friction mu along it, mu2 across."""
-    surface = _grip(mu, mu2)
+def belt(rear: float, front: float, *, radius: float, width: float, surface: Surface) -> tuple[Part, ...]:
+    """Return a belt round equal wheels at x = rear and x = front of its link."""
     run = Box(size=(front - rear, width, 2 * (radius - SLACK)))
     end = Cylinder(radius=radius, length=width)
     return (
@@ -281,15 +280,11 @@ def belt(rear: float, front: float, *, radius: float, width: float, mu: float, m
     )
 
 
-def road(x: float, *, radius: float, width: float, mu: float, mu2: float) -> Part:
+def road(x: float, *, radius: float, width: float, surface: Surface) -> Part:
     """Return a wheel inside the belt, at x; if lower than the ends, the robot stands on it and turns easily."""
     name = f"road_{'front' if x > 0 else 'rear'}"
     wheel = Cylinder(radius=radius, length=width)
-    return Part(name=name, solid=wheel, pose=(x, 0, 0, *ALONG_Y), colour=DARK, surface=_grip(mu, mu2))
-
-
-def _grip(mu: float, mu2: float) -> Surface:
-    return Surface(mu=mu, mu2=mu2, along=(1, 0, 0), soft=FIRM)
+    return Part(name=name, solid=wheel, pose=(x, 0, 0, *ALONG_Y), colour=DARK, surface=surface)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

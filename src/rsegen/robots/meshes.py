@@ -124,8 +124,8 @@ class _Scene:
         for faces in geometry.iterfind("mesh/*"):
             if faces.tag not in ("triangles", "polylist", "polygons"):
                 continue
-            inputs = {one.get("semantic"): one for one in faces.findall("input")}
-            columns = 1 + max(int(one.get("offset", "0")) for one in faces.findall("input"))
+            inputs = {source.get("semantic"): source for source in faces.findall("input")}
+            columns = 1 + max(int(source.get("offset", "0")) for source in faces.findall("input"))
             column = int(inputs["VERTEX"].get("offset", "0"))
             rings = [_numbers(ring).astype(np.int64).reshape(-1, columns)[:, column] for ring in faces.findall("p")]
             if faces.tag == "polylist" and rings:
@@ -142,7 +142,7 @@ class _Scene:
     def _points(self, vertex: Element) -> Array:
         """Return the points, (n, 3), of an input VERTEX, in the unit of the file."""
         vertices = self._ids[vertex.get("source", "")]
-        (position,) = (one for one in vertices.findall("input") if one.get("semantic") == "POSITION")
+        (position,) = vertices.findall("input[@semantic='POSITION']")
         accessor = next(self._ids[position.get("source", "")].iterfind("technique_common/accessor"))
         values = _numbers(self._ids[accessor.get("source", "")])[int(accessor.get("offset", "0")) :]
         stride = int(accessor.get("stride", "1"))

@@ -16,7 +16,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
@@ -198,18 +197,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     wheels as LEFT,RIGHT; tracks: the links of its tracks; several of a side joined by +, the flippers of a track after
     it. They are for a model that does not say it, or says it otherwise.
     """
-    file, arguments = with_arguments(path) if isinstance(path, str) else (os.fspath(path), {})
-    return parsed(text_of(Path(file), MAX_MIB, "a robot"), file, wheels, tracks, arguments)
-
-
-def parsed(
-    text: str,
-    where: str,
-    wheels: str | None = None,
-    tracks: str | None = None,
-    arguments: Mapping[str, str] = MappingProxyType({}),
-) -> SdfRobot:
-    """Return the one model in a text; a document type and entities are refused, as bombs are made of them."""
+    where, arguments = with_arguments(path) if isinstance(path, str) else (os.fspath(path), {})
+    text = text_of(Path(where), MAX_MIB, "a robot")
     root = elements(text, where)
     remarks: list[str] = []
     if is_xacro(root, where):

@@ -458,8 +458,8 @@ def _text(values: Iterable[float]) -> str:
 
 def _attribute(element: Element | None, name: str, child: str = "") -> str:
     """Return an attribute of an element, or of its child; an empty text for none."""
-    found = element.find(child) if element is not None and child else element
-    return "" if found is None else found.get(name, "").strip()
+    owner = element.find(child) if element is not None and child else element
+    return "" if owner is None else owner.get(name, "").strip()
 
 
 def _put_number(element: Element, path: str, text: str, where: str) -> None:

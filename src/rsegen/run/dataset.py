@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from math import prod
 from pathlib import Path, PurePosixPath
 from typing import Protocol
@@ -131,7 +132,7 @@ def make_shards(plan: DatasetPlan, progress: Progress | None) -> Dataset:
         names = {number: layout.names(number).values() for number in range(layout.shards)}
         existing = [] if plan.replaces else shards_run.existing
         store.foresee(
-            [*(name for each in names.values() for name in each), MANIFEST],
+            [*chain(*names.values()), MANIFEST],
             kept=[name for number in existing for name in names[number]],
         )
         journal = store.journal.content

@@ -16,7 +16,6 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from rsegen.errors import OutputError
 from rsegen.io.input_files import JOURNAL
 
 FATES = ("write", "replace", "remove", "keep")
@@ -27,7 +26,7 @@ class _Ended(Exception):  # no error: a dry run has noted all that it can
 
 
 class Notes:
-    """What a dry run has noted: the fate of each file."""
+    """Notes of a dry run: the fate of each file."""
 
     def __init__(self) -> None:
         self._fates: dict[Path, str] = {}
@@ -92,10 +91,3 @@ def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_
     noted.put(folder, [name for name in names if name not in stay])
     noted.rest(folder, "remove" if is_whole else "keep")
     raise _Ended
-
-
-def refuse_unwritable(folder: Path, output: Path) -> None:
-    """Raise an OutputError if nothing could be written into a folder, which may not exist yet."""
-    above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        raise OutputError(f"{output}: cannot be written: {above} is {'read-only' if above.is_dir() else 'a file'}")

@@ -26,7 +26,7 @@ from rsegen.field.metrics.traversability import percolation
 from rsegen.params.sorts import NANOMETRE_DIGITS, Flag, Float, validate
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import HALVINGS, Span, mean_of, share_of, span_of
+from rsegen.recipe.tiles import Span, bisected, mean_of, share_of, span_of
 
 DIGITS = 6
 """Decimals of a difficulty, so that recipes stay short; a millionth is far less than a level of a block."""
@@ -129,12 +129,7 @@ def _share(whole: Recipe, rms: float, full: float) -> float:
     """Return the difficulty at which a map has this rms step; searched for if constraints lower the steps further."""
     if rms >= full or not whole.is_constrained:
         return min(rms / full, 1.0)
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        reached = _rms(replace(whole, difficulty=middle)) or 0.0
-        low, high = (middle, high) if reached < rms else (low, middle)
-    return high
+    return bisected(lambda share: (_rms(replace(whole, difficulty=share)) or 0.0) >= rms)[1]
 
 
 def _rms(recipe: Recipe) -> float | None:

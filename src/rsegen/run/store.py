@@ -319,7 +319,10 @@ class _DryStore(Store):
 def _dry_store(
     folder: Path, noted: dry.Notes, *, output: Path | None = None, is_whole: bool = False
 ) -> Iterator[Store]:
-    dry.refuse_unwritable(folder, output or folder)
+    above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
+        raise OutputError(f"{output or folder}: cannot be written: {problem}")
     with TemporaryDirectory(prefix="rsegen-") as staging:
         yield _DryStore(folder, noted, Path(staging), is_whole=is_whole)
 

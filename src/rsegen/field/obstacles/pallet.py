@@ -25,10 +25,10 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.base import SLACK, Grid, Obstacle, Patch, register
+from rsegen.field.obstacles.base import SLACK, Filling, Grid, Obstacle, Patch, register
 from rsegen.field.obstacles.rearranged import rearranged
 from rsegen.field.stepfield import Ints, Levels, Mask
-from rsegen.params.sorts import Cell, Choice, Integer, ListOf, Place
+from rsegen.params.sorts import Cell, Choice, Integer, ListOf
 
 _BEYOND = (9, 27, 24, 12)
 """Number of posts of level 0, 1, 2, 3 in the model beyond its ridge (10 of level 4) and shoulders (18)."""
@@ -51,7 +51,7 @@ _MOST_SPENT = 250 * _FEW_POSTS
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Pallet(Obstacle):
+class Pallet(Filling):
     """Pallets of posts in one of NIST's patterns (flat, hill or diagonal), one per chunk."""
 
     kind: ClassVar[str] = "pallet"
@@ -91,10 +91,6 @@ class Pallet(Obstacle):
         if self.step >= self.levels:
             raise ParameterError("step", f"{self.step} is more than the highest level, {self.levels - 1}")
 
-    def default_ends(self, grid: Grid) -> tuple[Place, Place]:
-        """Return two opposite corners of the map."""
-        return (0, 0), (grid.n_x - 1, grid.n_y - 1)
-
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels of one pallet per square of chunk size, and of smaller ones for the rest at the ends."""
         (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
@@ -107,7 +103,7 @@ class Pallet(Obstacle):
             n_x, n_y = levels[tile].shape[:: -1 if turns % 2 else 1]
             levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), limits, rng), turns)
         levels = np.floor(levels * self.step * (1 - self.softness / 100) + SLACK).astype(np.int16)
-        return Patch((slice(x1, x2 + 1), slice(y1, y2 + 1)), levels, np.ones(levels.shape, dtype=bool))
+        return Patch(self.window(grid, first, last), levels, np.ones(levels.shape, dtype=bool))
 
     def _pallet(self, pattern: str, shape: Cell, limits: _Limits, rng: np.random.Generator) -> Levels:
         """Return the levels of one pallet, unrotated, in multiples of `step`: the same blocks in a random order."""

@@ -157,11 +157,6 @@ class ShardLayout:
         """Shape of the levels of a shard: (maps, n_x, n_y)."""
         return (len(self.places(number)), *self.grid_shape)
 
-    def bytes(self, number: int) -> int:
-        """Bytes of the levels of a shard, without the file's header."""
-        maps, n_x, n_y = self.shape(number)
-        return maps * n_x * n_y * self.dtype.itemsize
-
     @property
     def bytes_per_map(self) -> int:
         """Bytes of disk that a map needs."""
