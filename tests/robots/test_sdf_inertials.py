@@ -57,7 +57,7 @@ def test_a_shape_in_a_nested_model_may_be_relative_to_that_model() -> None:
     pose = "<pose relative_to='__model__'>0 0 2 0 0 0</pose>"
     collision = f"<collision name='s'>{pose}<geometry><sphere><radius>1</radius></sphere></geometry></collision>"
     link = f"<link name='c'><pose>1 0 0 0 0 0</pose>{collision}</link>"
-    model = fromstring(f"<model name='m'><model name='n'><pose>5 0 0 0 0 0</pose>{link}</model></model>")
+    model = ElementTree.fromstring(f"<model name='m'><model name='n'><pose>5 0 0 0 0 0</pose>{link}</model></model>")
     (extent,) = extents(ModelFrames(model, "m.sdf")).known.values()
     np.testing.assert_allclose([extent.low, extent.high], [(4, -1, 1), (6, 1, 3)], atol=1e-12)
 

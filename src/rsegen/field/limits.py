@@ -25,13 +25,9 @@ class StepLimits:
     """Limits of a path from cell to cell: steps of up to `climb_cm` up and `drop_cm` down, `width_cm` wide."""
 
     climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step up on a path of cells")]
-    drop_cm: Annotated[
-        float | None,
-        Float(0, 100_000, unit="cm", help="highest step down; default: as climb"),
-    ] = None
+    drop_cm: Annotated[float | None, Float(0, 100_000, unit="cm", help="highest step down; default: as climb")] = None
     width_cm: Annotated[
-        float,
-        Float(0, 100_000, unit="cm", help="width of the path, of which the highest cell counts; 0: one cell"),
+        float, Float(0, 100_000, unit="cm", help="width of the path, of which the highest cell counts; 0: one cell")
     ] = 0.0
 
     def __post_init__(self) -> None:

@@ -38,6 +38,9 @@ _SECONDS_FOR_A_WRITER = 2.0
 _SECONDS_OF_SILENCE = 60.0
 """A program that writes into a pipe may work this long before it writes more; with less, a slow one is cut off."""
 
+_PIECE = 2**26
+"""Bytes for which memory is taken at once, of a file that may have fewer: a piece is most files, and is not copied."""
+
 _AT_ONCE = 2**20
 """Bytes that are read at once: more than this reads no faster, and only takes memory."""
 
@@ -60,10 +63,11 @@ def read_start(path: str | Path, most: int) -> bytes:
             return _read_pipe(descriptor, most)
         if not stat.S_ISREG(kind):
             os.set_blocking(descriptor, True)  # a terminal, at which a person types
-        content = bytearray()
-        while piece := file.read(min(most - len(content), _AT_ONCE)):  # for all of `most` memory would be taken at once
-            content += piece
-        return bytes(content)
+        pieces, left = list[bytes](), most
+        while piece := file.read(min(left, _PIECE)):
+            pieces.append(piece)
+            left -= len(piece)
+        return b"".join(pieces)
 
 
 def regular_content(path: str | Path, most: int) -> bytes | None:

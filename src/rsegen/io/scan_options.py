@@ -50,8 +50,7 @@ class ScanOptions:
         ),
     ] = None
     base_cm: Annotated[
-        float | None,
-        Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: found"),
+        float | None, Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: found")
     ] = None
     fill_holes: Annotated[
         bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")

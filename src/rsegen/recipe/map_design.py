@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.limits import StepLimits
 from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
@@ -284,10 +284,8 @@ class MapDesign:
                         f"{shown(at)} is outside 0..{cells - 1}: the map has {n_x} x {n_y} blocks; "
                         "larger chunks or chunk_size give more",
                     )
-        try:
+        with inside(where):
             obstacle.check_size(self.grid)
-        except ParameterError as error:
-            raise error.inside(where) from None
 
 
 def with_keys(obstacles: tuple[Obstacle, ...]) -> tuple[Obstacle, ...]:

@@ -232,9 +232,10 @@ def _missing_formats(
             if on_existing is OnExisting.REFUSE:
                 raise taken(home / format_.name)
             same = listed.get(format_.name) == recorded_options([format_])[format_.name]
-            is_complete = journal is not None and compare(home, journal, format_.name).is_intact
-            if on_existing is OnExisting.KEEP and same and is_complete:
-                continue
+            if on_existing is OnExisting.KEEP and same and journal is not None:
+                comparison = compare(home, journal, format_.name)
+                if not comparison.changed and not comparison.missing:
+                    continue
         missing.append(format_)
     if missing:
         is_intact(home, FORMATS_FILE, journal)  # which will list them

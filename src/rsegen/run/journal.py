@@ -134,8 +134,9 @@ def _inside(name: str) -> str:
 class OpenJournal:
     """The journal of a folder that this run alone appends to; `content` is as it is on disk, None if there is none."""
 
-    def __init__(self, folder: Path, staging: Path, *, sync: bool) -> None:
+    def __init__(self, folder: Path, staging: Path, *, sync: bool, is_dry: bool = False) -> None:
         self.content: Journal | None = read_journal(folder)
+        self._is_dry = is_dry
         self._path = folder / JOURNAL
         self._staged = staging / JOURNAL
         self._sync = sync
@@ -199,9 +200,11 @@ class OpenJournal:
     def append(self, lines: bytes) -> None:
         """Append lines, and wait until the disk has them; half a line, of a run that was killed, is cut off before.
 
-        A new journal appears with its lines, so that none has half a first line.
+        A new journal appears with its lines, so that none has half a first line. In a dry run nothing is appended.
         """
         size = self._size
+        if self._is_dry:
+            return
         if not size:  # a new journal is staged, and gets its name with its lines
             self._write(self._staged, lines, 0)
             put(self._staged, self._path)
@@ -251,11 +254,6 @@ class FolderComparison:
     foreign: tuple[str, ...]
     changed: tuple[str, ...]
     missing: tuple[str, ...]
-
-    @property
-    def is_intact(self) -> bool:
-        """Return whether every file of the journal is as it was written; there may be other files."""
-        return not self.changed and not self.missing
 
 
 def compare(folder: Path, journal: Journal, below: str = "") -> FolderComparison:

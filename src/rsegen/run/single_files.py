@@ -115,12 +115,7 @@ def _shown(scene: Scene) -> ShownMap:
 
 
 def write_sheets(
-    recipe: Recipe,
-    index: int,
-    paths: Iterable[Path],
-    saw: CutSettings | None = None,
-    *,
-    force: bool = False,
+    recipe: Recipe, index: int, paths: Iterable[Path], saw: CutSettings | None = None, *, force: bool = False
 ) -> Scene:
     """Write the build sheet of one map into files, each in the format that its name asks for; gives the map.
 

@@ -96,7 +96,7 @@ class Store:
     Its journal lists the files that are put into the folder itself. A folder of maps has none: each map has its own.
     """
 
-    _journals: ClassVar[type[OpenJournal]] = OpenJournal
+    _is_dry: ClassVar[bool] = False
 
     def __init__(self, folder: Path, *, sync: bool) -> None:
         self.folder: Path = folder
@@ -109,7 +109,7 @@ class Store:
     @cached_property
     def journal(self) -> OpenJournal:
         """The journal of the folder."""
-        return self._journals(self.folder, self.staging, sync=self.sync)
+        return OpenJournal(self.folder, self.staging, sync=self.sync, is_dry=self._is_dry)
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
@@ -275,20 +275,13 @@ class Store:
             _remove_empty(self.home)
 
 
-class _DryJournal(OpenJournal):
-    """A journal that is read, and never written."""
-
-    def append(self, lines: bytes) -> None:
-        """Write nothing."""
-
-
 class _DryStore(Store):
     """A store of a dry run: it notes the names of files, and stages in a temporary folder what is made before it.
 
     is_whole: whether its files take the place of all that is in the folder
     """
 
-    _journals: ClassVar[type[OpenJournal]] = _DryJournal
+    _is_dry: ClassVar[bool] = True
 
     def __init__(self, folder: Path, noted: dry.Notes, staging: Path, *, is_whole: bool = False) -> None:
         super().__init__(folder, sync=False)

@@ -27,8 +27,7 @@ class Rails(Layout):
     kind: ClassVar[str] = "rails"
 
     shape: Annotated[
-        str,
-        Choice(("rings", "x", "y"), help="rings: around the middle; x, y: one after the other along x or y"),
+        str, Choice(("rings", "x", "y"), help="rings: around the middle; x, y: one after the other along x or y")
     ] = "rings"
     rails: Annotated[int, Integer(1, 1000, help="number of rails or rings, if all of them fit")] = 2
     rail_width: Annotated[int, Integer(1, 1000, unit="blocks", help="width of a rail")] = 1

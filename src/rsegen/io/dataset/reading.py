@@ -22,14 +22,7 @@ from rsegen.field.metrics.batch import COLUMNS, Table, batch_metrics
 from rsegen.field.metrics.catalogue import RMS, By, Crosser
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.io import npy_files
-from rsegen.io.dataset.layout import (
-    ROW,
-    Shard,
-    ShardLayout,
-    read_manifest,
-    refuse_other_checksums,
-    refuse_other_sizes,
-)
+from rsegen.io.dataset.layout import ROW, Shard, ShardLayout, read_manifest, refuse_other_checksums, refuse_other_sizes
 from rsegen.io.dataset.tiles import Tiles, tiles
 from rsegen.io.input_files import open_regular
 from rsegen.params.extras import DATASET, pip_install

@@ -14,14 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.io.importers.base import (
-    Heights,
-    Importer,
-    filled,
-    lower_medians,
-    refuse_too_many_cells,
-    whole_units,
-)
+from rsegen.io.importers.base import Heights, Importer, filled, lower_medians, refuse_too_many_cells, whole_units
 from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
 
 if TYPE_CHECKING:
