@@ -92,13 +92,13 @@ class ModelFrames:
                     yield link, collision, geometry
 
     def _placed(self, name: str, element: Element, depth: int = 0) -> Array:
-        """Return the pose of an element in the model's frame, (4, 4); of a collision shape, `name` is its link's."""
+        """Return the pose of an element in the model's frame, (4, 4); of a shape, `name` is its link's."""
         scope, _, own = name.rpartition("::")
         pose = element.find("pose")
         other = "" if pose is None else pose.get("relative_to", pose.get("frame", ""))
         if not other:  # a joint is relative to its child, a frame to what it is attached to, a shape to its link
-            defaults = {"joint": (element.findtext("child") or "").strip(), "collision": own}
-            other = defaults.get(element.tag, element.get("attached_to", "") if element.tag == "frame" else "")
+            child, base = (element.findtext("child") or "").strip(), element.get("attached_to", "")
+            other = {"joint": child, "frame": base, "collision": own, "visual": own}.get(element.tag, "")
         base = scope if other in ("", "__model__") else _in_scope(scope, other)
         return self.transform(base, depth + 1) @ self.local(element)
 
@@ -107,9 +107,9 @@ class ModelFrames:
         pose = element.find("pose")
         return np.eye(4) if pose is None else _matrix(pose, self.where)
 
-    def shape(self, link: str, collision: Element) -> Array:
-        """Return the pose of a collision shape of a link in the model's frame, (4, 4)."""
-        return self._placed(link, collision)
+    def shape(self, link: str, shape: Element) -> Array:
+        """Return the pose of a collision or visual of a link in the model's frame, (4, 4)."""
+        return self._placed(link, shape)
 
     def axis(self, joint: str) -> Array:
         """Return the direction of a joint's axis in the model's frame, (3,)."""
