@@ -283,6 +283,18 @@ def test_posts_of_three_and_a_half_inches_are_not_9_cm_wide() -> None:
     assert (scan.block_width, scan.unit) == (0.09, 0.09)
 
 
+@pytest.mark.parametrize("stretch", [1.0, 1.02])
+def test_lengths_as_measured_are_told_beside_those_of_the_map(stretch: float) -> None:
+    """Of timber that swells in rain, or a depth camera that is not calibrated."""
+    known = ScanSettings(boundary="none", block_width=0.1, unit=0.1)
+    scan = find_field(turned(cloud_of(field_of(1, boundary="none")) * stretch, np.random.default_rng(1)), known)
+    assert (scan.block_width, scan.unit) == (0.1, 0.1)
+    assert (scan.measured_width, scan.measured_unit) == (
+        pytest.approx(0.1 * stretch, rel=0.003),
+        pytest.approx(0.1 * stretch, rel=0.01),
+    )
+
+
 def points_of(**values: Any) -> Array:
     return cloud_of(field_of(**values))
 
