@@ -116,6 +116,7 @@ def test_a_command_in_the_folder_of_another_one_changes_nothing(
     process = started(*many)
     until_there(process, tmp_path / "out", 5)
     process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)  # it writes until then
     before = snapshot(tmp_path)
     commands: list[list[str | Path]] = [many, [*many, "--resume"], [*many, "--force"], ["dataset", *many[1:]]]
     for command in commands:
