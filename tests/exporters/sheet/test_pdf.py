@@ -119,6 +119,7 @@ def test_blocks_of_small_pallets_have_their_order(name: str) -> None:
         assert "Small numbers are the order of placing" in words(pages[number + 1])
 
 
+@pytest.mark.long(reason="a sheet of a large map")
 def test_cells_too_small_for_heights_have_levels_with_a_note() -> None:
     recipe = Recipe(seed=2, chunk_size=48, unit_cm=12.5, boundary="none", obstacles=BLOCKS)
     page = read(recipe).pages[1]

@@ -233,6 +233,7 @@ def test_a_wide_robot_stands_on_the_highest_cell_below_it() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long(reason="a million cells")
 def test_a_million_cells_are_measured_within_seconds_of_cpu_time() -> None:
     """About 4 s on one slow core; a quadratic algorithm would take days."""
     levels = np.random.default_rng(1).integers(0, 5, (1000, 1000)).astype(np.int16)

@@ -13,7 +13,6 @@ import pytest
 from rsegen.io.input_files import JOURNAL
 from rsegen.run import execute
 from tests.support.complaints import OBSTACLE, exit_code, the_line
-from tests.support.long import long_unless
 from tests.support.patience import PATIENCE
 from tests.support.runs import contents, ended, started, until_it_has
 
@@ -80,7 +79,8 @@ def test_a_cluster_that_runs_makes_the_same_bytes(address: str, tmp_path: Path, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", long_unless("series".__eq__, ["series", "export"], reason="a cluster per command"))
+@pytest.mark.long(reason="a cluster per command")
+@pytest.mark.parametrize("command", ["series", "export"])
 def test_a_cluster_makes_the_same_bytes_as_this_machine(tmp_path: Path, command: str) -> None:
     flags = [command, *OBSTACLE, "--maps", "12", *(["--to", "heightmap"] if command == "export" else [])]
     for name, where in (("here", ["--workers", "1"]), ("there", ["--workers", "2", "--scheduler", "local"])):

@@ -308,6 +308,7 @@ def test_links_of_a_gram_that_fly_away_are_told(gazebo_classic: Installation, tm
     assert str(incident) in "".join(result.report())
 
 
+@pytest.mark.long(reason="a drive of a model with a mistake")
 def test_wheels_that_turn_nothing_are_noted(gazebo_classic: Installation, tmp_path: Path) -> None:
     """Its wheels hang in the air, as it stands on feet."""
     text = ROBOTS["jackal"].file("mine", "classic")
