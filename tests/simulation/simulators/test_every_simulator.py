@@ -10,11 +10,18 @@ from pathlib import Path
 
 import pytest
 
+from rsegen.errors import SimulatorFailed
 from rsegen.simulation.simulators import SIMULATORS, Installation, LaunchCommand, OpenRequest, Simulator
 from rsegen.simulation.simulators.base import installations
+from rsegen.simulation.simulators.gazebo_classic import STATE
 from tests.simulation.simulators.standins import PROGRAMS, put, start
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
+STATES = (
+    "<gazebo_log>\n<chunk encoding='txt'><![CDATA[\n<sdf version='1.7'><state world_name='course'>"
+    "<sim_time>1 50000000</sim_time><model name='burger_0'><pose>0 1 0.1 0 0 0.5</pose></model></state></sdf>]]>\n"
+    "</chunk>\n</gazebo_log>\n"
+)
 EACH = pytest.mark.parametrize("simulator", SIMULATORS.values(), ids=list(SIMULATORS))
 
 
@@ -133,3 +140,16 @@ def test_a_world_that_failed_to_load_is_found_in_the_log(simulator: Simulator) -
     assert simulator.load_failures
     assert all(simulator.load_failed(f"[Err] [a.cc:1] {words} that") for words in simulator.load_failures)
     assert not simulator.load_failed("")
+
+
+@pytest.mark.parametrize("kept", [None, "", "<gazebo_log>\n<chunk>", STATES.removesuffix("</gazebo_log>\n")])
+def test_a_record_that_classic_could_not_complete_is_a_failure_that_is_tried_again(
+    kept: str | None, tmp_path: Path
+) -> None:
+    file, simulator = tmp_path / STATE, SIMULATORS["classic"]
+    file.parent.mkdir()
+    file.write_text(STATES)
+    assert simulator.read_record(tmp_path) == [(1.05, {"burger_0": [0, 1, 0.1, 0, 0, 0.5]})]
+    file.unlink() if kept is None else file.write_text(kept)
+    with pytest.raises(SimulatorFailed, match="Gazebo Classic was killed before its record was complete"):
+        simulator.read_record(tmp_path)

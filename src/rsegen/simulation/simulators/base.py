@@ -167,7 +167,10 @@ class Simulator(ABC):
         return ()
 
     def read_record(self, home: Path) -> Record | None:
-        """Return the record of a server with this home, after its end; None if it cannot."""
+        """Return the record of a server with this home, after its end; None if it cannot.
+
+        SimulatorFailed if it is not whole.
+        """
         return None
 
     def error_lines(self, log: str) -> list[str]:

@@ -132,13 +132,16 @@ class GazeboClassic(Simulator):
         return "--record_encoding", "txt", "--record_period", f"{period:g}"
 
     def read_record(self, home: Path) -> Record | None:
-        """Return the record, which is complete when the server has ended."""
+        """Return the record, which is complete when the server has ended; SimulatorFailed if it was killed before."""
+        log = (home / STATE).read_text() if (home / STATE).exists() else ""
+        if not log.rstrip().endswith("</gazebo_log>"):
+            raise SimulatorFailed(f"{self.title} was killed before its record was complete")
         return [
             (
                 int(seconds) + int(nanos) / 1e9,
                 {name: [float(value) for value in pose.split()] for name, pose in _MODEL.findall(models)},
             )
-            for seconds, nanos, models in _STATE.findall((home / STATE).read_text())
+            for seconds, nanos, models in _STATE.findall(log)
         ]
 
 
