@@ -112,9 +112,11 @@ def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
 
 def _maps_in(given: str | None) -> Iterator[str]:
     """Yield the command that opens each map in a given folder of maps, a line each: the page opens none of them."""
+    from rsegen.io.targets import recipe_files_in
+
     if given is None or not Path(given).is_dir() or Path(given, "recipe.json").exists():
         return
-    maps = sorted(file.parent for file in Path(given).glob("*/recipe.json"))
+    maps = [file.parent for file in recipe_files_in(Path(given))]
     if maps:
         yield f"No map is open. Maps in {given}:\n"
     yield from (f"  rsegen gui {shlex.quote(str(folder))}\n" for folder in maps[:SHOWN])

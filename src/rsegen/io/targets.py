@@ -39,11 +39,16 @@ class ChosenMap(NamedTuple):
     map: int
 
 
+def recipe_files_in(folder: Path) -> list[Path]:
+    """Return the recipe files of the maps in a folder, in the order of their names."""
+    return sorted(folder.glob("*/recipe.json"))
+
+
 def recipe_files(target: str) -> list[Path]:
     """Return a recipe's file, or that of a map's folder, or of every map in a folder; FileError if there is none."""
     path = or_example(target)
     own = path / "recipe.json" if os.path.isdir(target) else path
-    files = [own] if own == path or own.is_file() else sorted(path.glob("*/recipe.json"))
+    files = [own] if own == path or own.is_file() else recipe_files_in(path)
     if not files:
         raise FileError(
             f"{target}: no map in it, nor in its folders (a map's folder has a recipe.json; DIR#0 is one of a data set)"
