@@ -1,7 +1,7 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within eight minutes on two cores
 # make test-all    the long tests, with more of everything, and then these, as CI runs them: within 20 minutes on two cores
-# make test-fast   the tests without a simulator, a browser and all that is slow: within a minute on two cores
+# make test-fast   the tests without a simulator, a browser and all that is slow: within two minutes on two cores
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"

@@ -145,6 +145,7 @@ def test_a_picture_of_more_than_16_bits(refused: Refused) -> None:
     assert "a.tif: grey values of 0..70000; give an image of 8 or 16 bits" in refused("import", "a.tif", "-o", "out")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", ["tiff_lzw", "tiff_adobe_deflate", "jpeg", "packbits", "group4"])
 def test_a_damaged_tiff_is_one_line_also_on_the_descriptor_of_a_library(tmp_path: Path, compression: str) -> None:
     whole = picture("TIFF", "1" if compression == "group4" else "RGB", compression=compression)

@@ -143,6 +143,7 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("content", "words"), YAML.values(), ids=YAML)
 def test_a_yaml_file(refused: Refused, content: str | bytes, words: Sequence[str]) -> None:
     line = refused("generate", recipe(content), "-o", "out")

@@ -41,6 +41,7 @@ def test_one_line(what: str, tmp_path: Path, refused: Refused) -> None:
 FACET = "facet normal {}\n outer loop\n  vertex 0 0 0\n  vertex {} 0 0\n  vertex 0 1 0\n endloop\nendfacet\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("normal", ["0 0 1e", "0 0 1"])
 @pytest.mark.parametrize("vertex", ["1e", "1x", "9" * 5000, "1"])
 def test_a_damaged_stl_is_one_line_whatever_trimesh_logs(

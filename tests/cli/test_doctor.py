@@ -47,6 +47,7 @@ def test_extras_match_the_package() -> None:
     assert set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) == {extra.name for extra in EXTRAS} | {"all"}
 
 
+@pytest.mark.slow
 def test_versions_match_the_imported_packages(capsys: Capture) -> None:
     found = summary(capsys)
     assert found["rsegen"] == rsegen.__version__
@@ -71,6 +72,7 @@ def test_simulators_are_found_with_version_and_path(
     assert not (programs / "gzserver.started").exists()
 
 
+@pytest.mark.slow
 def test_a_missing_extra_is_reported_with_its_use_and_install_command(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
@@ -81,6 +83,7 @@ def test_a_missing_extra_is_reported_with_its_use_and_install_command(
     assert {row["name"]: row["missing"] for row in summary(capsys)["extras"]}["usd"] == ["pxr"]
 
 
+@pytest.mark.slow
 def test_without_any_extra_the_report_is_printed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda name: None)
     text = report(capsys)
@@ -95,6 +98,7 @@ def test_a_simulator_that_breaks_is_a_line(monkeypatch: pytest.MonkeyPatch, caps
     assert "  Gazebo Sim: RuntimeError: no way\n" in report(capsys)
 
 
+@pytest.mark.slow
 def test_without_package_metadata_the_report_is_printed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     def not_installed(_: str) -> list[str]:
         raise PackageNotFoundError

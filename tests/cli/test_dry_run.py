@@ -57,6 +57,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("commands", RUNS.values(), ids=RUNS)
 def test_a_dry_run_lists_what_the_run_does(
     commands: list[list[str]], here: Path, capsys: pytest.CaptureFixture[str]

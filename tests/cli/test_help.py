@@ -68,6 +68,7 @@ def test_every_command_has_json_and_quiet(command: str, capsys: pytest.CaptureFi
     assert {"--json", "--quiet"} <= set(helped(capsys, command).replace(",", " ").split())
 
 
+@pytest.mark.slow
 def test_quiet_prints_nothing_and_json_is_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for words in (
         ["generate", "peak", "-o", str(tmp_path / "worlds")],

@@ -36,6 +36,7 @@ def test_programs_get_a_list_and_people_a_picture(tmp_path: Path, capsys: pytest
         assert image.size[0] == 900
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -30,6 +30,7 @@ def test_it_is_the_terrain_of_the_recipes(tmp_path: Path) -> None:
     assert (tmp_path / "terrain_0000" / "arrays").is_dir()
 
 
+@pytest.mark.slow
 def test_rows_rise_by_a_metric_of_a_robot(tmp_path: Path) -> None:
     flags = ("--by", "reach.west_east.cost", "--robot", "7")
     recipe = rsegen.Recipe(name="a", seed=1, unit_cm=2, boundary="none", obstacles=[ROUGH])

@@ -59,6 +59,7 @@ def test_pages_in_inches_have_no_centimetres(tmp_path: Path) -> None:
         assert not [text for text in texts if re.search(r"\d (cm|mm|m)\b|in cm|\d kg$", text)]
 
 
+@pytest.mark.slow
 def test_a_sheet_in_inches_is_on_letter_with_fractions_and_names_of_lumber(tmp_path: Path) -> None:
     pypdf = pytest.importorskip("pypdf")
     words = ["--kerf-mm", "1/8in", "--price", "12.50", "-o", str(tmp_path / "sheet.pdf")]

@@ -67,6 +67,7 @@ def test_a_page_too_large_for_browsers_is_refused_before_it_is_made(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_the_largest_map_is_written(tmp_path: Path) -> None:
     path = tmp_path / "map.html"
     flags = ["--chunk-size", "100", "--chunks", "10", "--boundary", "outer", "-o", str(path)]

@@ -92,12 +92,14 @@ def _name(node: ast.Assign | ast.AnnAssign) -> str:
     return getattr(node.target if isinstance(node, ast.AnnAssign) else node.targets[0], "id", "")
 
 
+@pytest.mark.slow
 def test_no_text_of_the_library_has_a_flag() -> None:
     flags = {flag for name in COMMANDS for action in parser_of(name)._actions for flag in action.option_strings}
     found = {(name, flag) for name, text in texts() for flag in FLAG.findall(text) if flag in flags and " " in text}
     assert {(name, flag) for name, flag in found if name not in COMMAND_LINES} == set()
 
 
+@pytest.mark.slow
 def test_advice_names_parameters_that_some_command_declares() -> None:
     known = {parameter.strip("_") for function in FUNCTIONS for parameter in declared(function)}
     advice = re.compile(r"\b(?:give|with|by|or) (\w+)=(?:True\b|'|\[)")

@@ -34,6 +34,7 @@ def share(image: Image.Image, colour: str) -> float:
     return float((np.abs(pixels - to_rgb(colour)).max(axis=2) < 0.03).mean())
 
 
+@pytest.mark.slow
 def test_the_maps_show_every_reason_that_there_is_and_the_robot() -> None:
     scene = scene_of()
     image = Image.open(io.BytesIO(pose_maps(scene, BURGER, 0.5, robot="burger")))
@@ -48,6 +49,7 @@ def test_the_maps_show_every_reason_that_there_is_and_the_robot() -> None:
     assert decode(json.loads(image.info["Description"])) == RECIPE
 
 
+@pytest.mark.slow
 def test_the_same_map_gives_the_same_bytes_and_the_legend_is_words() -> None:
     svg = pose_maps(scene_of(), BURGER, 0.0, "svg", robot="burger")
     assert svg == pose_maps(scene_of(), BURGER, 0.0, "svg", robot="burger")
@@ -56,6 +58,7 @@ def test_the_same_map_gives_the_same_bytes_and_the_legend_is_words() -> None:
         assert word in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chunks", [(1, 1), (3, 1)])
 def test_on_flat_ground_everything_is_level_and_green(chunks: tuple[int, int]) -> None:
     flat = Recipe(seed=1, boundary="none", chunks=chunks)

@@ -57,6 +57,7 @@ def test_a_picture_carries_its_recipe() -> None:
     assert decode(json.loads(image(RECIPE).info["Description"])) == RECIPE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format_", IMAGE_FORMATS)
 def test_same_map_same_bytes_in_every_format(format_: str) -> None:
     assert preview(compose(RECIPE), format_) == preview(compose(RECIPE), format_)
@@ -136,6 +137,7 @@ def test_cells_and_metres_are_on_opposite_sides() -> None:
     assert plan.get_xlabel() == "x [cells]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["red-diagonal-pallet", "five-pallet-dash"])
 def test_a_picture_for_a_paper_is_a_column_wide_and_embeds_its_fonts(name: str) -> None:
     scene = compose(rsegen.load(EXAMPLES[name]))

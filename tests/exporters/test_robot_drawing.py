@@ -42,6 +42,7 @@ def seen(field: StepField, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> 
     return float(np.logical_or(*colours).mean())
 
 
+@pytest.mark.slow
 def test_a_robot_is_behind_what_is_in_front_of_it() -> None:
     assert min(seen(walled(side)) for side in ("north", "west")) > 0.01
     assert max(seen(walled(side)) for side in ("south", "east")) < 0.5 * min(

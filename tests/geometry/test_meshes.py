@@ -77,6 +77,7 @@ def test_pieces_of_a_large_map_are_the_map() -> None:
     assert sum(as_trimesh(piece).volume for piece in pieces) == pytest.approx(field.heights.sum() * 0.01, rel=1e-9)
 
 
+@pytest.mark.slow
 @given(field=fields())
 @example(field_of([[1, 0], [0, 1]]))
 @example(field_of([[4, 1], [2, 3]]))

@@ -45,6 +45,7 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
         check_needs([Recipe(seed=1)], 106, tmp_path)
 
 
+@pytest.mark.slow
 def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() -> None:
     rows = (Random(levels=5),) * 20_001
     recipe = Recipe(seed=1, chunk_size=1000, boundary="none", obstacles=rows)

@@ -352,6 +352,7 @@ def test_an_invalid_draft_shows_the_last_valid_map(opened: Opened) -> None:
     assert set(_owners(after).ravel()) == {-1}
 
 
+@pytest.mark.slow
 def test_large_maps_are_shown_coarser(host: Host) -> None:
     opened = host.open(Session.of(Recipe(seed=1, chunk_size=900, obstacles=[Random(levels=3)])))
     shown = scene(opened)

@@ -95,6 +95,7 @@ def test_a_map_of_tilts_has_the_pose_of_each_point(host: Host, doc: str) -> None
         assert np.isnan(tilt[i, j]) if not pose["stands"] else tilt[i, j] == pytest.approx(pose["tilt"], abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_way_goes_step_by_step_from_its_start_to_its_goal(host: Host, doc: str) -> None:
     start, goal = (-0.25, -0.25), (0.15, 0.25)
     told = robots.way(host, doc=doc, index=0, robot="crawler", start=start, goal=goal)
@@ -107,6 +108,7 @@ def test_a_way_goes_step_by_step_from_its_start_to_its_goal(host: Host, doc: str
     assert all(0 <= event["at"] < len(poses) for event in told["events"])
 
 
+@pytest.mark.slow
 def test_the_most_level_way_is_no_steeper_than_the_shortest(host: Host, doc: str) -> None:
     shortest, level = (
         robots.way(host, doc=doc, index=0, robot="crawler", start=(-0.25, 0.05), goal=(0.25, 0.05), best=best)
@@ -116,6 +118,7 @@ def test_the_most_level_way_is_no_steeper_than_the_shortest(host: Host, doc: str
     assert level["worst_tilt"] <= shortest["worst_tilt"] + 0.02
 
 
+@pytest.mark.slow
 def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> None:
     told = robots.reach(host, doc=doc, index=0, robot="crawler")
     found = rsegen.metrics(FIELD, ROBOTS["crawler"]).reach
@@ -132,6 +135,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
     assert measured["steps.rms"] == f"{rsegen.metrics(FIELD).steps.rms:.4g}"
 
 
+@pytest.mark.slow
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosting, "_TOLD_EVERY", 0.0)
     monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 50)
@@ -146,6 +150,7 @@ def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytes
     assert (shares[0] < 0.3, shares[-1]) == (True, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", ["reach", "tilt"])
 @pytest.mark.parametrize("by", ["a stop", "a newer request", "the end of its page"])
 def test_a_search_ends_soon_by(by: str, of: str, host: Host, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,6 +27,7 @@ ROUGH = rsegen.Recipe(
 )
 
 
+@pytest.mark.slow
 def test_a_search_for_a_way_across_tells_its_share_and_its_end() -> None:
     told: list[tuple[str, float]] = []
     with watched(lambda what, share: told.append((what, share))):
@@ -45,6 +46,7 @@ def test_nobody_has_to_watch() -> None:
     tell("anything", 0.5)
 
 
+@pytest.mark.slow
 def test_the_command_line_shows_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["generate", *WAY, "--obstacle", "random levels=4", "-o", str(tmp_path), "--progress", "json"]
     assert main(words) == 0
@@ -54,6 +56,7 @@ def test_the_command_line_shows_it(tmp_path: Path, capsys: pytest.CaptureFixture
     assert shares[-1] > 50
 
 
+@pytest.mark.slow
 def test_a_series_tells_how_many_of_its_fields_are_measured(tmp_path: Path) -> None:
     told: list[tuple[str, float]] = []
     with watched(lambda what, share: told.append((what, share))):

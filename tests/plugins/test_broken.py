@@ -74,6 +74,7 @@ def test_the_broken_package_itself_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "worlds").exists()
 
 
+@pytest.mark.slow
 def test_commands_that_do_not_need_it_say_nothing(tmp_path: Path) -> None:
     installed(tmp_path, BROKEN["does not define drawn"])
     done("preview", "peak", "-o", tmp_path / "peak.png", packages=tmp_path)

@@ -46,6 +46,7 @@ def ramp(tmp_path: Path) -> Path:
     return tmp_path / "my ramp.py"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("before", [True, False])
 def test_a_file_s_kind_is_made_by_workers_and_recorded_by_its_name(ramp: Path, tmp_path: Path, before: bool) -> None:
     flag = ["--plugin", ramp] if before else [f"--plugin={ramp}"]
@@ -65,6 +66,7 @@ def test_a_kind_that_registers_itself_is_recorded_alike(ramp: Path, tmp_path: Pa
     assert content["plugins"] == {"ramp": "my ramp.py"}
 
 
+@pytest.mark.slow
 def test_the_missing_file_is_named(ramp: Path, tmp_path: Path) -> None:
     done("generate", *FLAGS, "--plugin", ramp, "-o", tmp_path / "worlds")
     assert "kind 'ramp' of my ramp.py is not loaded; load it by --plugin my ramp.py" in refused(
@@ -73,6 +75,7 @@ def test_the_missing_file_is_named(ramp: Path, tmp_path: Path) -> None:
     assert "plug-in  ramp of my ramp.py" in done("info", tmp_path / "worlds", RSEGEN_PLUGINS=str(ramp))
 
 
+@pytest.mark.slow
 def test_a_data_set_is_made_by_workers_and_ranked_by_the_file_s_metric(ramp: Path, tmp_path: Path) -> None:
     flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp levels=5", "--workers", "2"]
     done("dataset", "--plugin", ramp, *flags, "-o", tmp_path / "set", code=EAGER)

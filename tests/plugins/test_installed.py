@@ -33,6 +33,7 @@ def worlds(packages: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "worlds"
 
 
+@pytest.mark.slow
 def test_an_obstacle_is_a_flag_s_and_made_by_workers(worlds: Path) -> None:
     for number in range(3):
         levels = (worlds / f"rse_000{number}" / "levels.csv").read_text("utf-8").splitlines()
@@ -45,6 +46,7 @@ def test_an_obstacle_is_a_recipe_file_s(packages: Path, tmp_path: Path) -> None:
     assert said["levels"] == [0, 1, 2, 3, 4] or said["levels"] == ["0", "1", "2", "3", "4"]
 
 
+@pytest.mark.slow
 def test_lists_show_it_with_its_package(packages: Path) -> None:
     kinds = done("obstacles", packages=packages)
     assert "ramp\n    Steps that rise along x from first to last. From rsegen-demo 1.2.\n" in kinds
@@ -107,6 +109,7 @@ def test_resume_makes_missing_outputs(packages: Path, tmp_path: Path) -> None:
     assert (tmp_path / "worlds" / "rse_0001" / "recipe.json").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_format_exports_and_an_importer_reads_it_back(packages: Path, worlds: Path, tmp_path: Path) -> None:
     done("export", worlds, "--map", "0", "--to", "ascii digits=2", "-o", tmp_path / "out", packages=packages)
     grid = tmp_path / "out" / "rse_0000" / "ascii" / "rse_0000.asc"
@@ -116,12 +119,14 @@ def test_a_format_exports_and_an_importer_reads_it_back(packages: Path, worlds: 
     assert levels[1:] == [STEPS] * 10
 
 
+@pytest.mark.slow
 def test_a_robot_gives_its_figures(packages: Path, worlds: Path) -> None:
     said = json.loads(done("metrics", worlds, "--map", "0", "--robot", "tall_burger", "--json", packages=packages))
     as_file = json.loads(done("metrics", worlds, "--map", "0", "--robot", "burger", "--json", packages=packages))
     assert said[0]["reach"] == as_file[0]["reach"]  # as of the Burger, of which it is made
 
 
+@pytest.mark.slow
 def test_a_metric_is_in_every_output(packages: Path, worlds: Path) -> None:
     (said,) = json.loads(done("metrics", worlds, "--map", "0", "--json", packages=packages))
     assert said["flat_share"] == pytest.approx(130 / 180)
@@ -133,6 +138,7 @@ def test_a_metric_is_in_every_output(packages: Path, worlds: Path) -> None:
     assert units.endswith("  of all pairs")
 
 
+@pytest.mark.slow
 def test_a_data_set_of_it_is_made_by_workers_and_read(packages: Path, tmp_path: Path) -> None:
     flags = ["--seed", "1", "--maps", "8", "--shard-maps", "2", "--obstacle", "ramp levels=5", "--workers", "2"]
     done("dataset", *flags, "-o", tmp_path / "set", packages=packages, code=EAGER)
@@ -166,6 +172,7 @@ def test_only_requested_modules_are_imported(packages: Path) -> None:
     assert done(packages=packages, code=script) == "['rsegen_demo.obstacle']\n"
 
 
+@pytest.mark.slow
 def test_pip_installs_it_and_it_is_found(tmp_path: Path) -> None:
     if not importlib.util.find_spec("hatchling"):
         pytest.skip("hatchling is not installed, which builds the package")

@@ -84,11 +84,13 @@ def _designs(draw: st.DrawFn) -> Recipe:
     return replace(recipe, obstacles=(*recipe.obstacles, more), difficulty=difficulty, max_step=max_step)
 
 
+@pytest.mark.slow
 @given(recipe=_designs())
 def test_many_maps_at_their_difficulties_and_steps_equal_maps_built_one_by_one(recipe: Recipe) -> None:
     assert np.array_equal(rsegen.build_many(recipe, FAR), _one_by_one(recipe, FAR))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", list(rsegen.KINDS))
 @pytest.mark.parametrize("blend", ["replace", "max", "add", "min"])
 @pytest.mark.parametrize("ends", [{}, {"first": "random", "last": "random"}, {"first": (2, "random"), "last": (2, 5)}])

@@ -16,6 +16,7 @@ from rsegen.recipe.building import blocks
 from tests.support.strategies import obstacles, recipes
 
 
+@pytest.mark.slow
 @given(recipes(), st.integers(0, 5))
 def test_the_same_recipe_gives_the_same_map(recipe: Recipe, index: int) -> None:
     assert build(recipe, index) == build(replace(recipe), index)

@@ -34,6 +34,7 @@ def test_recipes_round_trip_through_files(
     assert rsegen.load(path) == recipe
 
 
+@pytest.mark.slow
 @given(recipes())
 def test_schema_accepts_every_recipe(recipe: Recipe) -> None:
     jsonschema.validate(json.loads(to_json(recipe)), schema())
@@ -122,6 +123,7 @@ def test_an_alias_stands_for_its_anchor(tmp_path: Path) -> None:
     assert rsegen.load(short) == rsegen.load(long)
 
 
+@pytest.mark.slow
 def test_many_plug_ins_are_looked_up_among_many_obstacles_in_a_moment() -> None:
     start = time.process_time()
     plugins = {f"k{number}": "x 1" for number in range(20_000)}

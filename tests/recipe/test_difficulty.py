@@ -76,6 +76,7 @@ def test_forty_blocks_a_side_come_within_three_hundredths(recipe: Recipe, share:
     assert reached == pytest.approx(share * full, abs=0.03 * full)
 
 
+@pytest.mark.slow
 @given(recipes(), SHARES)
 def test_any_recipe_comes_near_the_asked_roughness(recipe: Recipe, share: float) -> None:
     whole = build(recipe)
@@ -135,6 +136,7 @@ def test_a_floor_is_in_two_parts_at_the_most() -> None:
         assert np.ptp(levels) <= 1
 
 
+@pytest.mark.slow
 def test_workers_and_resume_make_the_same_bytes(tmp_path: Path) -> None:
     recipe = replace(SMALL["normal random"], difficulty=0.37, maps=300, chunks=(2, 2))
     one, more = (generate(recipe, tmp_path / str(workers), workers=workers) for workers in (1, 2))

@@ -44,6 +44,7 @@ def test_rows_rise_from_flat_to_full() -> None:
         assert np.array_equal(terrain.levels[-1, column], rsegen.build(ROUGH, terrain.maps[-1, column]).levels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [name for name in KINDS if name not in {"matrix", "pit"}])
 def test_every_column_gets_rougher_from_row_to_row(kind: str) -> None:
     obstacle = KINDS[kind](levels=8, softness=30 if "barrier" in kind else 0)
@@ -133,6 +134,7 @@ def test_spots_are_even_places_of_their_tiles() -> None:
             assert field.heights[i, j] == pytest.approx(z)
 
 
+@pytest.mark.slow
 def test_a_tile_without_a_spot_is_named() -> None:
     terrain = Terrain(recipes=ROUGH, rows=2, columns=2, gap=12)  # so wide that it falls off every tile
     with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no spot on this map"):
@@ -140,6 +142,7 @@ def test_a_tile_without_a_spot_is_named() -> None:
     assert terrain.spots((0.9, 0.9), evenest=True).shape == (2, 2, 1, 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "by",
     long_unless(

@@ -159,6 +159,7 @@ def test_only_the_hidden_folder_of_rsegen_is_cleared_away(tmp_path: Path) -> Non
     assert {path.name for path in tmp_path.iterdir()} == {*spared, "rse_0000", "rse_0001"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flag", ["--preview", "--sheet"])
 def test_a_map_without_a_requested_sidecar_is_made_again(tmp_path: Path, flag: str) -> None:
     assert generated(tmp_path / "a", flag) == 0

@@ -174,6 +174,7 @@ def test_a_map_whose_recipe_is_a_pipe_is_refused_at_once(
     assert "rse_0000" in refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, flag)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["series.csv", "series.png"])
 def test_a_series_keeps_a_table_of_somebody_else(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     command: list[str | Path] = ["series", *OBSTACLE, "--maps", "2", "-o", tmp_path / "out", "--force"]

@@ -166,6 +166,7 @@ def test_workers_measure_the_fields_and_make_the_maps(
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
 
 
+@pytest.mark.slow
 def test_a_series_that_was_stopped_goes_on(tmp_path: Path) -> None:
     def stop(row: SeriesRow) -> None:
         if row.number == 3:
@@ -204,6 +205,7 @@ def test_level_ground_is_a_series_too(tmp_path: Path) -> None:
 FINE = replace(RANDOM, boundary="none", unit_cm=2, maps=6, obstacles=(Random(levels=20),))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("same_field", [False, True])
 @pytest.mark.parametrize("by", ["opening.west_east", "reach.west_east.cost"])
 def test_a_series_rises_by_another_metric(tmp_path: Path, by: str, same_field: bool) -> None:
@@ -252,6 +254,7 @@ def test_a_metric_that_cannot_rise_is_refused(tmp_path: Path, given: dict[str, A
 # The command.
 
 
+@pytest.mark.slow
 def test_the_command_takes_a_metric_and_limits_of_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     flags = ["--obstacle", "random levels=20", "--unit-cm", "2", "--boundary", "none", "--seed", "7", "--name", "rough"]
     by = ["--maps", "6", "--by", "reach.west_east.cost"]
@@ -298,6 +301,7 @@ def test_the_command_makes_the_same_bytes_as_python(tmp_path: Path, made: rsegen
     assert contents(tmp_path) == contents(made.folder)
 
 
+@pytest.mark.slow
 def test_the_command_tells_how_it_rises(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     flags = [*FLAGS, "--maps", "2", "--from", "0.5", "--same-field", "--preview"]
     out = printed(capsys, "series", *flags, "-o", tmp_path)
@@ -372,6 +376,7 @@ def test_a_plan_says_its_names_without_building() -> None:
             assert plan.map_name(number) == recipe.map_name(recipe.first_map)
 
 
+@pytest.mark.slow
 def test_sheets_and_formats_are_next_to_the_worlds_of_a_series(tmp_path: Path) -> None:
     words = ["series", "peak", "--maps", "2", "--sheet", "--formats", "heightmap", "--preview", "-o", str(tmp_path)]
     assert main(words) == 0

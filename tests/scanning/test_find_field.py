@@ -287,6 +287,7 @@ def test_posts_of_three_and_a_half_inches_are_not_9_cm_wide() -> None:
     assert (scan.block_width, scan.unit) == (0.09, 0.09)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stretch", [1.0, 1.02])
 def test_lengths_as_measured_are_told_beside_those_of_the_map(stretch: float) -> None:
     """Of timber that swells in rain, or a depth camera that is not calibrated."""

@@ -31,6 +31,7 @@ def wrenches(seed: int, contacts: int) -> Array:
     return np.concatenate([edges, np.cross(np.tile(at, (4, 1)), edges)], axis=1).T
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), contacts=st.integers(3, 11))
 @settings(max_examples=200, deadline=None)
 def test_the_largest_surplus_is_that_of_another_solver(seed: int, contacts: int) -> None:

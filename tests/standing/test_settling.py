@@ -151,6 +151,7 @@ def test_a_robot_that_is_all_on_one_side_of_its_centre_of_mass_tips_over() -> No
     assert not has_stood(rest)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_mujoco_agrees(kind: str) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")

@@ -47,6 +47,7 @@ def spots_of(field: StepField, robot: Body, count: int, seed: int, gap: float = 
     return spots(field, robot, count, np.random.default_rng(seed), gap=gap)
 
 
+@pytest.mark.slow
 @KINDS
 @settings(max_examples=5)
 @given(seed=st.integers(0, 1000))
@@ -70,6 +71,7 @@ def test_a_robot_at_a_spot_stands_level_on_its_feet_and_drives_away(kind: str, s
         assert spot.reason == ""
 
 
+@pytest.mark.slow
 @KINDS
 @settings(max_examples=5)
 @given(seed=st.integers(0, 1000))
@@ -87,6 +89,7 @@ def test_seeds_give_different_places() -> None:
     assert len({spots_of(flat(), body("burger"), 1, seed)[0] for seed in range(6)}) == 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [2, 3])
 def test_the_top_of_a_tower_is_no_spot_though_it_is_level(side: int) -> None:
     levels = np.zeros((20, 20))
@@ -95,6 +98,7 @@ def test_the_top_of_a_tower_is_no_spot_though_it_is_level(side: int) -> None:
         assert all(spot.z == pytest.approx(0, abs=1e-6) for spot in spots_of(field_of(levels), body("burger"), 3, seed))
 
 
+@pytest.mark.slow
 def test_where_all_is_towers_the_reason_is_that_it_cannot_drive_away() -> None:
     levels = 5 * ((np.indices((20, 20)) // 2).sum(axis=0) % 2)
     levels[[0, -1]] = levels[:, [0, -1]] = 9  # over the rim it would get away
@@ -120,6 +124,7 @@ def test_frames_carry_no_robot() -> None:
     assert found[0].yaw % pi == pytest.approx(pi / 2, abs=0.3)
 
 
+@pytest.mark.slow
 def test_nothing_but_the_feet_touches_a_block() -> None:
     levels = np.zeros((12, 12))
     levels[::4, ::4] = 1  # posts of 10 cm: one is always below the Jackal, higher than its hull
@@ -176,6 +181,7 @@ def test_a_large_map_costs_no_more_than_a_small_one() -> None:
     assert time.process_time() - before < 3
 
 
+@pytest.mark.slow
 @KINDS
 def test_spots_of_parts_are_those_of_each_part_as_it_lies_in_the_field(kind: str) -> None:
     levels = np.random.default_rng(5).integers(0, 3, (60, 40))

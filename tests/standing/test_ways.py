@@ -105,6 +105,7 @@ def test_a_tower_in_the_way_is_gone_around() -> None:
     assert np.abs(way.points[:, 1]).min() > 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wall", long_unless(bool, [None, 2], reason="a frame without a wall"))
 def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) -> None:
     """Along frames as wide as these it would get around every block."""
@@ -125,6 +126,7 @@ def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) 
     assert crossing(blocked, BURGER, 1).crosses
 
 
+@pytest.mark.slow
 def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_margin() -> None:
     """Straight across is a low ridge; around it is longer and level."""
     levels = np.zeros((7, 9), int)
@@ -138,6 +140,7 @@ def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_ma
     assert (by["margin"].margin or 0) >= max(by["length"].margin or 0, by["tilt"].margin or 0) - 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
 def test_no_way_is_better_than_the_best_one(seed: int) -> None:
     levels = np.random.default_rng(seed).integers(0, 3, (6, 6))
@@ -191,6 +194,7 @@ def test_a_way_between_places_that_is_searched_for_is_that_of_a_lattice_that_is_
         assert all(searched.poses.stands)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: int) -> None:
     field, body = field_of(np.random.default_rng(seed).integers(0, 4, (7, 6)), 0.03), BODIES["jackal"]
@@ -234,6 +238,7 @@ def test_no_way_leads_to_where_a_robot_tips_over() -> None:
     assert Lattice(field_of(levels, 0.3), BURGER).between((-0.35, 0.0), (0.33, 0.03)) is None
 
 
+@pytest.mark.slow
 def test_a_search_tells_its_share_and_is_ended_by_what_it_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     field, shares = field_of(np.random.default_rng(2).integers(0, 3, (8, 6)), 0.02), list[float]()
     whole = Lattice(field, BODIES["crawler"]).region()

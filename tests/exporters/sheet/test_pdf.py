@@ -91,6 +91,7 @@ EVERY = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.slow
 @EVERY
 def test_it_is_a_page_of_a4_for_the_map_each_pallet_the_materials_and_a_form(name: str) -> None:
     recipe = RECIPES[name]
@@ -110,6 +111,7 @@ def test_every_cell_of_a_pallet_has_its_height_on_its_page(name: str) -> None:
         assert heights == [[level * recipe.unit_cm for level in row] for row in as_read(each.levels)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["framed", "bare", "outer", "real"])
 def test_blocks_of_small_pallets_have_their_order(name: str) -> None:
     scene, pages = compose(RECIPES[name]), read(RECIPES[name]).pages
@@ -161,6 +163,7 @@ def test_the_first_page_lists_the_timber_to_buy() -> None:
     assert f"fingerprint {fingerprint(compose(RECIPES['real']).field.blocks)}; rsegen {__version__}" in page
 
 
+@pytest.mark.slow
 def test_a_page_has_the_frame_cuts_the_weight_and_the_costs() -> None:
     """Blocks of 19.6 m and boards of 4.4 m, all 10 x 10 cm and of 500 kg/m3."""
     page = words(read(RECIPES["real"], CutSettings(price=4.5, frame_price=3)).pages[-2])
@@ -203,6 +206,7 @@ def test_every_pallet_has_its_fingerprint_on_its_page() -> None:
     assert all(f"fingerprint {name}" in words(page) for name, page in zip(names, pages[1:], strict=False))
 
 
+@pytest.mark.slow
 def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
     recipe = Recipe(seed=3, name="n" * 64, unit_cm=0.125, obstacles=(Random(levels=12),))
     first = read(recipe).pages[0]
@@ -230,6 +234,7 @@ def test_pallets_are_numbered_and_named_on_the_first_page() -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_first_page_lists_the_blocks_of_each_pallet_if_they_fit() -> None:
     recipe = load(EXAMPLES["five-pallet-dash"])
     first = words(read(recipe).pages[0])
@@ -238,6 +243,7 @@ def test_the_first_page_lists_the_blocks_of_each_pallet_if_they_fit() -> None:
         assert f"{each.number} {each.name} {' '.join(str(counts.get(level, 0)) for level in range(1, 5))}" in first
 
 
+@pytest.mark.slow
 def test_many_lengths_are_in_narrow_columns_and_omitted_ones_are_counted() -> None:
     recipe = Recipe(seed=2, chunk_size=20, unit_cm=1, obstacles=(Random(levels=31),))
     counts = compose(recipe).field.level_counts()
@@ -248,6 +254,7 @@ def test_many_lengths_are_in_narrow_columns_and_omitted_ones_are_counted() -> No
     assert f"and {30 - listed} more lengths, which the sheet as CSV has" in second
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format_", ["pdf", "csv"])
 def test_same_map_same_bytes(format_: str) -> None:
     scene = compose(RECIPES["real"])
@@ -266,6 +273,7 @@ def test_it_carries_its_recipe_and_no_date() -> None:
     assert not {"/CreationDate", "/ModDate"} & metadata.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "recipe",
     [
@@ -280,6 +288,7 @@ def test_the_oddest_maps_have_a_sheet(recipe: Recipe) -> None:
     assert len(read(recipe).pages) == 4
 
 
+@pytest.mark.slow
 def test_pallets_of_other_shapes_read_north_up() -> None:
     """One block in the north-east corner of a map, whatever its frames."""
     for boundary, size in (("none", (1, 2)), ("divided", (2, 1)), ("outer", (1, 2))):

@@ -32,6 +32,7 @@ def test_every_name_is_that_of_the_table(field: StepField) -> None:
         assert found == pytest.approx(math.nan if table[name] is None else table[name], abs=1e-9, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_every_name_of_a_robot_is_that_of_its_table() -> None:
     recipe = rsegen.Recipe(seed=1, chunk_size=5, unit_cm=2, boundary="none", obstacles=[rsegen.Random(levels=3)])
     field, jackal = rsegen.build(recipe), rsegen.robot_of("jackal")

@@ -116,6 +116,7 @@ def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[s
     } == expected.spread.level_counts
 
 
+@pytest.mark.slow
 def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -155,6 +156,7 @@ def test_without_a_robot_the_report_names_none(capsys: pytest.CaptureFixture[str
     assert set(told) == {"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"ways.{suffix}"
@@ -175,6 +177,7 @@ def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
     assert (coloured > 1000) == found.west_east.crosses
 
 
+@pytest.mark.slow
 def test_the_search_of_a_robot_has_progress(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "small.yaml"
     path.write_text("{chunk_size: 5, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 3}]}")

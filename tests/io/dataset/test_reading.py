@@ -36,6 +36,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     return make_dataset(RECIPE, tmp_path_factory.mktemp("set"), shard_maps=6)
 
 
+@pytest.mark.slow
 @given(recipes(), st.integers(1, 4), st.integers(0, 10**6), st.sampled_from([None, 1]))
 def test_every_map_is_built_alike(recipe: Recipe, shard: int, first: int, max_step: int | None) -> None:
     recipe = replace(recipe, maps=5, first_map=first, max_step=max_step)

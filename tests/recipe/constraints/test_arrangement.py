@@ -45,6 +45,7 @@ def test_all_timber_is_used_that_can_be(inventory: tuple[int, ...], max_step: in
         assert np.abs(field.blocks - free.blocks).mean() < np.abs(sorted_along_x - free.blocks).mean()
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.integers(0, 25), min_size=1, max_size=5).filter(operator.itemgetter(0)),
     st.integers(1, 3),
@@ -67,6 +68,7 @@ def test_every_constraint_is_met(
         assert all(made.crosser.crossing(field, axis).crosses for axis in (0, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("inventory", "least"), [((27, 33, 21, 10), 91), ((31, 28, 9, 30), 70), ((40, 33, 21, 10), 95)]
 )

@@ -162,6 +162,7 @@ def test_all_of_it_at_once() -> None:
         assert all(used.get(level, 0) <= there for level, there in enumerate((300, 200, 200, 100), 1))
 
 
+@pytest.mark.slow
 def test_the_proof_is_written_and_measured_on_the_field(tmp_path: Path) -> None:
     asked = ["--chunk-size", "5", "--crossable-by", "crawler", "--inventory", "10,8,5,3"]
     assert main(["generate", "--seed", "3", "--obstacle", "random levels=5", *asked, "-o", str(tmp_path)]) == 0
@@ -221,6 +222,7 @@ def test_a_file_that_is_no_inventory(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "unit_cm", "levels", "side"), [("burger", 1, 4, 5), ("jackal", 3, 5, 10), ("crawler", 7, 6, 10)]
 )
@@ -236,6 +238,7 @@ def test_a_robot_crosses_the_maps_that_were_made_for_it(kind: str, unit_cm: floa
     assert (made.levels != free.levels).sum() <= lanes
 
 
+@pytest.mark.slow
 def test_frames_that_a_robot_does_not_get_over_are_refused() -> None:
     with pytest.raises(rsegen.UserError, match="crossable_by: burger does not get over frames of 10 cm; give boundary"):
         rsegen.build(recipe(crossable_by="burger"))

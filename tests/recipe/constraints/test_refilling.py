@@ -24,6 +24,7 @@ def recipe(seed: int, climb: float) -> Recipe:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("climb", [5.0, 10.0])
 def test_more_blocks_are_used_and_the_robot_still_crosses(climb: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Over ten maps; of none more blocks than the stock has."""

@@ -126,6 +126,7 @@ def test_a_robot_beside_the_map_does_not_cross_it() -> None:
     assert line.endswith("s: north of it")
 
 
+@pytest.mark.slow
 def test_poses_that_are_no_numbers_are_drawn_and_answered_by_a_stop() -> None:
     run = run_of("way")
     track = driven(run, lambda t: np.where(t > 3, nan, 0.2 * t))

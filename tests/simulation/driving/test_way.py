@@ -44,6 +44,7 @@ def off_line(place: tuple[float, float], points: np.ndarray) -> float:
     return least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("example", "kind"), [*zip(EXAMPLES, cycle(ROBOTS))])
 def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
     field = rsegen.build(rsegen.load(EXAMPLES[example]))
@@ -67,6 +68,7 @@ def test_a_way_avoids_steps_that_the_robot_cannot_climb() -> None:
     assert (through[:, 1] > 0.6).all()
 
 
+@pytest.mark.slow
 def test_without_a_way_the_lane_that_gets_farthest_is_taken_and_the_reason_is_told() -> None:
     field = walled(gap=False)
     way = planned_way(field, ROBOTS["burger"].body)

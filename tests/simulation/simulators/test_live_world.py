@@ -50,6 +50,7 @@ def model(name: str, live: LiveWorld) -> str:
     return BURGER.file(name, live.backend)
 
 
+@pytest.mark.slow
 def test_a_model_is_put_moved_and_taken(live: LiveWorld) -> None:
     live.spawn(model("one", live), THERE)
     live.spawn(model("other", live), Pose(x=0, y=0, z=0))
@@ -65,6 +66,7 @@ def test_a_model_is_put_moved_and_taken(live: LiveWorld) -> None:
         live.move("one", THERE)
 
 
+@pytest.mark.slow
 def test_time_goes_by_steps_or_by_itself(live: LiveWorld) -> None:
     assert (live.clock().steps, live.clock().paused) == (0, True)
     live.step(1250)
@@ -75,6 +77,7 @@ def test_time_goes_by_steps_or_by_itself(live: LiveWorld) -> None:
     assert live.clock().paused
 
 
+@pytest.mark.slow
 def test_a_model_of_the_worlds_own_name_is_taken_and_put_again(live: LiveWorld) -> None:
     world = "rse_0000"
     live.spawn(model("other", live), ELSEWHERE)

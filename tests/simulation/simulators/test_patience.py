@@ -72,6 +72,7 @@ def test_programs_that_run_are_counted_at_once() -> None:
             program.wait()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell's script")
 @pytest.mark.parametrize(
     ("script", "works"), [("sleep 60", False), ("while :; do :; done", True), ("(while :; do :; done) & wait", True)]

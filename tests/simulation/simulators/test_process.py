@@ -103,6 +103,7 @@ def test_nothing_is_left_after_an_exception(tmp_path: Path, mark: str) -> None:
     assert left(mark) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("script", "word"),
     long_unless(
