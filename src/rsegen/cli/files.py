@@ -24,7 +24,7 @@ from rsegen.cli.flags import (
     recipes_from,
     which_map,
 )
-from rsegen.cli.report import Report, call, counting, shards_bar
+from rsegen.cli.report import Report, call, counted, counting, shards_bar
 from rsegen.cli.worlds import SHOWN, going_on, run_options
 from rsegen.commands.maps import export_maps, make_dataset
 from rsegen.commands.parameters import Force
@@ -73,7 +73,7 @@ def _exported(made: ExportedMap) -> dict[str, object]:
 
 
 def _export_lines(made: tuple[ExportedMap, ...], already: int) -> Iterator[str]:
-    """Every file of one map; of many their folders."""
+    """Yield every file of one map; of many their folders."""
     if already:
         yield f"{already} map{'s'[: already > 1]} complete already"
     if not made:
@@ -206,8 +206,8 @@ def _described(dataset: Dataset) -> str:
     n_x, n_y = dataset.layout.grid_shape
     seeds = [f"{recipe.maps:,} of {recipe.name} (seed {recipe.seed})" for recipe in dataset.recipes]
     said = ", ".join(seeds) if len(seeds) > 1 else f"seed {dataset.recipe.seed}"
-    maps, shards = len(dataset), len(dataset.shards)
+    shards = counted(len(dataset.shards), "shard")
     return (
-        f"{maps:,} map{'' if maps == 1 else 's'} of {n_x} x {n_y} blocks, {said}: "
-        f"{dataset.bytes:,} bytes in {shards} shard{'' if shards == 1 else 's'} in {dataset.folder}"
+        f"{counted(len(dataset), 'map')} of {n_x} x {n_y} blocks, {said}: "
+        f"{dataset.bytes:,} bytes in {shards} in {dataset.folder}"
     )

@@ -21,7 +21,7 @@ from rsegen.cli.flags import (
     target_of,
     which_map,
 )
-from rsegen.cli.report import Report, checked_flags, robot_kinds
+from rsegen.cli.report import Report, checked_flags, counted, robot_kinds
 from rsegen.cli.worlds import SHOWN
 from rsegen.commands.parameters import Force
 from rsegen.commands.simulation import spots
@@ -67,7 +67,7 @@ def _verified(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--verify", "needs a folder that rsegen wrote, and no recipe")
     verified = verify(arguments.target)
     unlisted = [str(path) for path in verified.unlisted]
-    lines = [f"{_many(verified.files, 'file')} in {_many(verified.folders, 'folder')} as rsegen wrote them"]
+    lines = [f"{counted(verified.files, 'file')} in {counted(verified.folders, 'folder')} as rsegen wrote them"]
     lines += [f"not written by rsegen: {path}" for path in unlisted]
     return Report(lines=lines, content={"folders": verified.folders, "files": verified.files, "unlisted": unlisted})
 
@@ -112,7 +112,7 @@ def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
     for level, count in content["level_counts"].items():
         high = written.level(level, recipe.unit_cm)
         yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"
-    cost = ", ".join(_many(content[f"{what}s"], what) for what in ("model", "collision", "face"))
+    cost = ", ".join(counted(content[f"{what}s"], what) for what in ("model", "collision", "face"))
     yield f"costs    mesh type {recipe.mesh_type}: {cost}, {content['bytes']:,} bytes"
     for _, placed in recipe.enabled_obstacles[:SHOWN]:
         text = row_text(placed)
@@ -125,10 +125,6 @@ def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
         yield f"plug-in  {kind} of {source}"
     yield from (f"off      {obstacle}" for obstacle in content.get("switched_off", ()))
     yield from (f"warning: {text}" for text in content["warnings"])
-
-
-def _many(count: int, what: str) -> str:
-    return f"{count:,} {what}{'' if count == 1 else 's'}"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

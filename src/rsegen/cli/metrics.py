@@ -57,8 +57,6 @@ def add_metrics(command: Parser) -> None:
     """Add the flags of `rsegen metrics`."""
     text = (
         "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
-    )
-    text += (
         "crossed. With a robot, also where it gets, and its ways across, by its poses; with limits of steps, by cells."
     )
     command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")

@@ -94,6 +94,11 @@ def add_shared_flags(command: Parser, add: Callable[[Parser], None]) -> None:
         add_flags(command, _Shared, only=["dry_run"])
 
 
+def counted(count: int, what: str) -> str:
+    """Return a count of things in words: 1 file, 1,200 files."""
+    return f"{count:,} {what}{'' if count == 1 else 's'}"
+
+
 def robot_kinds() -> str:
     """Return the kinds of robots for a help, without importing one."""
     return f"Kinds of robots: {', '.join(offered_names('rsegen.robots', 'rsegen.robots'))}."

@@ -244,7 +244,7 @@ class Extent(NamedTuple):
 
 
 class Extents(NamedTuple):
-    """By link the box of its collision shapes whose size is known, and the names of the links that have others too.
+    """Boxes of the collision shapes whose size is known, by link, and the names of the links that have others too.
 
     whole: the box of all that are known, None if there is none
     """

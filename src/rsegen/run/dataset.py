@@ -35,7 +35,7 @@ class Progress(Protocol):
     """A function that is called when further maps exist."""
 
     def __call__(self, maps: int, *, already: bool) -> None:
-        """`maps` more exist; `already`: from an earlier run."""
+        """Tell that `maps` more exist; `already`: from an earlier run."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

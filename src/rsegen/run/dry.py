@@ -81,7 +81,7 @@ def dry_run() -> Iterator[Notes]:
 
 
 def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_whole: bool = False) -> None:
-    """In a dry run note the files that will be put into a folder, and end it; else do nothing.
+    """Note the files that will be put into a folder, and end it, in a dry run; else do nothing.
 
     kept: those that exist and stay; is_whole: whether they take the place of all that is in the folder
     """

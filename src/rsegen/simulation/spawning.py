@@ -450,9 +450,6 @@ def _pose(at: Sequence[float]) -> Pose:
     return Pose(x=x, y=y, z=z, yaw=yaw)
 
 
-# Respawn and remove.
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RespawnResult:
     """The result of `rsegen.respawn`: names of the new and the old map, simulator, pose, and models put on top."""

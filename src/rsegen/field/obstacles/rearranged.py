@@ -214,9 +214,8 @@ class _Arrangement:
             if not len(a):
                 continue
             of_a, of_b = self._levels[a], self._levels[b]
-            levels = np.concatenate(
-                [of_b, of_a, of_a, of_b]
-            )  # after each swap, and before it: at once, as grids are small
+            # After each swap, and before it: at once, as grids are small.
+            levels = np.concatenate([of_b, of_a, of_a, of_b])
             excess = self._excess(np.concatenate([a, b, a, b]), levels).reshape(4, len(a))
             rise = excess[0] + excess[1] - excess[2] - excess[3]
             swapped = rng.random(len(a)) < probabilities[np.clip(rise, 0, _MOST_WORSE)]

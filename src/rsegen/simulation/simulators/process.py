@@ -101,7 +101,7 @@ def running(
 
 
 def command_output(command: Sequence[str | Path]) -> str:
-    """stdout and stderr of a short command, empty if there is none; SimulatorFailed if it prints nothing for long.
+    """Return stdout and stderr of a short command, empty if there is none; SimulatorFailed if it is silent for long.
 
     Its own end counts, not that of a pipe, which any process that it has started may keep open.
     """
