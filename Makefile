@@ -7,7 +7,7 @@
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
 # make check    lint, types, import contracts
 # make package  builds wheel and sdist into dist/ and tries the wheel
-# make page     makes the page's scripts anew after a change in src/rsegen/exporters/browser/app
+# make page     makes the page's scripts anew after a change in src/rsegen/page/browser/app
 # make docs     makes the generated parts of the manual and its pictures anew
 # make site     the manual as a site, in build/site
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept; BENCH=--starts for starts alone, kept

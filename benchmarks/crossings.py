@@ -32,16 +32,16 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from benchmarks.mujoco_drives import drive_recording
 from benchmarks.mujoco_robots import version
-from rsegen.exporters.scene import Scene, compose
+from rsegen.driving.drive import DrivenRobot, driven_robot
+from rsegen.driving.recording import RobotRun
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.routes import Straight
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.codec import decode
-from rsegen.robots import ROBOTS, Robot
+from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
-from rsegen.simulation.driving.drive import DrivenRobot, driven_robot
-from rsegen.simulation.driving.recording import RobotRun
-from rsegen.simulation.driving.robot_runs import robot_runs
-from rsegen.simulation.driving.routes import Straight
-from rsegen.simulation.simulators import SIMULATORS
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.base import SIMULATORS
 from rsegen.standing.lanes import End, entry, step_of, straight
 
 FILE = RESULTS / "crossings.json"

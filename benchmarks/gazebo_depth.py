@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 import rsegen
+from rsegen.driving.world_file import world_with_robots
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
-from rsegen.simulation.driving.world_file import world_with_robots
-from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.gazebo_classic import ClassicWorld
-from rsegen.simulation.simulators.server import running_server
-from rsegen.simulation.simulators.wire import MessageTypes
+from rsegen.simulators.base import Installation
+from rsegen.simulators.gazebo_classic import ClassicWorld
+from rsegen.simulators.server import running_server
+from rsegen.simulators.wire import MessageTypes
 
 IMAGE = MessageTypes(
     {"Image": {"width": (1, int), "height": (2, int), "pixel_format": (3, int), "step": (4, int), "data": (5, bytes)}}

@@ -22,19 +22,20 @@ from typing import Any, ClassVar
 import numpy as np
 
 from rsegen import Matrix, Recipe
-from rsegen.exporters.scene import compose
+from rsegen.driving.recording import RobotRun, send_commands
+from rsegen.driving.routes import Motion, Route
+from rsegen.driving.world_file import time_step, world_with_robots
 from rsegen.field.stepfield import Levels
-from rsegen.robots import ROBOTS, from_file
+from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.simulation.driving.recording import RobotRun, send_commands
-from rsegen.simulation.driving.routes import Motion, Route
-from rsegen.simulation.driving.world_file import time_step, world_with_robots
-from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.simulators.process import usage
-from rsegen.simulation.simulators.server import attempted, running_server
-from rsegen.simulation.worlds import write_world
-from tests.simulation.real.burger import Start, way
+from rsegen.robots.sdf_file import from_file
+from rsegen.run.target_worlds import write_world
+from rsegen.scene.scene import compose
+from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.live_world import Pose
+from rsegen.simulators.process import usage
+from rsegen.simulators.server import attempted, running_server
+from tests.real.burger import Start, way
 
 HEADINGS = (0, 20, 45, 70, 90)
 """Degrees."""

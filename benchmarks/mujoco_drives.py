@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.mujoco_robots import STEP, blocks, free_robot, model, motors, pose_of, wheels_of
+from rsegen.driving.drive_metrics import COLUMNS, Trajectory
+from rsegen.driving.recording import PERIOD, DriveRecording, RobotRun
+from rsegen.driving.routes import Motion
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array, StepField
-from rsegen.robots import Robot
+from rsegen.robots.base import Robot
 from rsegen.robots.drives import Wheels
-from rsegen.simulation.driving.drive_metrics import COLUMNS, Trajectory
-from rsegen.simulation.driving.recording import PERIOD, DriveRecording, RobotRun
-from rsegen.simulation.driving.routes import Motion
-from rsegen.simulation.simulators.live_world import Pose
+from rsegen.simulators.live_world import Pose
 
 
 def drive_recording(field: StepField, runs: Sequence[RobotRun], seconds: float) -> DriveRecording:

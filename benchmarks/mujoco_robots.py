@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rsegen.field.stepfield import Array, StepField
-from rsegen.robots import Robot
+from rsegen.robots.base import Robot
 from rsegen.robots.drives import Wheels
 from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, rotation, turn_about
 

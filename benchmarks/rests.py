@@ -33,15 +33,15 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from benchmarks.mujoco_robots import STEP, blocks, free_robot, model, pose_of, version
 from benchmarks.report import short
-from rsegen.exporters.scene import Scene, compose
+from rsegen.driving.world_file import world_with_robots
 from rsegen.field.stepfield import Array
 from rsegen.recipe.codec import decode
-from rsegen.robots import ROBOTS, Robot
+from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.links import rotation
-from rsegen.simulation.driving.world_file import world_with_robots
-from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.server import attempted, running_server
-from rsegen.simulation.worlds import world_of
+from rsegen.run.target_worlds import world_of
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.server import attempted, running_server
 from rsegen.standing.body import Body
 from rsegen.standing.resting import has_stood, poses
 from rsegen.standing.settling import PaddedGround, Settled, _Settling, reach_of, settle

@@ -21,14 +21,13 @@ import numpy as np
 
 import rsegen
 from rsegen import Random, Recipe
-from rsegen.exporters.gazebo import sdf
-from rsegen.robots import SdfRobot, from_file
-from rsegen.simulation.driving.recording import RobotRun, record_drive
-from rsegen.simulation.driving.robot_runs import DROP_HEIGHT
-from rsegen.simulation.driving.routes import Motion, Route
-from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.simulators.server import running_server
+from rsegen.driving.recording import RobotRun, record_drive
+from rsegen.driving.routes import Motion, Route
+from rsegen.gazebo import sdf
+from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.live_world import DROP_HEIGHT, Pose
+from rsegen.simulators.server import running_server
 
 SECONDS = 12.0
 """Simulated seconds of each drive; the first of a circle is not measured, in which the robot starts."""

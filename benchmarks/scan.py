@@ -26,8 +26,9 @@ from benchmarks.machine import machine
 from rsegen.errors import RsegenError, ScanError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.recipe.codec import decode
-from rsegen.scanning import Scan, find_field
-from rsegen.simulation.simulators import SIMULATORS, Installation
+from rsegen.scanning.finding import find_field
+from rsegen.scanning.scan import Scan
+from rsegen.simulators.base import SIMULATORS, Installation
 
 FILE = RESULTS / "scan.json"
 

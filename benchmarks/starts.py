@@ -23,17 +23,17 @@ import numpy as np
 
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
+from rsegen.driving.drive_metrics import Course, Incident, drive_metrics
+from rsegen.driving.recording import RobotRun, record_drive
+from rsegen.driving.robot_runs import ROUTES, robot_runs
+from rsegen.driving.routes import STOP, Motion, Route
 from rsegen.errors import ParameterError
-from rsegen.exporters.scene import Scene
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.robots import ROBOTS
-from rsegen.simulation.driving.drive_metrics import Course, Incident, drive_metrics
-from rsegen.simulation.driving.recording import RobotRun, record_drive
-from rsegen.simulation.driving.robot_runs import ROUTES, robot_runs
-from rsegen.simulation.driving.routes import STOP, Motion, Route
-from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.worlds import world_of
+from rsegen.robots.base import ROBOTS
+from rsegen.run.target_worlds import world_of
+from rsegen.scene.scene import Scene
+from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.live_world import Pose
 
 FILE = RESULTS / "starts.json"
 SEEDS = (1, 2, 3, 4, 5)

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from rsegen import KINDS, Recipe, build, load
-from rsegen.field.metrics.roughness import steps
 from rsegen.field.stepfield import Levels
+from rsegen.field.steps import steps
 from rsegen.params.streams import generator
 from rsegen.recipe.difficulty import nearest, parts_of, roughness, scaled
 from rsegen.recipe.examples import EXAMPLES

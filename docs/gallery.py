@@ -10,10 +10,10 @@ import numpy as np
 
 from docs import catalogue
 from rsegen import KINDS, Recipe, Scene, compose
-from rsegen.exporters.colours import Colour
-from rsegen.exporters.pictures.plan import ColouredField
-from rsegen.exporters.pictures.preview import draw_view, figure_bytes, view_bounds
 from rsegen.field.stepfield import Ints
+from rsegen.pictures.plan import ColouredField
+from rsegen.pictures.preview import draw_view, figure_bytes, view_bounds
+from rsegen.scene.colours import Colour
 
 PICTURES = Path(__file__).parent / "pictures"
 BOUNDARIES = PICTURES / "gallery-boundaries.png"

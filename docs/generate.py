@@ -39,25 +39,27 @@ from rsegen import (
     schema,
     series,
 )
-from rsegen.cli.commands import COMMANDS, GROUPS, parser_of
-from rsegen.cli.information import FUNCTIONS
-from rsegen.exporters.pictures.pose_plots import pose_maps
-from rsegen.exporters.pictures.preview import encoded, preview
-from rsegen.exporters.pictures.robot_plots import describe_limits, path_plot
-from rsegen.exporters.sheet import pages
+from rsegen.cli.parser import parser_of
+from rsegen.experiments import report as experiments
+from rsegen.experiments.run import load_summary
 from rsegen.field.obstacles.base import PLACING, own_parameters
+from rsegen.formats import MAT
+from rsegen.measuring.plots import path_plot
+from rsegen.params.capabilities import capabilities, commands, public_names
 from rsegen.params.command import rows
-from rsegen.params.extras import MAT
 from rsegen.params.registry import summary
 from rsegen.params.sorts import Parameter, parameters
+from rsegen.pictures.preview import encoded, preview
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.robots import ROBOTS
-from rsegen.simulation.experiment import report as experiments
-from rsegen.simulation.experiment.run import load_summary
+from rsegen.robots.base import ROBOTS
+from rsegen.sheets.document import pages
+from rsegen.standing.plots import pose_maps
 
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
+STUB = DOCS.parent / "src" / "rsegen" / "__init__.pyi"
+ARCHITECTURE = DOCS.parent / "ARCHITECTURE.md"
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
@@ -91,11 +93,11 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Fields and their metrics": (
         "field/stepfield",
         "field/obstacles/rearranged",
-        "field/metrics/traversability",
-        "field/metrics/graphs",
-        "field/metrics/roughness",
-        "field/metrics/spectrum",
-        "field/metrics/batch",
+        "field/traversability",
+        "field/graphs",
+        "measuring/roughness",
+        "measuring/spectrum",
+        "measuring/batch",
     ),
     "Geometry": (
         "geometry/mesh",
@@ -104,7 +106,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "geometry/watertight",
         "geometry/boxes",
         "geometry/texture",
-        "exporters/formats/solid",
+        "formats/solid",
     ),
     "Fields in point clouds": (
         "scanning/finding",
@@ -125,13 +127,13 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     ),
     "Ground for robots that learn": ("learning/ground",),
     "Files and pictures": (
-        "exporters/sheet/timber",
-        "exporters/formats/posture",
-        "exporters/textures/images",
-        "exporters/textures/pine",
-        "exporters/pictures/preview",
-        "exporters/gazebo/obj",
-        "exporters/scene",
+        "sheets/timber",
+        "standing/posture",
+        "scene/looks/images",
+        "scene/looks/pine",
+        "pictures/preview",
+        "gazebo/obj",
+        "scene/scene",
     ),
     "What is written": (
         "run/execute",
@@ -139,8 +141,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "run/store",
         "run/swap",
         "run/lease",
-        "run/series_rows",
-        "io/importers/measured",
+        "datasets/series_rows",
+        "heights/measured",
     ),
     "Robots and simulators": (
         "robots/sdf_shapes",
@@ -149,14 +151,14 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "robots/sdf_file",
         "robots/urdf",
         "robots/xacro_files",
-        "simulation/driving/routes",
-        "simulation/driving/drive_metrics",
-        "simulation/spawning",
-        "simulation/simulators/patience",
-        "simulation/simulators/connecting",
-        "simulation/simulators/wire",
-        "simulation/simulators/classic_transport",
-        "simulation/simulators/sim_transport",
+        "driving/routes",
+        "driving/drive_metrics",
+        "spawning/spawning",
+        "simulators/patience",
+        "simulators/connecting",
+        "simulators/wire",
+        "simulators/classic_transport",
+        "simulators/sim_transport",
     ),
 }
 """Modules of algorithms by the part of docs/algorithms.md that shows their docstrings."""
@@ -185,6 +187,8 @@ def texts() -> dict[Path, str]:
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "algorithms.md": "\n".join(_algorithms()) + "\n",
         DOCS / "commands.md": "\n".join(_commands()) + "\n",
+        STUB: "\n".join(_stub()) + "\n",
+        ARCHITECTURE: filled(ARCHITECTURE.read_text("utf-8"), _capabilities()),
         DOCS / "decisions" / "index.md": "\n".join(_decisions()) + "\n",
         DOCS / "gallery.md": "\n".join(gallery.page()) + "\n",
         DOCS / "parameters.md": "\n".join(_parameters()) + "\n",
@@ -265,7 +269,7 @@ def main(arguments: list[str]) -> int:
 
 def _ways(scene: Scene) -> bytes:
     limits = StepLimits(climb_cm=10)
-    return path_plot(scene, limits.reach(scene.field), describe_limits(limits))
+    return path_plot(scene, limits.reach(scene.field), limits.in_words("cm"))
 
 
 def _pose_maps(scene: Scene) -> bytes:
@@ -424,7 +428,7 @@ switches off what its row says."""
 
 def _commands() -> Iterator[str]:
     yield _SHARED
-    for name, function in FUNCTIONS.items():
+    for name, function in ((known.name, known.function) for known in commands().values() if known.function):
         owner = getattr(rsegen, function)
         what = (owner.__doc__ or "").partition("\n")[0]
         yield f"\n## {name}\n\n{what} In Python: [`rsegen.{function}`](api.md).\n"
@@ -434,8 +438,26 @@ def _commands() -> Iterator[str]:
             texts = (cell.replace("|", "\\|") for cell in (values, default, meaning))
             yield f"| `{parameter}` | {_code_in_table(flag)} | {' | '.join(texts)} |"
     yield "\n## Other commands\n\n| command | what it does |\n|---|---|"
-    for name in (name for group in GROUPS.values() for name in group if name not in FUNCTIONS):
-        yield f"| `{name}` | {COMMANDS[name]} |"
+    for known in (known for known in commands().values() if not known.function):
+        yield f"| `{known.name}` | {known.help} |"
+
+
+def _stub() -> Iterator[str]:
+    """Yield the stub of `rsegen/__init__.py`, from which type checkers know the public names."""
+    yield '"""Made by `make docs` from the declarations of the core and the capabilities, for type checkers."""\n'
+    for module, name in sorted((module, name) for name, module in public_names().items()):
+        yield f"from {module} import {name} as {name}"
+    yield "\n__version__: str"
+
+
+def _capabilities() -> Iterator[str]:
+    """Yield a table of the capabilities."""
+    yield "| folder | what it is | commands | needs | extras |\n|---|---|---|---|---|"
+    for folder, known in capabilities().items():
+        own = ", ".join(f"`{command.name}`" for command in known.commands)
+        needs = ", ".join(f"`{name}`" for name in known.needs)
+        wanted = ", ".join(f"`{extra.name}`" for extra in known.extras)
+        yield f"| {f'`{folder}/`' if folder != 'core' else 'core'} | {known.summary} | {own} | {needs} | {wanted} |"
 
 
 def _code_in_table(text: str) -> str:

@@ -12,10 +12,10 @@ from pathlib import Path
 from PIL import Image, ImageDraw
 
 import rsegen
+from rsegen.driving.world_file import last_frame, world_with_robots
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulation.driving.world_file import last_frame, world_with_robots
-from rsegen.simulation.simulators import SIMULATORS
-from rsegen.simulation.simulators.server import running_server
+from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.server import running_server
 
 PICTURES = Path(__file__).parent / "pictures"
 LOOKS = ("plain", "levels", "wood", "friction")

@@ -17,9 +17,9 @@ from PIL import Image
 import rsegen
 from docs.page import PICTURES, drawing, open_page, served
 from rsegen import DiagonalBarrier, NormalRandom, Peak, Recipe
+from rsegen.driving.page import playback
 from rsegen.page.host import Host
-from rsegen.page.playback import playback
-from rsegen.page.robots import robot
+from rsegen.robots.page import robot
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome

@@ -18,7 +18,7 @@ from docs import catalogue
 from docs.generate import terrain
 from docs.page import PICTURES, drawing, open_page, served, wait_for
 from rsegen import KINDS, NormalRandom, Recipe
-from rsegen.robots import ROBOTS
+from rsegen.robots.base import ROBOTS
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome

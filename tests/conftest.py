@@ -22,7 +22,7 @@ from hypothesis import settings
 from tests.support.patience import limit_cpu_of_tests
 
 TESTS = Path(__file__).parent
-MARKED_FOLDERS = {"simulation/real": pytest.mark.real}
+MARKED_FOLDERS = {"real": pytest.mark.real}
 """Folder -> the marker of every test in it."""
 
 settings.register_profile("house", deadline=None, derandomize=os.environ.get("CI") == "true", max_examples=25)

@@ -15,7 +15,7 @@ from benchmarks.contact.constructions import ALL, Construction
 from benchmarks.contact.report import strayed, table, write
 from benchmarks.contact.trial import Trial, tried
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators import SIMULATORS, Installation
+from rsegen.simulators.base import SIMULATORS, Installation
 
 RESULTS = Path(__file__).parents[1] / "results"
 NO_GAZEBO = 3

@@ -18,8 +18,8 @@ import numpy as np
 
 from rsegen import StepField
 from rsegen.field.stepfield import Levels
-from tests.simulation.real.bodies import SHAPES, SIZE
-from tests.simulation.real.burger import SPEED, Start
+from tests.real.bodies import SHAPES, SIZE
+from tests.real.burger import SPEED, Start
 
 HEADINGS = (0, 20, 45, 70, 90)
 GROUNDS = ("plain", "lane", "scattered")

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.trial import Drive, Rest, Trial
-from rsegen.simulation.simulators import Installation
+from rsegen.simulators.base import Installation
 
 COLUMNS = (
     ("soft", "plain"),

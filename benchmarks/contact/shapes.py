@@ -11,8 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.exporters.numbers import decimal
 from rsegen.field.stepfield import Array
+from rsegen.params.numbers import decimal
 
 Point = tuple[float, float, float]
 

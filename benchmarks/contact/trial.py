@@ -15,12 +15,12 @@ from benchmarks.contact.courses import SECONDS, Drop, drops
 from benchmarks.contact.worlds import TOGETHER, field_of, robots_on, written
 from rsegen import StepField
 from rsegen.errors import SimulatorFailed
-from rsegen.simulation.simulators import Installation
-from rsegen.simulation.simulators.live_world import LiveWorld, Pose, Record
-from rsegen.simulation.simulators.process import usage
-from rsegen.simulation.simulators.server import attempted, running_server
-from tests.simulation.real.bodies import SIZE
-from tests.simulation.real.burger import way
+from rsegen.simulators.base import Installation
+from rsegen.simulators.live_world import LiveWorld, Pose, Record
+from rsegen.simulators.process import usage
+from rsegen.simulators.server import attempted, running_server
+from tests.real.bodies import SIZE
+from tests.real.burger import way
 
 PERIOD = 0.05
 """Seconds between two poses of the record."""

@@ -9,9 +9,9 @@ from pathlib import Path
 from benchmarks.contact.constructions import Construction
 from benchmarks.contact.courses import DROP, course, drops, nothing, starts
 from rsegen import StepField
-from rsegen.simulation.driving.world_file import add_systems
-from tests.simulation.real.bodies import body
-from tests.simulation.real.burger import BURGER_WHEELS, EVERYTHING, RADIUS, Start, Wheels, burger
+from rsegen.driving.world_file import add_systems
+from tests.real.bodies import body
+from tests.real.burger import BURGER_WHEELS, EVERYTHING, RADIUS, Start, Wheels, burger
 
 ROBOTS: Mapping[str, Wheels] = {
     "soft": BURGER_WHEELS,

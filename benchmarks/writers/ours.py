@@ -9,8 +9,8 @@ import numpy as np
 
 from benchmarks.grids import BLOCK, Levels
 from rsegen import Random, Recipe, Scene, StepField
-from rsegen.exporters.gazebo import multi
-from rsegen.exporters.gazebo.obj import face_count, obj
+from rsegen.gazebo import multi
+from rsegen.gazebo.obj import face_count, obj
 from rsegen.geometry import meshes
 
 

@@ -18,7 +18,7 @@ def main() -> int:
     stops = [number for number in known if signal.getsignal(number) is not signal.SIG_IGN]  # nohup ignores SIGHUP
     for number in stops:
         signal.signal(number, _end)
-    from rsegen.cli import main as run
+    from rsegen.cli.edge import main as run
 
     try:
         code = run()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.cli import COMMANDS
+from rsegen.params.capabilities import commands
 from tests.support.complaints import (
     OBSTACLE,
     Refused,
@@ -250,7 +250,7 @@ def test_json_does_not_change_error_messages(refused: Refused) -> None:
     assert refused("generate", "-o", "out", "--json", "--maps", "0") == refused("generate", "-o", "out", "--maps", "0")
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", commands())
 def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, command: str) -> None:
     given = {"generate": ["-o", "out"], "preview": ["a.yaml", "-o", "p.png"], "info": ["a.yaml"], "open": ["a.yaml"]}
     given |= {"import": ["a.csv", "-o", "out"], "drive": ["a.yaml"], "experiment": ["quick", "-o", "out"]}

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks import crossings
 from benchmarks.crossings import FILE, Drive, best_limit, can_drive, highest_step, merged, pairs, table
-from rsegen.robots import ROBOTS
+from rsegen.robots.base import ROBOTS
 from tests.standing.stands import field_of
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks.lanes import CHANGES, FLOOR, LANE, METRES, Lane, recipe, starts, summary
-from rsegen.exporters.gazebo import export
-from rsegen.exporters.scene import compose
+from rsegen.gazebo import export
+from rsegen.scene.scene import compose
 
 
 @pytest.mark.parametrize("ground", ["both", "classic", "plane"])

@@ -9,11 +9,11 @@ import pytest
 
 from benchmarks.mujoco_drives import drive_recording, rim_speeds
 from benchmarks.mujoco_robots import motors
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.routes import Motion
 from rsegen.field.stepfield import Array, StepField
-from rsegen.robots import ROBOTS, Robot
+from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
-from rsegen.simulation.driving.robot_runs import robot_runs
-from rsegen.simulation.driving.routes import Motion
 from tests.standing.stands import field_of
 
 KINDS = ("burger", "jackal")

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks import rests
 from benchmarks.rests import Rest, Speed, table
-from rsegen.robots import ROBOTS
+from rsegen.robots.base import ROBOTS
 
 REST = Rest(
     simulator="mujoco",

@@ -8,12 +8,12 @@ import pytest
 
 from benchmarks import starts
 from benchmarks.starts import Start, _Rested, table
-from rsegen.exporters.scene import Scene
-from rsegen.robots import ROBOTS
-from rsegen.simulation.driving.recording import RobotRun
-from rsegen.simulation.driving.routes import STOP, Motion, Straight
-from rsegen.simulation.simulators import SIMULATORS, Installation
-from rsegen.simulation.simulators.live_world import Pose
+from rsegen.driving.recording import RobotRun
+from rsegen.driving.routes import STOP, Motion, Straight
+from rsegen.robots.base import ROBOTS
+from rsegen.scene.scene import Scene
+from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.live_world import Pose
 
 CLASSIC = Installation(simulator=SIMULATORS["classic"], version="11", commands={})
 

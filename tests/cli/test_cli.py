@@ -16,9 +16,10 @@ import yaml
 
 import rsegen
 from rsegen import KINDS, Recipe
-from rsegen.cli import COMMANDS, main
+from rsegen.cli.edge import main
 from rsegen.field.obstacles.base import own_parameters
-from rsegen.io.input_files import JOURNAL
+from rsegen.input_files import JOURNAL
+from rsegen.params.capabilities import commands
 from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -338,7 +339,7 @@ def test_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     text = helped(capsys)
-    for command, line in COMMANDS.items():
+    for command, line in ((name, known.help) for name, known in commands().items()):
         assert f" {command} {line}" in text
 
 

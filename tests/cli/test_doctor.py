@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.cli import main
+from rsegen.cli.edge import main
 from rsegen.params import extras
-from rsegen.params.extras import EXTRAS, pip_install
-from rsegen.simulation.simulators import SIMULATORS
-from tests.simulation.simulators.standins import PROGRAMS, alone_on_path, put
+from rsegen.params.capabilities import all_extras
+from rsegen.params.extras import pip_install
+from rsegen.simulators.base import SIMULATORS
+from tests.simulators.standins import PROGRAMS, alone_on_path, put
 
 Capture = pytest.CaptureFixture[str]
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
@@ -44,7 +45,9 @@ def remedies(capsys: Capture) -> dict[str, str]:
 
 def test_extras_match_the_package() -> None:
     section = PYPROJECT.read_text("utf-8").partition("[project.optional-dependencies]")[2].partition("\n[")[0]
-    assert set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) == {extra.name for extra in EXTRAS} | {"all"}
+    assert set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) == {extra.name for extra in all_extras().values()} | {
+        "all"
+    }
 
 
 @pytest.mark.slow
@@ -87,7 +90,7 @@ def test_a_missing_extra_is_reported_with_its_use_and_install_command(
 def test_without_any_extra_the_report_is_printed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setattr(extras, "find_spec", lambda name: None)
     text = report(capsys)
-    assert all(pip_install([extra.name]) in text for extra in EXTRAS)
+    assert all(pip_install([extra.name]) in text for extra in all_extras().values())
 
 
 def test_a_simulator_that_breaks_is_a_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.cli import COMMANDS, main
-from rsegen.cli.commands import parser_of
+from rsegen.cli.edge import main
+from rsegen.cli.parser import parser_of
+from rsegen.params.capabilities import commands
 
 MAPS = ["peak", "--seed", "3", "--maps", "2"]
 GENERATE = ["generate", *MAPS, "-o", "out"]
@@ -110,7 +111,7 @@ def test_what_refuses_a_run_refuses_its_dry_run(
     assert said[0] == said[1] != ""
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", commands())
 def test_every_command_that_replaces_files_has_a_dry_run(command: str) -> None:
     flags = parser_of(command)._option_string_actions
     assert ("--force" in flags) == ("--dry-run" in flags)

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import rsegen.cli
-from rsegen.cli import COMMANDS, main
-from rsegen.cli.commands import GROUPS, module_of
+from rsegen.cli.edge import main
+from rsegen.params.capabilities import GROUPS, commands
 
 
 def helped(capsys: pytest.CaptureFixture[str], *command: str) -> str:
@@ -28,7 +28,7 @@ def helped(capsys: pytest.CaptureFixture[str], *command: str) -> str:
 def test_help_and_version_import_no_numpy_and_nothing_of_the_field(flag: str) -> None:
     code = f"""
 import sys
-from rsegen.cli import main
+from rsegen.cli.edge import main
 try:
     main([{flag!r}])
 finally:
@@ -37,15 +37,15 @@ finally:
 """
     found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert found.stdout
-    heavy = re.compile(r"numpy|yaml|dataclasses|rsegen\.(field|recipe|geometry|exporters|io|simulation|gui)")
+    heavy = re.compile(r"numpy|yaml|dataclasses|rsegen\.(field|recipe|geometry|scene|gazebo)")
     assert [name for name in found.stderr.split() if heavy.match(name)] == []
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", commands())
 def test_the_help_of_a_command_imports_neither_numpy_nor_yaml(command: str) -> None:
     code = f"""
 import sys
-from rsegen.cli import main
+from rsegen.cli.edge import main
 try:
     main([{command!r}, "-h"])
 finally:
@@ -63,7 +63,7 @@ def test_rsegen_alone_says_how_to_begin(capsys: pytest.CaptureFixture[str]) -> N
     assert {"generate", "open", "examples", "gui", "--help"} <= set(text.split())
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", commands())
 def test_every_command_has_json_and_quiet(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert {"--json", "--quiet"} <= set(helped(capsys, command).replace(",", " ").split())
 
@@ -109,14 +109,14 @@ def test_completion_prints_what_the_shell_reads(shell: str, capsys: pytest.Captu
 
 UNUSED = [
     *("multiprocessing", "matplotlib", "yaml", "rsegen.recipe.constraints", "rsegen.recipe.difficulty"),
-    *("rsegen.simulation", "rsegen.run.dataset", "rsegen.exporters.sheet", "rsegen.exporters.pictures"),
+    *("rsegen.simulation", "rsegen.datasets.making", "rsegen.sheets", "rsegen.pictures"),
 ]
 
 
 @pytest.fixture(scope="module")
 def imported_by_generate(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """The modules that a small world takes."""
-    code = "import sys; from rsegen.cli import main; main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
+    code = "import sys; from rsegen.cli.edge import main; main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
     folder = str(tmp_path_factory.mktemp("worlds"))
     command = [sys.executable, "-c", code, "generate", "--obstacle", "random levels=5", "-o", folder]
     return subprocess.run(command, check=True, capture_output=True, text=True).stderr.split()
@@ -128,23 +128,23 @@ def test_a_small_world_takes_no_module_that_it_does_not_use(module: str, importe
     assert module not in imported_by_generate
 
 
-def test_every_module_that_adds_a_command_is_in_the_table() -> None:
-    texts = {file.stem: file.read_text("utf-8") for file in Path(rsegen.cli.__file__).parent.glob("*.py")}
+def test_every_function_that_runs_a_command_is_declared() -> None:
+    house = Path(rsegen.__file__).parent
     running = re.compile(r"^def run_(\w+)\(\w+: argparse\.Namespace\)", re.MULTILINE)
-    found = {(name, f"rsegen.cli.{file}") for file, text in texts.items() for name in running.findall(text)}
-    assert found == {(command, module_of(command)) for command in COMMANDS}
+    files = {f"rsegen.{path.parent.name}.{path.stem}": path.read_text("utf-8") for path in house.glob("*/*.py")}
+    found = {(name, module) for module, text in files.items() for name in running.findall(text)}
+    assert found == {(name, command.module) for name, command in commands().items()}
 
 
 def test_the_help_lists_the_commands_in_their_groups(capsys: pytest.CaptureFixture[str]) -> None:
     text = helped(capsys)
     places = [text.index(f"\n{title}:\n") for title in GROUPS]
     assert places == sorted(places)
-    for group, place in zip(GROUPS.values(), places, strict=True):
-        for command in group:
-            assert text.index(f"\n  {command} ") > place
+    for command in commands().values():
+        assert text.index(f"\n  {command.name} ") > places[GROUPS.index(command.group)]
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", commands())
 def test_the_help_of_a_command_has_options_last_and_none_that_are_required_among_them(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,8 +9,9 @@ import subprocess
 
 import pytest
 
-from rsegen.cli import main
-from rsegen.cli.commands import COMMANDS, parser_of
+from rsegen.cli.edge import main
+from rsegen.cli.parser import parser_of
+from rsegen.params.capabilities import commands
 from tests.support.complaints import exit_code, the_line
 
 Capture = pytest.CaptureFixture[str]
@@ -21,7 +22,9 @@ def page(capsys: Capture, *command: str) -> str:
     return capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS)], ids=lambda words: "".join(words) or "rsegen")
+@pytest.mark.parametrize(
+    "command", [[], *([name] for name in commands())], ids=lambda words: "".join(words) or "rsegen"
+)
 def test_a_page_has_every_flag_and_groff_warns_of_nothing(command: list[str], capsys: Capture) -> None:
     if not shutil.which("groff"):
         pytest.skip("no groff here")
@@ -37,7 +40,7 @@ def test_a_page_has_every_flag_and_groff_warns_of_nothing(command: list[str], ca
     words = set(re.split(r"[\s,=]+", shown.stdout))
     actions = parser_of(command[0])._actions if command else []
     flags = [flag for action in actions if action.help != argparse.SUPPRESS for flag in action.option_strings]
-    wanted = flags if command else COMMANDS
+    wanted = flags if command else commands()
     assert [word for word in wanted if word not in words] == []
     assert f"rsegen{''.join(f'-{name}' for name in command)} - " in " ".join(shown.stdout.split())
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.cli import main
+from rsegen.cli.edge import main
 from rsegen.errors import PluginWarning, line_of, printable
 from tests.support.complaints import exit_code, the_line
 

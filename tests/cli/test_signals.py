@@ -133,13 +133,13 @@ def test_a_command_that_writes_nothing_says_stopped_and_no_more(
 ) -> None:
     from importlib import import_module
 
-    from rsegen.cli import main
-    from rsegen.cli.commands import module_of
+    from rsegen.cli.edge import main
+    from rsegen.params.capabilities import commands
 
     def stopped(_: object) -> None:
         signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(import_module(module_of(command[0])), f"run_{command[0]}", stopped)
+    monkeypatch.setattr(import_module(commands()[command[0]].module), f"run_{command[0]}", stopped)
     assert main(command) == 130
     assert capsys.readouterr() == ("", "rsegen: stopped\n")
 

@@ -14,14 +14,16 @@ from types import SimpleNamespace
 import pytest
 
 import rsegen
-import rsegen.cli.simulation
-from rsegen.cli import main
-from rsegen.cli.commands import parser
+import rsegen.driving.commands
+import rsegen.simulators.commands
+import rsegen.spawning.commands
+from rsegen.cli.edge import main
 from rsegen.cli.flags import target_of
+from rsegen.cli.parser import parser
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulation.open_world import OpenedWorld, OpenResult
-from rsegen.simulation.simulators.live_world import Pose
-from rsegen.simulation.spawning import SpawnResult
+from rsegen.simulators.live_world import Pose
+from rsegen.simulators.open_world import OpenedWorld, OpenResult
+from rsegen.spawning.spawning import SpawnResult
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
@@ -99,9 +101,9 @@ def without_a_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
     def spawn(*_: object, **__: object) -> SpawnResult:
         return SpawnResult(name="model", simulator="sim", at=Pose(x=0, y=0, z=0))
 
-    monkeypatch.setattr(rsegen.cli.simulation, "drive", drive)
-    monkeypatch.setattr(rsegen.cli.simulation, "open_world", open_world)
-    monkeypatch.setattr(rsegen.cli.simulation, "spawn", spawn)
+    monkeypatch.setattr(rsegen.driving.commands, "drive", drive)
+    monkeypatch.setattr(rsegen.simulators.commands, "open", open_world)
+    monkeypatch.setattr(rsegen.spawning.commands, "spawn", spawn)
 
 
 @pytest.mark.parametrize("command", ["info", "preview", "sheet", "spots", "compare", "open", "drive", "spawn"])
@@ -158,7 +160,7 @@ def test_the_seed_of_a_drive_leaves_the_map_of_a_recipe_alone(monkeypatch: pytes
         asked.append((target, seed))
         raise rsegen.UserError("that is enough")
 
-    monkeypatch.setattr(rsegen.cli.simulation, "drive", drive)
+    monkeypatch.setattr(rsegen.driving.commands, "drive", drive)
     assert main(["drive", "peak", "--seed", "5"]) == 2
     assert main(["drive", *RANDOM]) == 2
     assert asked == [("peak", 5), (RECIPE, 3)]
@@ -172,7 +174,7 @@ def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monk
         asked.extend([target, name, simulator])
         raise rsegen.UserError("that is enough")
 
-    monkeypatch.setattr(rsegen.cli.simulation, "spawn", spawn)
+    monkeypatch.setattr(rsegen.spawning.commands, "spawn", spawn)
     assert main(["spawn", *RANDOM, "--name", "field", "--simulator", "classic"]) == 2
     assert asked == [RECIPE, "field", "classic"]
 

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from rsegen import Random, Recipe, StepLimits, build, load
-from rsegen.cli import main
-from rsegen.exporters.pictures.preview import preview_figure
-from rsegen.exporters.pictures.robot_plots import describe_limits
-from rsegen.exporters.scene import compose
+from rsegen.cli.edge import main
+from rsegen.pictures.preview import preview_figure
+from rsegen.scene.scene import compose
 from tests.support.complaints import the_line
 
 POSTS = ["--unit-cm", "3.5in", "--block-width-cm", "3.5in", "--frame-height-cm", "3.5in"]
@@ -49,7 +48,7 @@ def test_stock_and_kerf_may_be_of_any_unit(tmp_path: Path) -> None:
 
 def test_pages_in_inches_have_no_centimetres(tmp_path: Path) -> None:
     from rsegen import CutSettings, compose
-    from rsegen.exporters.sheet import pages
+    from rsegen.sheets.document import pages
 
     assert main(["generate", *INCHES, "-o", str(tmp_path)]) == 0
     scene = compose(load(tmp_path / "red-diagonal-pallet_0000" / "recipe.json"))
@@ -120,5 +119,5 @@ def test_pictures_are_in_the_units_of_the_recipe() -> None:
     assert "cm" not in inches
     assert "plan, heights in cm" in metric
     assert "26.67 cm" in metric
-    assert describe_limits(StepLimits(climb_cm=8.89), "in") == "a path of steps of up to 3.5 in up and 3.5 in down"
-    assert describe_limits(StepLimits(climb_cm=7)) == "a path of steps of up to 7 cm up and 7 cm down"
+    assert StepLimits(climb_cm=8.89).in_words("in") == "a path of steps of up to 3.5 in up and 3.5 in down"
+    assert StepLimits(climb_cm=7).in_words("cm") == "a path of steps of up to 7 cm up and 7 cm down"

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 import rsegen
-from rsegen.cli import COMMANDS
-from rsegen.cli.commands import parser_of
 from rsegen.cli.edge import in_flags
+from rsegen.cli.parser import parser_of
 from rsegen.errors import UserError
+from rsegen.params.capabilities import commands
 from rsegen.params.command import declared
 
 SOURCES = Path(rsegen.__file__).parent
@@ -28,8 +28,8 @@ FUNCTIONS: list[Callable[..., Any]] = [
 ARGUMENTS = [(function, name) for function in FUNCTIONS for name in declared(function)]
 
 COMMAND_LINES = {
-    "exporters/formats/heightmap.py": "a command line that reads the image again, to be copied",
-    "exporters/sheet/overview.py": "a printed page",
+    "formats/heightmap.py": "a command line that reads the image again, to be copied",
+    "sheets/overview.py": "a printed page",
     "page/forms.py": "command lines that the page runs",
     "page/model/texts.py": "the command line of a recipe, to be copied",
     "simulation/experiment/run.py": "the command line of an experiment, in its report",
@@ -94,7 +94,7 @@ def _name(node: ast.Assign | ast.AnnAssign) -> str:
 
 @pytest.mark.slow
 def test_no_text_of_the_library_has_a_flag() -> None:
-    flags = {flag for name in COMMANDS for action in parser_of(name)._actions for flag in action.option_strings}
+    flags = {flag for name in commands() for action in parser_of(name)._actions for flag in action.option_strings}
     found = {(name, flag) for name, text in texts() for flag in FLAG.findall(text) if flag in flags and " " in text}
     assert {(name, flag) for name, flag in found if name not in COMMAND_LINES} == set()
 

@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 from rsegen.errors import UserError
-from rsegen.simulation.simulators.server import choose_installation
+from rsegen.simulators.server import choose_installation
 from tests.crash.killing import ended, kill_after, started
 
 _PLAN = """

@@ -21,7 +21,7 @@ import rsegen
 from docs import catalogue
 from docs.generate import SHEET, shows
 from rsegen import KINDS
-from rsegen.cli import main
+from rsegen.cli.edge import main
 from rsegen.recipe.examples import EXAMPLES
 from tests.plugins.installed import declare, done
 
@@ -39,11 +39,11 @@ LONG = {
     "constraints.md": "tests/recipe/constraints has its recipes",
     "datasets.md": "tests/run has its commands",
     "difficulty.md": "tests/recipe has its commands",
-    "formats.md": "tests/exporters/formats has every format",
+    "formats.md": "tests/formats has every format",
     "README.md": "a robot looks for its ways over several maps",
     "metrics.md": "a robot looks for its ways over several maps",
-    "scan.md": "tests/cli/test_scan.py has its commands",
-    "sheet.md": "tests/exporters/sheet has its commands",
+    "scan.md": "tests/scanning/test_scan_command.py has its commands",
+    "sheet.md": "tests/sheets has its commands",
     "tutorial.md": "a robot looks for its ways over several maps",
 }
 """Page -> why make test leaves it to make test-all."""

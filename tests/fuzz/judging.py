@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rsegen.io.input_files import JOURNAL
+from rsegen.input_files import JOURNAL
 from tests.fuzz.case import Case
 from tests.fuzz.readers import called
 from tests.fuzz.sandbox import Exceeded, Sandbox
@@ -266,12 +266,12 @@ def _small_machine(root: Path) -> None:
     os.environ |= {"MPLCONFIGDIR": str(root / "home"), "MPLBACKEND": "agg", "COLUMNS": "100"}
     tempfile.tempdir = str(root / "tmp")
     sys.dont_write_bytecode = True
-    resources: Any = importlib.import_module("rsegen.io.resources")
+    resources: Any = importlib.import_module("rsegen.run.resources")
     resources._free_memory = lambda: FREE_MEMORY
     resources._free_disk = lambda _: FREE_DISK
-    patience: Any = importlib.import_module("rsegen.simulation.simulators.patience")
+    patience: Any = importlib.import_module("rsegen.simulators.patience")
     patience.share = lambda: 1.0
-    clouds: Any = importlib.import_module("rsegen.io.clouds")
+    clouds: Any = importlib.import_module("rsegen.scanning.clouds")
     clouds._SAMPLED = SAMPLED
 
 

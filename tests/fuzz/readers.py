@@ -38,15 +38,15 @@ def _read_robot(name: str) -> None:
 
 
 def _read_plan(name: str) -> None:
-    from rsegen.simulation.experiment.plan import load_plan
+    from rsegen.experiments.plan import load_plan
 
     plan = load_plan(name)
     _ = [row.label for row in plan.rows], plan.cells, next(plan.order(), None)
 
 
 def _read_journal(name: str) -> None:
+    from rsegen.experiments.run import read_entries
     from rsegen.run.journal import read_journal
-    from rsegen.simulation.experiment.run import read_entries
     from tests.fuzz.seeds import PLAN
 
     folder = Path(name).parent
@@ -54,7 +54,7 @@ def _read_journal(name: str) -> None:
 
 
 def _read_summary(name: str) -> None:
-    from rsegen.simulation.experiment.run import load_summary
+    from rsegen.experiments.run import load_summary
 
     load_summary(Path(name))
 

@@ -15,7 +15,7 @@ import numpy as np
 import yaml
 
 from rsegen import KINDS, Recipe
-from rsegen.cli import main
+from rsegen.cli.edge import main
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import encode
 from rsegen.recipe.examples import EXAMPLES
@@ -200,7 +200,8 @@ def clouds() -> Mapping[str, bytes]:
 @cache
 def robots() -> tuple[bytes, ...]:
     """Robots: a small one, one with a mesh, and those that come along, for every simulator, as SDF; two as URDF."""
-    from rsegen.robots import BACKENDS, ROBOTS
+    from rsegen.robots.base import ROBOTS
+    from rsegen.robots.drives import BACKENDS
 
     box = b"<box><size>0.4 0.3 0.1</size></box>"
     meshed = ROBOT.replace(box, b"<mesh><uri>part.stl</uri><scale>0.2 0.2 0.2</scale></mesh>")
@@ -218,7 +219,7 @@ def robots() -> tuple[bytes, ...]:
 @cache
 def plans() -> tuple[dict[str, Any], ...]:
     """Plans of experiments: a small one, and those that come along."""
-    from rsegen.simulation.experiment.plan import PLANS
+    from rsegen.experiments.plan import PLANS
 
     return (PLAN, *(yaml.safe_load(Path(str(path)).read_text("utf-8")) for path in PLANS.values()))
 

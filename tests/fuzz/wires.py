@@ -16,12 +16,12 @@ from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 from rsegen.errors import RsegenError
-from rsegen.simulation.simulators.gazebo_classic import classic_world
-from rsegen.simulation.simulators.gazebo_sim import sim_world
-from rsegen.simulation.simulators.live_world import LiveWorld, Pose
-from rsegen.simulation.simulators.patience import Patience
-from rsegen.simulation.simulators.sim_transport import SERVICES, TOPICS, Discovery, Event
-from rsegen.simulation.simulators.wire import CLASSIC, SIM, Message
+from rsegen.simulators.gazebo_classic import classic_world
+from rsegen.simulators.gazebo_sim import sim_world
+from rsegen.simulators.live_world import LiveWorld, Pose
+from rsegen.simulators.patience import Patience
+from rsegen.simulators.sim_transport import SERVICES, TOPICS, Discovery, Event
+from rsegen.simulators.wire import CLASSIC, SIM, Message
 from tests.fuzz.damage import EXTREMES, damaged_bytes
 
 SHORT = Patience(seconds=0.2, sign=0.2)

@@ -7,7 +7,7 @@ import pytest
 
 from rsegen import StepField, compose
 from rsegen.geometry import TILES, Mesh, surface, texture_coordinates, unmerged, watertight
-from tests.exporters.formats.maps import RECIPES
+from tests.formats.maps import RECIPES
 
 FIELDS = {name: compose(recipe).field for name, recipe in RECIPES.items()}
 KINDS = {"merged": surface, "watertight": watertight, "blocks": unmerged}

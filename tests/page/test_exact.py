@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rsegen.exporters import browser as page_files
+from rsegen.page import browser as page_files
 
 _APP = Path(page_files.__file__).parent / "app"
 _ESBUILD = _APP / "node_modules" / ".bin" / "esbuild"
@@ -20,7 +20,7 @@ _ESBUILD = _APP / "node_modules" / ".bin" / "esbuild"
 def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The module as a script for node."""
     if not which("node") or not _ESBUILD.exists():
-        pytest.skip("no node, or no esbuild: run npm ci in src/rsegen/exporters/browser/app")
+        pytest.skip("no node, or no esbuild: run npm ci in src/rsegen/page/browser/app")
     made = tmp_path_factory.mktemp("exact") / "exact.cjs"
     run(
         [_ESBUILD, "exact.ts", "--bundle", "--format=cjs", f"--outfile={made}"],

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import rsegen
+from rsegen.driving import page as playback
 from rsegen.errors import FileError
 from rsegen.page import host as hosting
-from rsegen.page import places, playback, scenes
+from rsegen.page import places, scenes
 from rsegen.page.host import Host
 
 

@@ -17,16 +17,16 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
-from rsegen.exporters import browser as page_files
-from rsegen.exporters.browser.page import ShownMap
-from rsegen.exporters.browser.page import page as frozen_page
-from rsegen.exporters.scene import compose
-from rsegen.io.recipe_file import load
+from rsegen.page import browser as page_files
 from rsegen.page import scenes
 from rsegen.page.host import Host
 from rsegen.page.service import Service
+from rsegen.page.shown_map import ShownMap
+from rsegen.page.shown_map import page as frozen_page
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.run.single_files import save
+from rsegen.recipe.recipe_file import load
+from rsegen.run.recipe_files import save
+from rsegen.scene.scene import compose
 from tests.page.test_files import drive as recorded
 from tests.support.browser import BLURRED, chromium, complaints, resize
 from tests.support.long import long_unless
@@ -676,7 +676,7 @@ def test_every_control_is_inside_the_window(chrome: Chrome, address: str, width:
 def axe() -> str:
     """The script that looks for what people with a screen reader, or the keyboard alone, could not use."""
     if not _AXE.is_file():
-        pytest.skip(f"no {_AXE.name}: run npm ci in src/rsegen/exporters/browser/app")
+        pytest.skip(f"no {_AXE.name}: run npm ci in src/rsegen/page/browser/app")
     return _AXE.read_text("utf-8")
 
 

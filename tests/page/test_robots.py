@@ -14,11 +14,11 @@ import pytest
 import rsegen
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.page import host as hosting
-from rsegen.page import robots
 from rsegen.page.forms import hello
 from rsegen.page.host import Host, Listener
 from rsegen.page.model.session import Session
-from rsegen.robots import ROBOTS
+from rsegen.robots import page as robots
+from rsegen.robots.base import ROBOTS
 from rsegen.standing import ways
 from rsegen.standing.resting import REASONS
 from rsegen.standing.settling import PaddedGround
@@ -131,7 +131,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
             around = FIELD.heights[max(i - 1, 0) : i + 1, max(j - 1, 0) : j + 1]
             assert z in {0.0, *around.ravel().tolist()}, "on a block, or on the ground around the map"
     measured = {row[3]: row[1] for row in robots.measure(host, doc=doc, index=0, robot="crawler")["rows"]}
-    assert measured["reach.cover"] == f"{found.cover:.4g}"
+    assert measured["reach.coverage"] == f"{found.coverage:.4g}"
     assert measured["steps.rms"] == f"{rsegen.metrics(FIELD).steps.rms:.4g}"
 
 

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rsegen.exporters.browser.page import ShownMap, content
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.page.shown_map import ShownMap, content
 from tests.support.browser import chromium, complaints, resize
 from tests.support.screen import missing
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.slow
 
-APP = Path(__file__).parents[2] / "src/rsegen/exporters/browser/app"
+APP = Path(__file__).parents[2] / "src/rsegen/page/browser/app"
 WIDTH, UNIT = 0.1, 0.05
 FRAME = 1  # cells
 
@@ -73,7 +73,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
     """A page of both views with `said`, a list of the events that they told."""
     bundler = APP / "node_modules/.bin/esbuild"
     if not bundler.exists():
-        missing("no packages of npm in exporters/browser/app: run scripts/page")
+        missing("no packages of npm in page/browser/app: run scripts/page")
     folder = tmp_path_factory.mktemp("views")
     made = subprocess.run(
         [

@@ -13,15 +13,15 @@ import pytest
 
 import rsegen
 from rsegen.errors import UserError
+from rsegen.experiments.plan import load_plan
 from rsegen.field.limits import SIDE, SPEED, TURN
-from rsegen.io.importers import imported, importer_for
-from rsegen.io.inventory import inventory_in
-from rsegen.io.recipe_file import load
+from rsegen.heights.base import imported, importer_for
 from rsegen.params.command import declared
 from rsegen.params.sorts import Float, Integer, parameters
+from rsegen.recipe.inventory_file import inventory_in
 from rsegen.recipe.recipe import Recipe
-from rsegen.robots import from_file
-from rsegen.simulation.experiment.plan import load_plan
+from rsegen.recipe.recipe_file import load
+from rsegen.robots.sdf_file import from_file
 
 MODEL = (
     '<sdf version="1.6"><model name="cart"><link name="base"><collision name="c"><geometry><box><size>{side} 0.3 0.1'

@@ -10,8 +10,9 @@ import pytest
 
 from rsegen.errors import PluginError, UnknownName
 from rsegen.params import registry
+from rsegen.params.entry_points import EntryPoint
 from rsegen.params.plugins import Source
-from rsegen.params.registry import Contract, EntryPoint, Registry
+from rsegen.params.registry import Contract, Registry
 
 PRICES = Contract(base=int, names=lambda price: (f"for {price}",), is_class=False)
 
@@ -80,8 +81,8 @@ def test_a_failed_import_is_reported_on_every_use(monkeypatch: pytest.MonkeyPatc
 
 def test_only_the_file_that_is_called_like_a_format_is_imported() -> None:
     code = (
-        "import sys; from rsegen.exporters.formats import FORMATS; FORMATS['stl'];"
-        "home = 'rsegen.exporters.formats.'; print(home + 'stl' in sys.modules, home + 'usd' in sys.modules)"
+        "import sys; from rsegen.formats import FORMATS; FORMATS['stl'];"
+        "home = 'rsegen.formats.'; print(home + 'stl' in sys.modules, home + 'usd' in sys.modules)"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == "True False\n"
@@ -101,5 +102,5 @@ def test_of_two_versions_of_a_package_the_first_on_the_path_counts(
         (tmp_path / place / name / "METADATA").write_text("Metadata-Version: 2.1\nName: or-chard\nVersion: 2\n")
         (tmp_path / place / name / "entry_points.txt").write_text("[rsegen.fruits]\nkiwi = string:digits\n")
     monkeypatch.setattr(sys, "path", [str(tmp_path / "nowhere"), str(tmp_path / "first"), str(tmp_path / "second")])
-    (found,) = registry.entry_points.__wrapped__()
+    (found,) = entry_points.__wrapped__()
     assert str(found) == "plug-in 'kiwi' of or-chard 2 (string:digits)"

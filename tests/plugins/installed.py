@@ -18,7 +18,7 @@ EAGER = """
 import sys
 import rsegen.run.execute
 rsegen.run.execute.WORTHWHILE = 0  # so few maps are shared out too
-from rsegen.cli import main
+from rsegen.cli.edge import main
 if __name__ == "__main__":
     sys.exit(main())
 """

@@ -107,7 +107,7 @@ FORMAT = '''
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from rsegen.exporters.formats import Format
+from rsegen.formats import Format
 from rsegen.params.sorts import Flag, Integer
 
 
@@ -140,8 +140,8 @@ def test_an_option_that_clashes_with_a_flag_is_named(option: str, complaint: str
 
 
 def test_reserved_names_are_the_keys_of_rows_and_of_readers() -> None:
-    from rsegen.exporters.formats.base import READING
-    from rsegen.io.importers import IMPORTERS
+    from rsegen.formats.base import READING
+    from rsegen.heights.base import IMPORTERS
     from rsegen.params.sorts import parameters
 
     obstacles = importlib.import_module("rsegen.field.obstacles.base")

@@ -14,8 +14,8 @@ from hypothesis import given
 import rsegen
 from rsegen import Recipe, build
 from rsegen.errors import ParameterError
-from rsegen.io.recipe_file import to_yaml
 from rsegen.recipe.codec import decode, encode, schema, to_json
+from rsegen.recipe.recipe_file import to_yaml
 from tests.support.strategies import recipes
 
 

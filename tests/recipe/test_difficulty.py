@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from rsegen import KINDS, Peak, Random, Recipe, StepField, build, generate, load
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.roughness import steps
+from rsegen.field.steps import steps
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES

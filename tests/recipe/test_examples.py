@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from rsegen.cli import main
+from rsegen.cli.edge import main
 from rsegen.recipe.examples import EXAMPLES, or_example
 
 

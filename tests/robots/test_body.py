@@ -9,7 +9,8 @@ import pytest
 
 import rsegen
 from rsegen.errors import UserError
-from rsegen.robots import ROBOTS, from_file
+from rsegen.robots.base import ROBOTS
+from rsegen.robots.sdf_file import from_file
 from rsegen.standing.body import Body
 
 FIELD = rsegen.build(rsegen.Recipe(seed=1, boundary="none", unit_cm=1, obstacles=[rsegen.Random(levels=3)]))

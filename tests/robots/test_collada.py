@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from rsegen.errors import FileError
-from rsegen.robots import from_file, meshes
+from rsegen.robots import meshes
 from rsegen.robots.meshes import read_collada
+from rsegen.robots.sdf_file import from_file
 from tests.robots.test_body import model
 
 CORNERS = "0 0 0  2 0 0  2 1 0  0 1 0  0 0 3"

@@ -12,9 +12,10 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError
-from rsegen.robots import SdfRobot, from_file, is_robot_file, robot_of
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import Wheels
+from rsegen.robots.lookup import robot_of
+from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.robots.uris import found_package, packages_around
 from rsegen.robots.xacro_files import with_arguments
 from tests.robots.makers_robot import CONTROLLER, PACKAGE, makers_robot

@@ -7,7 +7,9 @@ from xml.etree import ElementTree
 import pytest
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.robots import BACKENDS, ROBOTS, Robot, robot
+from rsegen.robots.base import ROBOTS, Robot
+from rsegen.robots.drives import BACKENDS
+from rsegen.robots.lookup import robot
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 SIMULATOR = pytest.mark.parametrize("simulator", BACKENDS)

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UnknownName
-from rsegen.robots import BACKENDS, SdfRobot, from_file
-from rsegen.robots.drives import Tracks, Wheels
+from rsegen.robots.drives import BACKENDS, Tracks, Wheels
+from rsegen.robots.sdf_file import SdfRobot, from_file
 from tests.robots.two_wheels import GZ, PLUGINS, RADIUS, ROS_1, SEPARATION, two_wheels
 
 MESH = "<collision name='m'><geometry><mesh><uri>{}</uri></mesh></geometry></collision>"

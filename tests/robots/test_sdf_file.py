@@ -9,7 +9,9 @@ import pytest
 import trimesh
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.robots import BACKENDS, ROBOTS, from_file
+from rsegen.robots.base import ROBOTS
+from rsegen.robots.drives import BACKENDS
+from rsegen.robots.sdf_file import from_file
 
 MODEL = '<sdf version="1.6"><model name="mine"><link name="base"/>{}</model></sdf>'
 

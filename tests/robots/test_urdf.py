@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen.errors import FileError
-from rsegen.robots import SdfRobot, from_file
 from rsegen.robots.drives import Tracks
+from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.robots.sdf_shapes import ModelFrames, inertials, tensor_of
 from rsegen.robots.urdf import converted
 from tests.robots.two_wheels import ROS_1, two_wheels

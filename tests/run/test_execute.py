@@ -18,13 +18,13 @@ import pytest
 import rsegen
 from rsegen import GeneratedMap, Recipe
 from rsegen.errors import ParameterError
-from rsegen.exporters.formats.heightmap import Heightmap
-from rsegen.exporters.formats.occupancy import Occupancy
+from rsegen.formats.exports import ExportedMap
+from rsegen.formats.heightmap import Heightmap
+from rsegen.formats.occupancy import Occupancy
 from rsegen.recipe.codec import decode
 from rsegen.run import execute as execute_module
 from rsegen.run import stop
 from rsegen.run.execute import Execution, execute
-from rsegen.run.exports import ExportedMap
 from tests.support.complaints import exit_code, the_line
 from tests.support.long import long_unless
 from tests.support.patience import PATIENCE

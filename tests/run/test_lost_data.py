@@ -10,8 +10,8 @@ import pytest
 
 import rsegen
 from rsegen.errors import FilesDamaged, OutputError
-from rsegen.exporters.formats.heightmap import Heightmap
-from rsegen.io.input_files import JOURNAL
+from rsegen.formats.heightmap import Heightmap
+from rsegen.input_files import JOURNAL
 from rsegen.run.journal import read_journal
 from tests.support.complaints import exit_code, snapshot, the_line
 

@@ -12,18 +12,19 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe
+from rsegen.datasets.layout import ShardLayout
+from rsegen.datasets.making import plan_dataset
+from rsegen.datasets.series import plan_series
+from rsegen.datasets.series_rows import SeriesPlan
 from rsegen.errors import OutputError, ParameterError, TooLarge, UserError
-from rsegen.exporters.formats.heightmap import Heightmap
-from rsegen.exporters.formats.stl import Stl
-from rsegen.io import resources
-from rsegen.io.dataset.layout import ShardLayout
-from rsegen.run.dataset import plan_dataset
+from rsegen.formats.exports import plan_exports
+from rsegen.formats.heightmap import Heightmap
+from rsegen.formats.stl import Stl
+from rsegen.run import resources
 from rsegen.run.execute import Execution
-from rsegen.run.exports import plan_exports
 from rsegen.run.plan import OnExisting
-from rsegen.run.series import plan_series
-from rsegen.run.series_rows import SeriesPlan
-from rsegen.run.worlds import Sidecars, make_worlds, plan_worlds
+from rsegen.run.sidecars import Sidecars
+from rsegen.run.worlds import make_worlds, plan_worlds
 from tests.support.complaints import snapshot
 
 RECIPE = Recipe(seed=7, maps=4, chunk_size=4, obstacles=(Random(levels=3),))

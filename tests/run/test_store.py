@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 import pytest
 
 from rsegen.errors import OutputError, Stopped, WriteError
-from rsegen.io.input_files import JOURNAL
+from rsegen.input_files import JOURNAL
 from rsegen.run import store as store_module
 from rsegen.run import swap
 from rsegen.run.store import (

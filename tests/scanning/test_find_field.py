@@ -14,7 +14,8 @@ from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
 from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
-from rsegen.scanning import SURE, Scan, ScanSettings, find_field
+from rsegen.scanning.finding import find_field
+from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
 
 KINDS: Mapping[str, Mapping[str, Any]] = {

@@ -13,8 +13,9 @@ from benchmarks.depth_camera import DepthCamera, Flaws, turned, with_flaws
 from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.scanning import SURE, Scan, ScanSettings, find_field
+from rsegen.scanning.finding import find_field
 from rsegen.scanning.levels import board_below, units_per_level
+from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.scanning.test_find_field import TWO_VIEWS, cloud_of, field_of, right_turn
 from tests.support.long import long_unless
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.robots import ROBOTS
+from rsegen.robots.base import ROBOTS
 from rsegen.robots.links import ALONG_Y, rotation
 from rsegen.standing.body import Body, Part, ball, body_of_shapes, cylinder
 from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle

@@ -46,7 +46,7 @@ def test_where_a_robot_never_stands_it_has_no_tilt_and_no_clearance() -> None:
 
 @pytest.mark.slow
 def test_statistics_by_name_are_those_of_reach() -> None:
-    from rsegen.field.metrics.catalogue import metric_by
+    from rsegen.measuring.catalogue import metric_by
 
     reached = JACKAL.reach(FIELD).poses
     assert metric_by("reach.poses.tilt_p90", JACKAL)(FIELD) == reached.tilt_p90

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from benchmarks import rests
 from rsegen.field.stepfield import Array, Ints
-from rsegen.robots import ROBOTS
+from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body
 from rsegen.standing.pushing import below_samples
 from rsegen.standing.resting import has_stood, poses

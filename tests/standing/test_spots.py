@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
-from rsegen.robots import ROBOTS
+from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import drive
 from rsegen.standing.resting import poses

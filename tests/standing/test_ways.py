@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
-from rsegen.cli import main
+from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.standing import ways
@@ -55,7 +55,7 @@ def test_a_wall_of_30_cm_stops_every_robot_for_a_reason(kind: str) -> None:
 
 def test_on_a_flat_field_all_is_reached_and_the_way_is_straight() -> None:
     found = reach(field_of(np.zeros((6, 5), int)), BURGER)
-    assert found.cover == 1
+    assert found.coverage == 1
     assert found.region.all()
     for way in (found.west_east, found.south_north):
         assert way.crosses

@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Protocol
 
-from rsegen.cli import main
+from rsegen.cli.edge import main
 
 MANY_DIGITS = int("9" * 400)
 MORE_DIGITS_THAN_PYTHON_WRITES = 1 << 20_000

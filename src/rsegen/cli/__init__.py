@@ -4,7 +4,65 @@ Exit codes: 0 done; 2 the user's mistake, and nothing was changed; 130 stopped b
 signal); 1 anything else, of `compare` also that maps differ. Each but 0 comes with one line on stderr.
 """
 
-from rsegen.cli.commands import COMMANDS
-from rsegen.cli.edge import main
+from rsegen.params.capabilities import Capability, Command
+from rsegen.params.extras import CLUSTER
 
-__all__ = ["COMMANDS", "main"]
+_REFERENCE, _INFORMATION = "rsegen.cli.reference", "information"
+
+CAPABILITY = Capability(
+    summary="the core: from a recipe to a Gazebo world on the disk",
+    commands=(
+        Command("generate", "worlds", "write worlds and models", "rsegen.cli.generate", "generate"),
+        Command("info", "maps", "print the size of a map, its obstacles and its cost", "rsegen.cli.info"),
+        Command("examples", _INFORMATION, "list the recipes to start from, or copy them", _REFERENCE),
+        Command("obstacles", _INFORMATION, "list the kinds of obstacles and their parameters", _REFERENCE),
+        Command(
+            "schema",
+            _INFORMATION,
+            "print the JSON Schema of recipe files, or of the parameters of a command",
+            _REFERENCE,
+        ),
+        Command(
+            "doctor",
+            _INFORMATION,
+            "list what is installed, what is missing and what it is needed for",
+            "rsegen.cli.doctor",
+        ),
+        Command(
+            "completion", _INFORMATION, "print what makes bash, zsh or fish complete commands and flags", _REFERENCE
+        ),
+        Command("man", _INFORMATION, "print the manual page of rsegen or of a command", "rsegen.cli.man"),
+    ),
+    public={
+        "rsegen.cli.generate": ("generate",),
+        "rsegen.errors": ("RsegenError", "UserError"),
+        "rsegen.field.limits": ("StepLimits",),
+        "rsegen.field.obstacles": ("KINDS", "Obstacle"),
+        "rsegen.field.obstacles.barrier": ("DiagonalBarrier", "HorizontalBarrier"),
+        "rsegen.field.obstacles.matrix": ("Matrix",),
+        "rsegen.field.obstacles.pallet": ("Pallet",),
+        "rsegen.field.obstacles.peak": ("Peak",),
+        "rsegen.field.obstacles.pit": ("Pit",),
+        "rsegen.field.obstacles.platform": ("Platform",),
+        "rsegen.field.obstacles.rails": ("Rails",),
+        "rsegen.field.obstacles.random": ("NormalRandom", "Random"),
+        "rsegen.field.obstacles.stairs": ("Stairs",),
+        "rsegen.field.obstacles.stones": ("Stones",),
+        "rsegen.field.stepfield": ("StepField",),
+        "rsegen.geometry.boxes": ("Boxes", "boxes"),
+        "rsegen.geometry.mesh": ("Mesh",),
+        "rsegen.geometry.meshes": ("mesh",),
+        "rsegen.params.plugins": ("load_plugin",),
+        "rsegen.recipe.batch": ("build_many",),
+        "rsegen.recipe.building": ("build",),
+        "rsegen.recipe.codec": ("schema",),
+        "rsegen.recipe.recipe": ("Recipe",),
+        "rsegen.recipe.recipe_file": ("load",),
+        "rsegen.run.journal": ("Verified", "verify"),
+        "rsegen.run.recipe_files": ("save",),
+        "rsegen.run.worlds": ("Generated", "GeneratedMap"),
+        "rsegen.scene.scene": ("Scene", "compose"),
+    },
+    extras=(CLUSTER,),
+    manual="recipes",
+)

@@ -31,8 +31,9 @@ from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.commands import COMMANDS, FLAG, OVERVIEW, complete, load_plugins, parser, parser_of
+from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parser, parser_of
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
+from rsegen.params.capabilities import commands
 from rsegen.run import stop
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 raise
             # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
             stopped = ours and signals.came
-            command = next((word for word in words if word in COMMANDS), None)
+            command = next((word for word in words if word in commands()), None)
             return failed(KeyboardInterrupt() if stopped else error, signals.number, command)
 
 
@@ -242,7 +243,7 @@ _CALL = re.compile(r"\brsegen\.(\w+)\(([^()]*)\)")
 def in_flags(message: str, command: str | None = None) -> str:
     """Return a message with the flags of `command` in place of arguments, and command lines in place of calls."""
     called = _CALL.sub(_command_line, message)
-    return _with_flags(called, command) if command and command in COMMANDS else called
+    return _with_flags(called, command) if command and command in commands() else called
 
 
 def _command_line(call: re.Match[str]) -> str:
@@ -250,7 +251,7 @@ def _command_line(call: re.Match[str]) -> str:
     name, arguments = call[1], call[2]
     if name == "load_plugin":
         return f"{FLAG} {_text(arguments)}"
-    if name not in COMMANDS:
+    if name not in commands():
         return call[0]
     words = (_with_flags(argument.strip(), name) for argument in arguments.split(","))
     return " ".join(["rsegen", name, *map(_text, words)])

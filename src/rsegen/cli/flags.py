@@ -8,22 +8,21 @@ from __future__ import annotations
 import argparse
 import os.path
 import shlex
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from rsegen.cli.commands import Parser
+from rsegen.cli.parser import Parser
 from rsegen.errors import FileError, ParameterError, shown
 from rsegen.params.command import Declared, Shell, add_flag, declared, given
-from rsegen.params.registry import offered_names
-from rsegen.params.sorts import FilePath, key_values, parameters
+from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rsegen.exporters.scene import Scene
     from rsegen.field.obstacles import Obstacle
-    from rsegen.io.targets import ChosenMap
+    from rsegen.run.targets import ChosenMap
+    from rsegen.scene.scene import Scene
 
 
 RECIPE = "recipe"
@@ -78,7 +77,7 @@ def recipe_from(arguments: argparse.Namespace) -> Recipe:
 
 def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
     """Return the recipes of these files, or one of flags alone if there are none, each with the flags over it."""
-    from rsegen.io.targets import recipe_in
+    from rsegen.run.targets import recipe_in
 
     starts = [recipe_in(_file(name)) for name in names] or [Recipe()]
     return [with_flags(start, arguments) for start in starts]
@@ -100,7 +99,7 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     said = recipe_flags(arguments)
     match said:
         case {"inventory": [str(name)]} if name:
-            from rsegen.io.inventory import inventory_in
+            from rsegen.recipe.inventory_file import inventory_in
 
             unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", start.unit_cm))
             said["inventory"] = inventory_in(Path(name), unit)
@@ -152,28 +151,6 @@ _METAVARS = {
 }
 
 
-def add_format_rows(command: Parser, flag: str = "--formats") -> None:
-    """Add the names of formats and of their options to the help."""
-    title = f"formats for {flag} (rsegen export --list explains them and their options)"
-    command.add_rows(title, lambda: [(", ".join(offered_names("rsegen.exporters.formats", "rsegen.formats")), "")])
-
-
-def listed() -> Iterator[str]:
-    """Yield the lines on every format and its options."""
-    from rsegen.exporters.formats import FORMATS
-    from rsegen.params.extras import MAT
-    from rsegen.params.registry import summary
-
-    for name, cls in FORMATS.items():
-        extra = f"rsegen[{cls.extra.name if cls.extra else MAT.name}]"
-        needs = f" Needs {extra}." if cls.extra else f" {cls.mat_file} needs {extra}." if cls.mat_file else ""
-        source = FORMATS.source(name)
-        yield f"{name}\n    {summary(cls)}{needs}" + (f" From {source}." if source else "")
-        for option, parameter in parameters(cls).items():
-            yield f"    {f'{option}=':<15} {parameter.help}: {parameter.describe()}"
-        yield ""
-
-
 _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a folder of maps, or DIR#17 of a data set"
 
 
@@ -193,7 +170,7 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
     """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
-    from rsegen.io.targets import recipe_files, recipe_in
+    from rsegen.run.targets import recipe_files, recipe_in
 
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:
@@ -206,7 +183,7 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
 
 def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """Return one map of them: the one that --map names, or the first."""
-    from rsegen.io.targets import one_of
+    from rsegen.run.targets import one_of
 
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
 
@@ -231,8 +208,8 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
 
 def scene_of(arguments: argparse.Namespace) -> Scene:
     """Return the scene of that map."""
-    from rsegen.exporters.scene import compose
-    from rsegen.io.resources import refuse_too_large
+    from rsegen.run.resources import refuse_too_large
+    from rsegen.scene.scene import compose
 
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
@@ -241,39 +218,8 @@ def scene_of(arguments: argparse.Namespace) -> Scene:
 
 def which_map(target: str | None, which: str | None) -> Iterator[str]:
     """Yield a line on the map that a command took, if it is the first of a folder and nobody chose it."""
-    from rsegen.io.targets import recipe_files
+    from rsegen.run.targets import recipe_files
 
     files = recipe_files(target) if target is not None and which is None else []
     if len(files) > 1:
         yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map takes another"
-
-
-PictureName = Annotated[str | None, FilePath("a picture"), Shell(("-o", "--output"), "PICTURE")]
-"""The flag for a picture that a command draws besides its report; each says of what."""
-
-
-class Picture(NamedTuple):
-    """A picture that a command is asked for; `picture_of` has found that its name is one, and may be written."""
-
-    path: Path
-    force: bool
-
-    def write(self, draw: Callable[[str], bytes]) -> None:
-        """Write what `draw` makes for the image format of the name."""
-        from rsegen.exporters.pictures.preview import image_format
-        from rsegen.run.store import write_file
-
-        write_file([draw(image_format(self.path))], self.path, force=self.force)
-
-
-def picture_of(name: str | None, *, force: bool | None) -> Picture | None:
-    """Return the picture of a name if one is wanted; a UserError if it is no picture or may not be replaced."""
-    from rsegen.exporters.pictures.preview import image_format
-    from rsegen.run.store import refuse_taken_file
-
-    if name is None:
-        return None
-    picture = Picture(Path(name), bool(force))
-    image_format(picture.path)
-    refuse_taken_file(picture.path, force=picture.force)
-    return picture

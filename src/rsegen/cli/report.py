@@ -16,17 +16,14 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from rsegen.cli.commands import Parser
+from rsegen.cli.parser import Parser
 from rsegen.params.command import add_flags, declared, flags_in_errors, given
-from rsegen.params.registry import offered_names
 from rsegen.params.sorts import Choice, Flag, plain
 from rsegen.params.watch import watched
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
-    from rsegen.run.dataset import Progress
     from rsegen.run.worlds import GeneratedMap
-    from rsegen.simulation.experiment.plan import Cell, ExperimentPlan
 
 
 R = TypeVar("R")
@@ -99,11 +96,6 @@ def counted(count: int, what: str) -> str:
     return f"{count:,} {what}{'' if count == 1 else 's'}"
 
 
-def robot_kinds() -> str:
-    """Return the kinds of robots for a help, without importing one."""
-    return f"Kinds of robots: {', '.join(offered_names('rsegen.robots', 'rsegen.robots'))}."
-
-
 def call(function: Callable[..., R], arguments: argparse.Namespace, *positional: Any, **named: Any) -> R:
     """Call a command with what its flags say, and what else is given; its errors name the flags."""
     with flags_in_errors(function):
@@ -118,6 +110,11 @@ def checked_flags(owner: Callable[..., Any], arguments: argparse.Namespace) -> d
 
 
 _PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")
+
+
+def progress_is_wanted() -> bool:
+    """Return whether progress is shown in any way."""
+    return _PROGRESS.get() != "none"
 
 
 @contextmanager
@@ -153,7 +150,7 @@ _LINES_APART = 0.05
 """Seconds between two lines of progress: of a thousand maps in a second nobody reads each."""
 
 
-class _Lines:
+class ProgressLines:
     """Progress as lines of JSON on stderr, such as `{"done": 2, "total": 7, "unit": "map", "step": ""}`, or not shown.
 
     It has the part of tqdm's interface that is used here.
@@ -184,7 +181,7 @@ class _Lines:
 
 
 @contextmanager
-def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
+def progress_shown(total: float, unit: str, **style: Any) -> Iterator[Any]:
     """Yield what shows the progress: a bar, with a style of tqdm's, lines of JSON, or nothing."""
     how = _PROGRESS.get()
     if how == "bar" and sys.stderr and sys.stderr.isatty():
@@ -197,20 +194,20 @@ def _watched(total: float, unit: str, **style: Any) -> Iterator[Any]:
         with tqdm(total=total, unit=unit, **style) as bar:
             yield bar
     else:
-        yield _Lines(total, unit, style.get("desc", ""), is_shown=how == "json" and bool(sys.stderr))
+        yield ProgressLines(total, unit, style.get("desc", ""), is_shown=how == "json" and bool(sys.stderr))
 
 
 @contextmanager
 def counting(count: int, unit: str = "map") -> Iterator[Callable[..., None]]:
     """Yield a function to call with each thing that is done; a single one has no bar."""
-    with _watched(count, unit, miniters=1, disable=count == 1) as bar:
+    with progress_shown(count, unit, miniters=1, disable=count == 1) as bar:
         yield lambda *_: bar.update()
 
 
 @contextmanager
 def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None]]:
     """Yield a function to call with each map of a recipe; maps that exist already count as done."""
-    with _watched(recipe.maps, "map", miniters=1, disable=recipe.maps == 1) as bar:
+    with progress_shown(recipe.maps, "map", miniters=1, disable=recipe.maps == 1) as bar:
 
         def done(generated: GeneratedMap) -> None:
             place = generated.index - recipe.first_map + 1
@@ -223,22 +220,10 @@ def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None]]:
 
 
 @contextmanager
-def shards_bar(maps: int) -> Iterator[Progress]:
-    """Yield a function for maps in shards; those that exist already are of no weight in the time that is left."""
-    with _watched(maps, "map", unit_scale=True) as bar:
-
-        def done(maps: int, *, already: bool) -> None:
-            bar.initial += maps * already
-            bar.update(maps)
-
-        yield done
-
-
-@contextmanager
 def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
     """Yield a function for the simulation time."""
     style = "{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}<{remaining}, {rate_fmt}]"
-    with _watched(seconds, "s", bar_format=style) as bar:
+    with progress_shown(seconds, "s", bar_format=style) as bar:
         yield lambda done: bar.update(done - bar.n)
 
 
@@ -246,21 +231,5 @@ def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
 def share_bar(what: str) -> Iterator[Callable[[float], None]]:
     """Yield a function for the share of some work that is done, 0..1."""
     shape = "{desc} {percentage:3.0f}%|{bar}| [{elapsed}<{remaining}]"
-    with _watched(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5, miniters=0) as bar:
+    with progress_shown(100, "%", bar_format=shape, desc=what, leave=False, delay=0.5, miniters=0) as bar:
         yield lambda share: bar.update(max(100 * share - bar.n, 0))  # a way that was lowered is looked at once more
-
-
-@contextmanager
-def trials_bar(plan: ExperimentPlan) -> Iterator[Callable[[int, Cell], None]]:
-    """Yield a function for the trials of an experiment; without a terminal each is a line, unless nothing is wanted."""
-    trials = len(plan.cells) * plan.repeats
-    with _watched(trials, "trial") as bar:
-
-        def progress(done: int, cell: Cell) -> None:
-            if isinstance(bar, _Lines) and not bar.is_shown and _PROGRESS.get() != "none":
-                print(f"{done + 1} of {trials}: {cell.name}", file=sys.stderr, flush=True)
-            bar.update(done - bar.n)
-            bar.set_description(cell.name)
-
-        yield progress
-        bar.update(trials - bar.n)

@@ -12,3 +12,27 @@
 
 Only the file of a framework imports it, so none of them is needed for the others.
 """
+
+from rsegen.params.capabilities import Capability, Command
+from rsegen.params.extras import Extra
+
+MESH = Extra("mesh", "trimesh", "terrain for Isaac Lab")
+
+CAPABILITY = Capability(
+    summary="step fields where robots learn",
+    needs=("datasets", "formats", "measuring", "standing"),
+    commands=(
+        Command(
+            "terrain",
+            "worlds",
+            "write one field of many maps, in rows of rising difficulty, for learning",
+            "rsegen.learning.commands",
+        ),
+    ),
+    public={
+        "rsegen.learning.ground": ("Ground", "next_rows", "scan_points"),
+        "rsegen.learning.terrain": ("Terrain",),
+    },
+    extras=(MESH,),
+    manual="learning",
+)

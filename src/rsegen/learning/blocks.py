@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
 from rsegen.learning.ground import Ground, check_levels, friction_by_level, unframed
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.scene import Scene
 
 GROUND_COLOUR = (0.6, 0.6, 0.6)
 

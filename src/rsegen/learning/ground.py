@@ -29,10 +29,10 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, shown
-from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, put
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.scene import Scene
 
 _EDGE = 1e-5
 """Metres from an edge up to which a point is on both blocks: single precision has steps of 1e-6 m at 10 m."""

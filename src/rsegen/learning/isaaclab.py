@@ -23,8 +23,9 @@ from isaaclab.utils import configclass
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.meshes import MESHES
+from rsegen.learning import MESH
 from rsegen.learning.tile import check_recipe, index_of, tile
-from rsegen.params.extras import MESH, pip_install
+from rsegen.params.extras import pip_install
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.recipe import Recipe
 

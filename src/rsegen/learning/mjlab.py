@@ -17,12 +17,12 @@ import numpy as np
 from mjlab.terrains.terrain_generator import FlatPatchSamplingCfg, SubTerrainCfg, TerrainGeometry, TerrainOutput
 
 from rsegen.errors import ParameterError, TooLarge, UnknownName
-from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array
 from rsegen.learning.blocks import GROUND_COLOUR
 from rsegen.learning.mujoco import add_box, add_height_field
 from rsegen.learning.tile import Tile, check_recipe, tile
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.scene import Scene
 
 _SHAPES = ("boxes", "hfield")
 

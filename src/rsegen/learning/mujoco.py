@@ -15,10 +15,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from rsegen.exporters.formats.parts import Column, columns
-from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
+from rsegen.formats.parts import Column, columns
 from rsegen.learning.blocks import BELOW, BlockArrays
+from rsegen.scene.scene import Scene
 
 _TORSIONAL, _ROLLING = 0.005, 0.0001
 """Friction coefficients, MuJoCo's defaults."""

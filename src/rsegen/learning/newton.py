@@ -16,11 +16,11 @@ import numpy as np
 import warp as wp
 
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.exporters.formats.parts import columns
-from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
+from rsegen.formats.parts import columns
 from rsegen.geometry.watertight import watertight
 from rsegen.learning.blocks import BlockArrays
+from rsegen.scene.scene import Scene
 
 SHAPES = ("boxes", "mesh")
 

@@ -13,15 +13,15 @@ from math import ceil, floor
 
 import numpy as np
 
+from rsegen.datasets.difficulty_tiles import amid, check_tile, eased, tile_levels
 from rsegen.errors import ParameterError, shown
-from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.formats.parts import Column, columns
 from rsegen.geometry.meshes import mesh
 from rsegen.learning.arrays import extremes
 from rsegen.learning.ground import unframed
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.tiles import amid, check_tile, eased, tile_levels, tile_shape
 
 _SAME = 1e-6
 """Metres below which lengths count as equal: a size of 8 m is not exactly 80 times 0.1 m."""
@@ -96,7 +96,7 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
     check_tile(recipe)
     width, unit = recipe.block_width_cm / 100, recipe.unit_cm / 100
     n_x, n_y = (_cells(along, axis, width) for axis, along in zip("xy", size, strict=True))
-    m_x, m_y = tile_shape(recipe)
+    m_x, m_y = recipe.cells
     if m_x > n_x or m_y > n_y:
         problem = f"a map of {m_x} x {m_y} cells is larger than a tile of {n_x} x {n_y}"
         raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")

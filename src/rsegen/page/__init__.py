@@ -1,1 +1,14 @@
 """The page: a server on this machine, and what it lets a browser do with recipes, maps, robots and commands."""
+
+from rsegen.params.capabilities import Capability, Command
+
+CAPABILITY = Capability(
+    summary="maps on a page in the browser, to edit and to look at",
+    needs=("measuring", "pictures"),
+    commands=(
+        Command("gui", "worlds", "edit maps on a page in the browser", "rsegen.page.commands"),
+        Command("view", "maps", "write maps as an HTML page with a 3D view and heights", "rsegen.page.commands"),
+    ),
+    public={"rsegen.page.service": ("Gui", "gui"), "rsegen.page.view": ("View", "view")},
+    manual="page",
+)

@@ -18,6 +18,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from rsegen.errors import ParameterError, UnknownName, UserError, shown
+from rsegen.params.capabilities import hooks
 
 OF_DOCUMENT: dict[str, Callable[..., Any]] = {}
 """Functions of a document, by the name by which a page calls them."""
@@ -61,10 +62,12 @@ def call_of_host(function: _F) -> _F:
 
 
 def load_calls() -> None:
-    """Import every module of this package, each of which registers its calls."""
+    """Import every module of this package, and those that capabilities declare, each of which registers its calls."""
     package = import_module("rsegen.page")
     for module in iter_modules(package.__path__, "rsegen.page."):
         import_module(module.name)
+    for _ in hooks("calls"):
+        pass
 
 
 def checked(function: Callable[..., Any], arguments: Mapping[str, Any]) -> dict[str, Any]:

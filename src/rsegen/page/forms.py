@@ -14,7 +14,7 @@ import os
 import re
 import shlex
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import import_module
@@ -24,25 +24,22 @@ from typing import Any
 
 from rsegen import __version__
 from rsegen.errors import FileError, ParameterError, UnknownName, UserError, refuse_unknown
-from rsegen.exporters.formats import FORMATS
-from rsegen.field.metrics.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.field.obstacles import KINDS
 from rsegen.field.obstacles.base import PLACING, own_parameters
-from rsegen.io.recipe_file import load
+from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
 from rsegen.page.jobs import Job, Jobs, Run
 from rsegen.page.places import Places, names_in
+from rsegen.params.capabilities import capabilities, commands
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary
 from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
-from rsegen.robots import ROBOTS
+from rsegen.recipe.recipe_file import load
 from rsegen.run.journal import read_journal, refuse_loss, refuse_loss_below
 from rsegen.run.store import refuse_taken_file
-from rsegen.simulation.experiment.plan import PLANS
-from rsegen.simulation.simulators import SIMULATORS
 
 _OF_A_SHELL = ("gui", "info", "examples", "obstacles", "schema", "completion", "man")
 """The commands that a page does not run: it is one of them, and shows what others print."""
@@ -65,8 +62,15 @@ _INPUTS = ("file", "clouds", "paths")
 _WORDS_OR_FILES = ("robot", "plan", "inventory", "crossable_by")
 """Names of the parameters that are a word or a file."""
 
-_WORDS: Mapping[str, Iterable[str]] = {"robot": ROBOTS, "simulator": SIMULATORS, "plan": PLANS, "formats": FORMATS}
-"""The known words of parameters that take these or something else, such as a file, by their names."""
+
+@cache
+def _words() -> Mapping[str, Any]:
+    """Return the known words of parameters that take these or something else, such as a file, by their names."""
+    places = {name: place for known in capabilities().values() for name, place in known.words.items()}
+    return {
+        name: getattr(import_module(place.partition(":")[0]), place.partition(":")[2]) for name, place in places.items()
+    }
+
 
 TITLES = {
     "maps": "Number of maps",
@@ -139,10 +143,10 @@ def _without_const(schema: Any) -> Any:
 
 def _with_words(name: str, schema: dict[str, Json]) -> dict[str, Json]:
     """Return a schema of a text, or of a list of texts, with the known words before any other text."""
-    if name not in _WORDS:
+    if name not in _words():
         return schema
     if schema.get("type") == "string":
-        return {"anyOf": [{"enum": sorted(_WORDS[name])}, schema]}
+        return {"anyOf": [{"enum": sorted(_words()[name])}, schema]}
     if schema.get("type") == "array":
         return schema | {"items": _with_words(name, schema["items"])}
     return schema
@@ -340,11 +344,10 @@ def _inside(name: str, text: str, places: Places) -> str:
 @cache
 def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
-    line = import_module("rsegen.cli.commands")
-    groups = {name: title for title, names in line.GROUPS.items() for name in names}
+    line = import_module("rsegen.cli.parser")
     return {
-        name: CommandForm.of(name, text, groups[name], line.parser_of(name))
-        for name, text in line.COMMANDS.items()
+        name: CommandForm.of(name, known.help, known.group, line.parser_of(name))
+        for name, known in commands().items()
         if name not in _OF_A_SHELL
     }
 
@@ -360,7 +363,7 @@ def command_form(name: str) -> CommandForm:
 def hello(host: Host) -> dict[str, Any]:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
-    robots = {name: robot.title for name, robot in ROBOTS.items()}
+    robots = {name: robot.title for name, robot in dict(_words().get("robot", {})).items()}
     robots |= {name: name for name in names_in(host.folder) if name.endswith((".sdf", ".urdf", ".xacro"))}
     return {
         "version": __version__,
@@ -371,7 +374,9 @@ def hello(host: Host) -> dict[str, Any]:
         "robots": [{"name": name, "title": title} for name, title in robots.items()],
         "commands": [form.described() for form in command_forms().values()],
         "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
-        "formats": [{"name": name, "description": summary(cls)} for name, cls in FORMATS.items()],
+        "formats": [
+            {"name": name, "description": summary(cls)} for name, cls in dict(_words().get("formats", {})).items()
+        ],
     }
 
 

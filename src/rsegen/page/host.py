@@ -18,8 +18,6 @@ from threading import Lock, RLock
 from typing import Any
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
-from rsegen.io.recipe_file import load
-from rsegen.io.targets import recipe_files, recipe_in
 from rsegen.page.calls import call, call_of_host
 from rsegen.page.jobs import Jobs
 from rsegen.page.model.actions import act, ends_of
@@ -28,6 +26,8 @@ from rsegen.page.model.session import Session, is_enabled
 from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Places, kind_of, names_in
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe_file import load
+from rsegen.run.targets import recipe_files, recipe_in
 
 Event = Mapping[str, Any]
 

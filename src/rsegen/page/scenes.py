@@ -13,24 +13,25 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge
-from rsegen.exporters.browser.page import ShownMap, base64_of, content, drawn
-from rsegen.exporters.constraint_report import describe_constraints
-from rsegen.exporters.map_summary import costs, warnings
-from rsegen.exporters.numbers import lengths_in
-from rsegen.exporters.scene import Scene, compose
-from rsegen.field.metrics.catalogue import Metric, metric_by
-from rsegen.field.metrics.roughness import ruggedness, steps
-from rsegen.field.metrics.traversability import percolation
 from rsegen.field.stepfield import Ints, StepField, coarse, coarse_indices, coarseness
-from rsegen.io.resources import format_bytes, refuse_too_large
+from rsegen.field.steps import steps
+from rsegen.field.traversability import percolation
+from rsegen.gazebo.constraint_report import describe_constraints
+from rsegen.gazebo.map_summary import costs, warnings
+from rsegen.measuring.catalogue import Metric, metric_by
+from rsegen.measuring.roughness import ruggedness
 from rsegen.page.calls import call_at_once, call_of_host
 from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.actions import ends_of
 from rsegen.page.model.session import Entry, is_enabled, short_seed
+from rsegen.page.shown_map import ShownMap, base64_of, content, drawn
+from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
 from rsegen.recipe.recipe import Recipe
+from rsegen.run.resources import format_bytes, refuse_too_large
+from rsegen.scene.scene import Scene, compose
 
 SHOWN_SIDE = 400
 """Larger maps than about this many cells a side are shown coarser, by the highest of several cells."""

@@ -32,9 +32,9 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rsegen.errors import FileError, ParameterError, RsegenError, said_by, shown
-from rsegen.exporters.browser.page import editor_page, policy
 from rsegen.page import calls
 from rsegen.page.host import Event, Host, Listener, Opened
+from rsegen.page.shown_map import editor_page, policy
 
 _FRAMES = "'self' " + " ".join(
     f"{scheme}://{host}:*" for scheme in ("http", "https") for host in ("localhost", "127.0.0.1")

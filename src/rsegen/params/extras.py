@@ -1,4 +1,4 @@
-"""The extras of rsegen: what each is for, the libraries that it brings, and the command that installs them."""
+"""Extras: optional libraries of capabilities, what each is for, and the command that installs them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable
-from importlib.metadata import PackageNotFoundError, requires
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -35,17 +34,7 @@ class Extra(NamedTuple):
 
 
 CLUSTER = Extra("cluster", "distributed", "--scheduler: many maps made on a Dask cluster")
-DATASET = Extra("dataset", "pyarrow", "rsegen dataset --metrics parquet: metrics of a data set as Parquet")
-MAT = Extra("mat", "scipy", "MATLAB files of the formats arrays and posture")
-MESH = Extra("mesh", "trimesh", "the formats stl, ply and glb; terrain for Isaac Lab; other robots' meshes")
-SCAN = Extra(
-    "scan", "trimesh", "rsegen scan, compare: clouds and meshes in PLY, OBJ, STL, GLB and PCD files", ("pypcd4",)
-)
-USD = Extra("usd", "pxr", "the format usd")
-XACRO = Extra("xacro", "xacro", "robots in Xacro files, as ROS has them")
-
-EXTRAS: tuple[Extra, ...] = (CLUSTER, DATASET, MAT, MESH, SCAN, USD, XACRO)
-"""Every extra of rsegen, as in pyproject.toml, but for `all`."""
+"""The extra of the core; those of capabilities stand in their declarations."""
 
 
 def requirements() -> dict[str, list[str]]:
@@ -53,6 +42,8 @@ def requirements() -> dict[str, list[str]]:
 
     Empty if rsegen was not installed, and runs from its folder.
     """
+    from importlib.metadata import PackageNotFoundError, requires
+
     try:
         lines = requires("rsegen") or []
     except PackageNotFoundError:

@@ -10,13 +10,12 @@ import os
 import pickle
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from traceback import walk_tb
 from types import ModuleType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from rsegen.errors import PluginError
 
@@ -24,8 +23,7 @@ PREFIX = "rsegen_plugin_"
 """Prefix of the name of a module that was loaded from a file, before the file's own name."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Source:
+class Source(NamedTuple):
     """The package or file of a plug-in, as recipe.json records it: `rsegen-ramps 1.2`, or `ramps.py`."""
 
     name: str
@@ -48,8 +46,7 @@ class Source:
         return f"of {self} is not loaded; load it by rsegen.load_plugin({str(self)!r})"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Plugin:
+class Plugin(NamedTuple):
     """A module that was loaded as a plug-in."""
 
     module: ModuleType
@@ -122,11 +119,13 @@ def with_plugins(work: Work) -> Work:
     return _Carried(work) if _LOADED else work  # type: ignore[return-value]  # it is called alike
 
 
-@dataclass(frozen=True, slots=True)
 class _Carried:
     """A callable whose pickle holds the names of plug-ins, and after them the callable that may need these."""
 
-    work: Callable[..., Any]
+    __slots__ = ("work",)
+
+    def __init__(self, work: Callable[..., Any]) -> None:
+        self.work = work
 
     def __call__(self, *arguments: Any) -> Any:
         return self.work(*arguments)

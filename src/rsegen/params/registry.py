@@ -4,24 +4,18 @@ A name is looked for in rsegen's own files first, then in the plug-in files that
 the entry points of installed packages (`entry_points`). Only a list of all of them imports them all.
 
 A `Contract` says what an object of a plug-in must be to enter a registry; anything else is refused with the reason, or
-left out of lists with a warning. Entry points are found without importing anything but `importlib.metadata`, and that,
-as it takes half as long to import as numpy, only if a package has such entry points:
-
-    [project.entry-points."rsegen.obstacles"]
-    ramp = "rsegen_ramps:Ramp"
+left out of lists with a warning.
 """
 
 from __future__ import annotations
 
 import inspect
-import os
 import pkgutil
 import re
-import sys
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -29,6 +23,8 @@ from threading import RLock
 from typing import Any, TypeVar
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
+from rsegen.params.capabilities import offered_modules
+from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.plugins import Plugin, Source, failure, plugins
 from rsegen.params.sorts import parameters
 
@@ -96,70 +92,6 @@ def clash(cls: type, reserved: Collection[str], base: type = object, others: Ite
             if known and (type(known) is not type(parameter) or known.describe() != parameter.describe()):
                 return f"the parameter {name!r} is there already, with other values ({known.describe()})"
     return ""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class EntryPoint:
-    """A line of a package's metadata: the name under which it offers an object to rsegen, and the object's place."""
-
-    group: str
-    name: str
-    value: str
-    source: Source
-
-    def __str__(self) -> str:
-        return f"plug-in {self.name!r} of {self.source} ({self.value})"
-
-    def load(self) -> Any:
-        """Return the object that it offers; PluginError for whatever its module raises."""
-        module, _, place = self.value.partition(":")
-        try:
-            offered: Any = import_module(module.strip())
-            for part in filter(None, place.strip().split(".")):
-                offered = getattr(offered, part)
-        except (Exception, SystemExit) as error:
-            raise PluginError(f"{self}: {failure(error)}") from None
-        return offered
-
-
-@cache
-def entry_points() -> tuple[EntryPoint, ...]:
-    """Return the entry points of all installed packages for rsegen, sorted by their names.
-
-    Of two folders of metadata of one package the first on the path counts.
-    """
-    seen, offers = set[str](), list[EntryPoint]()
-    for place in dict.fromkeys(sys.path):
-        for folder in _metadata(place or "."):
-            package = re.sub(r"[-_.]+", "-", folder.stem.partition("-")[0]).lower()
-            offers += _offers_of(folder) if package not in seen else ()
-            seen.add(package)
-    return tuple(sorted(offers, key=lambda offer: (offer.group, offer.name, str(offer.source))))
-
-
-def _metadata(place: str) -> list[Path]:
-    """Return the folders of metadata of the packages at a place on the path."""
-    try:
-        names = sorted(os.listdir(place))
-    except OSError:  # most paths hold no packages, and some are not there
-        return []
-    return [Path(place, name) for name in names if name.endswith((".dist-info", ".egg-info"))]
-
-
-def _offers_of(folder: Path) -> Iterator[EntryPoint]:
-    """Yield what a package offers to rsegen; `importlib.metadata` is imported only if its file names rsegen."""
-    try:
-        if b"[rsegen." not in (folder / "entry_points.txt").read_bytes():
-            return
-    except OSError:
-        return
-    from importlib.metadata import Distribution
-
-    package = Distribution.at(folder)
-    source = Source(name=package.metadata["Name"] or folder.name.partition("-")[0], version=package.version or "0")
-    for entry in package.entry_points:
-        if entry.group.startswith("rsegen."):
-            yield EntryPoint(group=entry.group, name=entry.name, value=entry.value, source=source)
 
 
 Thing = TypeVar("Thing")
@@ -242,8 +174,8 @@ class Registry(Mapping[str, Thing]):
 
     def _find(self, name: str) -> None:
         with self._lock:
-            file = f"{self._package}.{name}"
             # The file with the name of the thing, if there is one, as for many things.
+            file = offered_modules(self._group).get(name) or f"{self._package}.{name}"
             if isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
                 import_module(file)
             for find in (self._import_all_own, self._find_in_modules, lambda: self._find_offered(name)):
@@ -268,6 +200,8 @@ class Registry(Mapping[str, Thing]):
             return
         for module in pkgutil.iter_modules(import_module(self._package).__path__):
             import_module(f"{self._package}.{module.name}")
+        for name in offered_modules(self._group).values():
+            import_module(name)
         self._own_imported = True
 
     def _find_in_modules(self) -> None:
@@ -324,14 +258,15 @@ def _is_own(thing: object) -> bool:
 
 
 def offered_names(package: str, group: str) -> list[str]:
-    """Return the names of files of a package that register something, and of plug-ins that offer it; none is imported.
+    """Return the names of files of a package that register something, and of what other capabilities and plug-ins offer.
 
-    For helps, which are to come at once; a file is called like what it registers.
+    None is imported. For helps, which are to come at once; a file is called like what it registers.
     """
     files = Path(__file__).parents[2].joinpath(*package.split(".")).glob("*.py")
     registers = re.compile(r"^@register$|= register\($", re.MULTILINE)
     own = {path.stem for path in files if registers.search(path.read_text("utf-8"))}
-    return sorted(own.union(offer.name for offer in entry_points() if offer.group == group))
+    offered = (offer.name for offer in entry_points() if offer.group == group)
+    return sorted({*own, *offered_modules(group), *offered})
 
 
 def summary(cls: type) -> str:

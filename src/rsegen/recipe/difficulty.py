@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.field.metrics.graphs import connected
+from rsegen.field.graphs import connected
 from rsegen.field.stepfield import Levels
 from rsegen.params.arrays import (
     asarray,

@@ -15,13 +15,13 @@ from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any
 
 from rsegen.errors import ParameterError, inside, shown
+from rsegen.field.crossing import CrossingModel, robot_that_crosses
 from rsegen.field.limits import StepLimits
 from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json, ListOf, Size2D, validate
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 
 if TYPE_CHECKING:
     from rsegen.field.obstacles import Grid, Obstacle
-    from rsegen.standing.kinds import Standing
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
 """One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
@@ -75,9 +75,8 @@ class CrossableBySort:
 
     def check(self, where: str, value: object) -> str | tuple[float, ...]:
         if isinstance(value, str):
-            from rsegen.standing.kinds import ROBOTS
-
-            return ROBOTS.named(value, where).kind
+            robot_that_crosses(value, where, kind_only=True)
+            return value
         return _FIGURES.check(where, value)
 
     def parse(self, text: str) -> object:
@@ -180,14 +179,21 @@ class MapDesign:
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
 
     @property
-    def crosser(self) -> Standing | StepLimits | None:
+    def cells(self) -> tuple[int, int]:
+        """The cells of a map along x and y, frames counted, which are a cell wide."""
+        n_x, n_y = self.grid.shape
+        if self.boundary == "none":
+            return n_x, n_y
+        frames_x, frames_y = self.chunks if self.boundary == "divided" else (1, 1)
+        return n_x + 2 * frames_x, n_y + 2 * frames_y
+
+    @property
+    def crosser(self) -> CrossingModel | None:
         """The robot that crosses every map, or limits of steps; None if the recipe demands nothing of the sort."""
         if self.crossable_by is None:
             return None
         if isinstance(self.crossable_by, str):
-            from rsegen.standing.kinds import ROBOTS
-
-            return ROBOTS[self.crossable_by]
+            return robot_that_crosses(self.crossable_by, "crossable_by", kind_only=True)
         climb, drop, width = self.crossable_by
         return StepLimits(climb_cm=climb, drop_cm=drop, width_cm=width)
 

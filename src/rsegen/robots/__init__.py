@@ -1,21 +1,24 @@
-"""Robots that drive over maps; each is one file of this folder, which is imported automatically."""
+"""Robots that drive over maps; each of rsegen's own is one file of this folder, which is imported automatically.
 
-from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.drives import BACKENDS, Command
-from rsegen.robots.lookup import poses, robot, robot_of
-from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
-from rsegen.robots.xacro_files import with_arguments
+Those of users are read from SDF, URDF and Xacro files.
+"""
 
-__all__ = [
-    "BACKENDS",
-    "ROBOTS",
-    "Command",
-    "Robot",
-    "SdfRobot",
-    "from_file",
-    "is_robot_file",
-    "poses",
-    "robot",
-    "robot_of",
-    "with_arguments",
-]
+from rsegen.params.capabilities import Capability, Command
+from rsegen.params.extras import Extra
+
+MESH = Extra("mesh", "trimesh", "other robots' meshes")
+XACRO = Extra("xacro", "xacro", "robots in Xacro files, as ROS has them")
+
+CAPABILITY = Capability(
+    summary="rsegen's robots, and those of SDF, URDF and Xacro files",
+    needs=("pictures", "standing"),
+    commands=(
+        Command("spots", "maps", "find spots for a start or a goal of a robot", "rsegen.robots.commands", "spots"),
+    ),
+    public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
+    extras=(MESH, XACRO),
+    crossers="rsegen.robots.lookup:crosser",
+    words={"robot": "rsegen.robots.base:ROBOTS"},
+    calls=("rsegen.robots.page",),
+    manual="robots",
+)

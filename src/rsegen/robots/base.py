@@ -9,24 +9,22 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar, cast
+from typing import ClassVar
 
 from rsegen.errors import FileError, ParameterError, UnknownName, shown
-from rsegen.exporters.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.field.limits import SIDE
-from rsegen.params.registry import Registry
+from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
+from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.body import body_of_links
 from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
-from rsegen.robots.ros2 import ros_files
 from rsegen.standing.body import Body
-from rsegen.standing.kinds import ROBOTS as STANDING
-from rsegen.standing.kinds import Standing
+from rsegen.standing.kinds import RobotOnField
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Robot(Standing):
+class Robot(RobotOnField):
     """A robot; the origin of its model is on the ground below its centre, and the first link is its body.
 
     lift: height of the origin of its model above the ground, metres
@@ -92,10 +90,6 @@ class Robot(Standing):
         )
         return f'    <model name="{name}">\n' + "".join(inside) + "    </model>\n"
 
-    def ros_files(self) -> Mapping[str, str]:
-        """Return the text of its files in a ROS 2 package by their names."""
-        return ros_files(self)
-
     def file(self, name: str, simulator: str = "classic", *, lidar: bool = False) -> str:
         """Return the text of an SDF file of it."""
         return HEADER + self.model(name, simulator, lidar=lidar) + FOOTER
@@ -132,8 +126,13 @@ def _known(simulator: str) -> str:
     return simulator
 
 
-ROBOTS = cast("Registry[Robot]", STANDING)
-"""Every robot by its kind: the registry of what stands, in which all are of this class."""
+ROBOTS: Registry[Robot] = Registry(
+    "robot",
+    package="rsegen.robots",
+    group="rsegen.robots",
+    contract=Contract(base=RobotOnField, names=lambda robot: (robot.kind,), is_class=False),
+)
+"""Every robot by its kind."""
 
 
 register = ROBOTS.register

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
-from rsegen.io.input_files import regular_content
-from rsegen.io.recipe_file import parse_yaml
+from rsegen.input_files import regular_content
+from rsegen.recipe.recipe_file import parse_yaml
 from rsegen.robots.uris import packages_around
 
 _MOST_FILES = 300

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import cos, sin
 from typing import NamedTuple
 
-from rsegen.exporters.gazebo.sdf import numbers, system_name
+from rsegen.gazebo.sdf import numbers, system_name
 
 BACKENDS = ("classic", "sim", "fortress")
 """Gazebo Classic 11; Gazebo Sim since Garden; Gazebo Sim up to Fortress, whose names begin with ignition."""

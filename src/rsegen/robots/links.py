@@ -15,10 +15,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsegen.exporters.colours import Colour
-from rsegen.exporters.gazebo.sdf import material, numbers
 from rsegen.field.stepfield import Array
+from rsegen.gazebo.sdf import material, numbers
 from rsegen.robots.drives import element
+from rsegen.scene.colours import Colour
 
 Vector: TypeAlias = tuple[float, float, float]
 

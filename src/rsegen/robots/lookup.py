@@ -8,6 +8,7 @@ from typing import TypeAlias
 from numpy.typing import ArrayLike
 
 from rsegen.errors import ParameterError, shown
+from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
@@ -33,6 +34,11 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
     if not isinstance(what, Robot | SdfRobot):
         raise ParameterError(where, f"{shown(what)} is no robot; give a kind, as in 'burger', or a file of one")
     return what
+
+
+def crosser(what: object, where: str, *, kind_only: bool = False) -> CrossingModel:
+    """Return the robot of a kind or file, which crosses fields (`Capability.crossers`)."""
+    return ROBOTS.named(what, where) if kind_only else robot_of(what, where)  # type: ignore[arg-type]  # it is checked
 
 
 def poses(

@@ -20,7 +20,7 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.io.input_files import elements, open_regular, read_by_library, text_of
+from rsegen.input_files import elements, open_regular, read_by_library, text_of
 from rsegen.robots.links import framed, turn_about
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb", ".gltf", ".dae")

@@ -24,7 +24,8 @@ from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.sdf_shapes import ModelFrames, floats
 
-DEFAULT_SPEED, DEFAULT_TURN = 0.2, 0.5
+DEFAULT_SPEED: float = 0.2
+DEFAULT_TURN: float = 0.5
 """Speed, m/s, and turn rate, rad/s, of a robot whose model gives no limits: slow enough for all; notes report them."""
 
 KNOWN = {

@@ -22,9 +22,9 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 import numpy as np
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.exporters.gazebo.sdf import numbers, prefixes
 from rsegen.field.limits import SIDE
-from rsegen.io.input_files import elements, text_of
+from rsegen.gazebo.sdf import numbers, prefixes
+from rsegen.input_files import elements, text_of
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
@@ -47,7 +47,7 @@ from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
 from rsegen.standing.body import Body
-from rsegen.standing.kinds import Standing
+from rsegen.standing.kinds import RobotOnField
 from rsegen.standing.spots import body_of_size
 
 MAX_MIB = 4
@@ -67,7 +67,7 @@ _LARGEST_TURN = 3.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class SdfRobot(Standing):
+class SdfRobot(RobotOnField):
     """A robot from a file: its name, its <model> as text, its drive, and what of it was derived from the model.
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None

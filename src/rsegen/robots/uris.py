@@ -17,7 +17,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
-from rsegen.io.input_files import regular_content
+from rsegen.input_files import regular_content
 
 _PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH", "ROS_PACKAGE_PATH")
 """Variables that list the folders of models and of packages."""

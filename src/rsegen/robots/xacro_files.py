@@ -24,7 +24,8 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, UserError, line_of, said_by
-from rsegen.params.extras import XACRO, pip_install
+from rsegen.params.extras import pip_install
+from rsegen.robots import XACRO
 from rsegen.robots.uris import found_package
 
 _SECONDS = 20

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from rsegen.io.input_files import JOURNAL
+from rsegen.input_files import JOURNAL
 
 FATES = ("write", "replace", "remove", "keep")
 

@@ -27,7 +27,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from rsegen.errors import FileError, FilesDamaged, OutputError
-from rsegen.io.input_files import JOURNAL, Checksum, checksum_of, open_regular
+from rsegen.input_files import JOURNAL, Checksum, checksum_of, open_regular
 from rsegen.params.sorts import Json
 from rsegen.run.swap import put, sync_folder
 

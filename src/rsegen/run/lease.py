@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import OutputError, shown
-from rsegen.io.input_files import JOURNAL
+from rsegen.input_files import JOURNAL
 
 BEAT = 2.0
 """Seconds between two heartbeats."""

@@ -20,8 +20,7 @@ from pathlib import Path, PurePosixPath
 from typing import Generic, TypeVar
 
 from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
-from rsegen.io.input_files import Checksum
-from rsegen.io.targets import index_of
+from rsegen.input_files import Checksum
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.run import dry
@@ -30,6 +29,7 @@ from rsegen.run.journal import compare, read_errors, read_journal, refuse_link, 
 from rsegen.run.stop import held
 from rsegen.run.store import Store, new_root, open_store, stage_all, stage_journal
 from rsegen.run.swap import sync_trees
+from rsegen.run.targets import index_of
 
 Item = TypeVar("Item")
 Made = TypeVar("Made")

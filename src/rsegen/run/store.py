@@ -27,8 +27,8 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
-from rsegen.exporters.gazebo import Bundle
-from rsegen.io.input_files import JOURNAL, Checksum, checksum_of
+from rsegen.gazebo import Bundle
+from rsegen.input_files import JOURNAL, Checksum, checksum_of
 from rsegen.params.sorts import Json
 from rsegen.run import dry
 from rsegen.run.journal import (

@@ -8,98 +8,23 @@ programs. The times of a map only decide how maps are divided among workers, nev
 
 from __future__ import annotations
 
-import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
-from rsegen.errors import ParameterError
-from rsegen.exporters.formats import Format, added, recorded_options, refuse_unready
-from rsegen.exporters.gazebo import Bundle, export
-from rsegen.exporters.map_summary import warnings
-from rsegen.exporters.scene import Scene, compose
-from rsegen.io.input_files import open_regular
-from rsegen.io.resources import check_needs
-from rsegen.params.sorts import Json
+from rsegen.gazebo import export
+from rsegen.gazebo.map_summary import warnings
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.execute import Execution
 from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, Output, RunPlan, existing_maps, run_in
+from rsegen.run.resources import check_needs
+from rsegen.run.sidecars import Sidecars
 from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_taken_file, sorted_names
-
-SHEETS = ("sheet.csv", "sheet.pdf")
-FORMATS_FILE = "formats.json"
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Sidecars:
-    """Optional files of maps: a picture, a build sheet, formats of other programs with their options."""
-
-    preview: bool = False
-    sheet: bool = False
-    formats: Sequence[Format] = field(default=())
-
-    def refuse(self, recipe: Recipe) -> None:
-        """Raise a UserError if they cannot be made of a recipe's maps, or need a package that is not installed."""
-        refuse_unready(self.formats)
-        for format_ in self.formats:
-            if format_.joins:
-                problem = f"{format_.joins} would hold every map, which rsegen export alone writes"
-                raise ParameterError(f"formats: {format_.name}", f"{problem}; export it, or leave out its name")
-        if self.sheet:
-            from rsegen.exporters.sheet import CutSettings, refuse_unbuildable
-
-            refuse_unbuildable(recipe, CutSettings.default(recipe.units))
-
-    def files(self, scene: Scene) -> Bundle:
-        """Return their content, by path in the map's folder."""
-        files = dict(added(scene, self.formats))
-        for name, make in self._makers.items():
-            files[PurePosixPath(name)] = map(make, [scene])  # made when it is written, and not in a dry run
-        return files
-
-    def complete_in(self, home: str) -> bool:
-        """Return whether a map's folder has its world, and all of these files."""
-        names = [f"{os.path.basename(home)}.world", *self._makers]
-        if not all(os.path.isfile(os.path.join(home, name)) for name in names):
-            return False
-        listed = (listed_formats(home) or {}) if self.formats else {}
-        return all(listed.get(name) == wanted for name, wanted in recorded_options(self.formats).items())
-
-    def seconds(self, cells: int) -> float:
-        """Return about how long they take for a map with this many cells."""
-        # Estimates: half a second per picture or sheet, 5 ms and 30 us per cell for a format. Larger ones start workers
-        # for runs that are too short for them; smaller ones give each worker more at once.
-        return 0.5 * len(self._makers) + (5e-3 + cells * 3e-5) * len(self.formats)
-
-    @property
-    def _makers(self) -> Mapping[str, Callable[[Scene], bytes]]:
-        """The function that makes each file except those of formats, by its name."""
-        makers: dict[str, Callable[[Scene], bytes]] = {}
-        if self.preview:
-            from rsegen.exporters.pictures.preview import preview
-
-            makers["preview.png"] = preview
-        if self.sheet:
-            from rsegen.exporters.sheet import sheet
-
-            makers |= {name: partial(sheet, format=name[-3:]) for name in SHEETS}
-        return makers
-
-
-def listed_formats(home: str) -> dict[str, Json] | None:
-    """Return the formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
-    try:
-        with open_regular(os.path.join(home, FORMATS_FILE)) as file:
-            listed = json.load(file)
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError, RecursionError):
-        return None
-    return listed if isinstance(listed, dict) else None
+from rsegen.scene.scene import Scene, compose
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -167,7 +92,7 @@ def plan_worlds(
     refuse_busy(folder)
     existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
     sidecars.refuse(recipe)
-    needs = check_needs([recipe], recipe.maps - len(existing), folder, formats=sidecars.formats)
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=sidecars.in_memory)
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)

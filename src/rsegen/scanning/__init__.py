@@ -1,11 +1,36 @@
-"""Search for the step field in a point cloud: ground plane, grid of blocks, a level for every cell with its confidence.
+"""A step field found in a point cloud: ground plane, grid of blocks, a level for every cell with its confidence.
 
 points --level_frame--> heights above the ground --find_unit, find_grid, refined--> cells --read_cells--> levels
 """
 
-from __future__ import annotations
+from rsegen.params.capabilities import Capability, Command
+from rsegen.params.extras import Extra
 
-from rsegen.scanning.finding import find_field
-from rsegen.scanning.scan import SURE, Scan, ScanSettings
+SCAN = Extra(
+    "scan", "trimesh", "rsegen scan, compare: clouds and meshes in PLY, OBJ, STL, GLB and PCD files", ("pypcd4",)
+)
 
-__all__ = ["SURE", "Scan", "ScanSettings", "find_field"]
+CAPABILITY = Capability(
+    summary="fields found in point clouds and depth images",
+    needs=("heights", "pictures"),
+    commands=(
+        Command(
+            "scan",
+            "worlds",
+            "write the world of a real field from a point cloud or a depth image of it",
+            "rsegen.scanning.commands",
+        ),
+        Command(
+            "compare",
+            "maps",
+            "show which blocks of a scan, or of a map, differ from those of a map",
+            "rsegen.scanning.commands",
+        ),
+    ),
+    public={
+        "rsegen.scanning.scan_options": ("ScanOptions",),
+        "rsegen.scanning.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
+    },
+    extras=(SCAN,),
+    manual="scan",
+)

@@ -1,5 +1,16 @@
 """Robots on a field: their bodies, poses at rest, and ways across.
 
-body --settle--> at rest --surplus--> can it push itself on --drive--> lanes --Lattice--> reach, ways. A body is made
-from collision shapes by rsegen.robots, above this room.
+body --settle--> at rest --force_margin--> can it push itself on --drive--> lanes --Lattice--> reach, ways
+
+A body is made from collision shapes by rsegen.robots.
 """
+
+from rsegen.params.capabilities import Capability
+
+CAPABILITY = Capability(
+    summary="how a robot stands on a field: poses, lanes, ways, spots",
+    needs=("pictures",),
+    public={"rsegen.standing.resting": ("Poses",), "rsegen.standing.spots": ("Spot",)},
+    offers={"rsegen.formats": {"posture": "rsegen.standing.posture"}},
+    manual="poses",
+)

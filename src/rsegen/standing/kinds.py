@@ -1,20 +1,19 @@
-"""Robots that stand on fields, by their kinds. A robot is made in the room of robots, above this one, and kept here.
-
-So a recipe can name the robot that is to get across its maps, and knows nothing of links, drives and plug-ins.
-"""
+"""Robots that stand on fields, whatever they are made of: `rsegen.robots` has them of links and drives, or of files."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rsegen.field.stepfield import StepField
-from rsegen.params.registry import Contract, Registry
+from rsegen.field.crossing import CrossingModel
+from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.resting import PoseStatistics, pose_statistics
-from rsegen.standing.ways import Reach, Watch, Way, crossing, reach
+from rsegen.standing.ways import Reach, Watch, Way, crossing, events, reach
+
+if TYPE_CHECKING:
+    from rsegen.scene.scene import Scene
 
 DRIVING_SPEED = 0.4
 """Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
@@ -23,7 +22,7 @@ Faster, a robot leaves the ground at edges, and what it meets depends on its spr
 """
 
 
-class Standing(ABC):
+class RobotOnField(CrossingModel):
     """A robot that stands and drives on step fields: whatever has a body, and a maximum speed, m/s."""
 
     __slots__ = ()
@@ -54,10 +53,6 @@ class Standing(ABC):
         """Width of the robot, metres."""
         return self.body.width
 
-    def ros_files(self) -> Mapping[str, str]:
-        """Return the text of its files in a ROS 2 package by their names; none if it has no description."""
-        return {}
-
     def reach(self, field: StepField) -> Reach:
         """Return where it gets on a field, and its ways across."""
         return reach(field, self.body)
@@ -70,32 +65,59 @@ class Standing(ABC):
         """Return how it rests all over a field."""
         return pose_statistics(field, self.body)
 
+    def caps(self, field: StepField, axis: int) -> Ints | None:
+        """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
+        from rsegen.standing.lowering import lane_caps
+
+        return lane_caps(field, self, axis)
+
+    def lanes(self, field: StepField) -> Mask:
+        """Return the cells of the lanes that it drives: poses of each change would take too long."""
+        from rsegen.standing.lowering import lane_cells
+
+        return lane_cells(field, self.body)
+
+    @property
+    def search(self) -> str:
+        """The search for lanes, in words."""
+        return f"a way for the {self.kind}"
+
+    def in_words(self, units: str) -> str:
+        """Return its kind."""
+        return self.kind
+
+    def watched(self, watch: Watch) -> RobotOnField:
+        """Return the same robot that reports the progress of its search."""
+        return RobotWithProgress(robot=self, watch=watch)
+
+    def events(self, way: Way) -> list[str]:
+        """Return the drops and slides on a way, in words."""
+        return events(way)
+
+    def pose_maps(self, scene: Scene, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
+        """Return maps of its tilt, margin and reason at a heading [rad], as an image file."""
+        from rsegen.standing.plots import pose_maps
+
+        return pose_maps(scene, self.body, heading, format, robot=self.kind)
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Watched:
-    """A robot that stands and drives, and reports the progress of its search of a map; `watch` may end the search."""
+class RobotWithProgress(RobotOnField):
+    """A robot that reports the progress of its search of a map; `watch` may end the search."""
 
-    body: Body
+    robot: RobotOnField
     watch: Watch
 
     @property
-    def width(self) -> float:
-        """Width of the robot, metres."""
-        return self.body.width
+    def kind(self) -> str:  # type: ignore[override]  # that of the robot
+        """Kind of the robot."""
+        return self.robot.kind
+
+    @property
+    def body(self) -> Body:
+        """The robot from below."""
+        return self.robot.body
 
     def reach(self, field: StepField) -> Reach:
         """Return where it gets on a field, and its ways across."""
         return reach(field, self.body, self.watch)
-
-    def crossing(self, field: StepField, axis: int) -> Way:
-        """Return its way across a field, along x for axis 0, along y for axis 1."""
-        return crossing(field, self.body, axis)
-
-
-ROBOTS: Registry[Standing] = Registry(
-    "robot",
-    package="rsegen.robots",
-    group="rsegen.robots",
-    contract=Contract(base=Standing, names=lambda robot: (robot.kind,), is_class=False),
-)
-"""Every robot by its kind."""

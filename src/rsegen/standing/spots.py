@@ -20,6 +20,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as field_of
 from enum import IntEnum
+from functools import partial
 from itertools import islice
 from math import degrees, pi, radians, tan
 from typing import NamedTuple, TypeVar
@@ -28,6 +29,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.params.streams import generator
 from rsegen.standing.body import Body, Part, body_of_shapes, box, sample_distance
 from rsegen.standing.lanes import drive
 from rsegen.standing.pushing import TOUCHING, below_samples
@@ -640,3 +642,16 @@ def _split(values: _Values, places: Sequence[_At]) -> list[_Values]:
     """Return the values of joined places, those of each apart."""
     ends = np.cumsum([len(at[0]) for at in places])
     return [values[end - len(at[0]) : end] for end, at in zip(ends, places, strict=True)]
+
+
+GAP = 0.1
+"""Gap, metres, between a robot and the map next to it, and between two robots: more than they drift on the way."""
+
+
+spots_on_map = partial(spots, gap=GAP)
+"""Return spots for robots on a map, which do not overlap (`spots`)."""
+
+
+def spot_generator(seed: int) -> np.random.Generator:
+    """Return the generator of the places of robots: `rsegen spots` gives those at which `rsegen drive` starts."""
+    return generator(seed, 0, "places")

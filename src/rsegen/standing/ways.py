@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.field.metrics.graphs import strongly_connected
+from rsegen.field.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import tell
 from rsegen.standing.body import Body
@@ -83,11 +83,11 @@ class DrivenWay:
 class Reach:
     """The places of a field that a robot can reach, its poses there, and its ways across.
 
-    cover: share of the blocks in `region`; region: (n_x, n_y), the largest set of blocks on which it gets from every
+    coverage: share of the blocks in `region`; region: (n_x, n_y), the largest set of blocks on which it gets from every
     place and heading to every other; poses: at all blocks
     """
 
-    cover: float
+    coverage: float
     poses: PoseStatistics
     west_east: Way
     south_north: Way
@@ -537,7 +537,7 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
         ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
     cover = float(region.sum() / blocks) if blocks else 0.0
     poses = pose_statistics(field, body, HEADINGS)
-    return Reach(cover=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
+    return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
 
 
 def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> Way:

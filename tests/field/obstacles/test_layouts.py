@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from rsegen import Obstacle, Pit, Rails, Random, Recipe, Stairs, Stones, build
 from rsegen.errors import ParameterError
-from rsegen.field.metrics.graphs import connected, neighbours
+from rsegen.field.graphs import connected, neighbours
 from rsegen.field.stepfield import Ints
 
 SIDES = st.tuples(st.integers(1, 24), st.integers(1, 24))

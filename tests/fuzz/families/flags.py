@@ -7,7 +7,8 @@ import random
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from rsegen.cli.commands import COMMANDS, parser_of
+from rsegen.cli.parser import parser_of
+from rsegen.params.capabilities import commands
 from tests.fuzz.case import Case, Content, Special
 from tests.fuzz.hostile import NUMBERS, TEXTS
 from tests.fuzz.seeds import INVENTORY, TABLES, map_folder
@@ -116,7 +117,7 @@ def options(command: str) -> Mapping[str, argparse.Action]:
 
 def case(rng: random.Random) -> Case:
     """A command with a few of its flags."""
-    command = rng.choice([name for name in COMMANDS if name not in LEFT_OUT])
+    command = rng.choice([name for name in commands() if name not in LEFT_OUT])
     argv = [command]
     outputs: list[str] = []
     known = options(command)

@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen import Peak, Recipe
-from rsegen.io.recipe_file import parse_yaml
 from rsegen.page.model.texts import text_after
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe_file import parse_yaml
 from tests.support.strategies import recipes
 
 TEXT = """\

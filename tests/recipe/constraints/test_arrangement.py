@@ -13,9 +13,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen.cli import main
-from rsegen.exporters.constraint_report import block_warnings, describe_constraints
-from rsegen.field.metrics.roughness import differences
+from rsegen.cli.edge import main
+from rsegen.field.steps import differences
+from rsegen.gazebo.constraint_report import block_warnings, describe_constraints
 from tests.support.complaints import the_line
 
 COUNTS = (9, 27, 33, 21, 10)

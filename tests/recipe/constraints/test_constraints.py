@@ -16,17 +16,17 @@ from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
 import rsegen
-from rsegen.cli import main
-from rsegen.exporters.constraint_report import block_warnings, constraint_report
-from rsegen.exporters.pictures.preview import preview
-from rsegen.field.metrics.roughness import differences
-from rsegen.field.metrics.traversability import crossing
-from rsegen.io.inventory import inventory_in
+from rsegen.cli.edge import main
+from rsegen.field.steps import differences
+from rsegen.field.traversability import crossing
+from rsegen.gazebo.constraint_report import block_warnings, constraint_report
 from rsegen.params.streams import generator
+from rsegen.pictures.preview import preview
 from rsegen.recipe.constraints import meeting
 from rsegen.recipe.constraints.inventory import fitted_to_inventory
 from rsegen.recipe.constraints.meeting import crossing_caps
-from rsegen.robots import ROBOTS
+from rsegen.recipe.inventory_file import inventory_in
+from rsegen.robots.base import ROBOTS
 from rsegen.standing.lanes import straight, straight_lane
 from tests.support.complaints import the_line
 from tests.support.strategies import fields, recipes

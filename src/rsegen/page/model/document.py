@@ -20,13 +20,13 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.io.input_files import regular_content
-from rsegen.io.recipe_file import MAX_MIB, load
+from rsegen.input_files import regular_content
 from rsegen.page.calls import Question
 from rsegen.page.model.session import Draft, Session
 from rsegen.page.model.texts import text_after
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import MAX_MIB, load
 from rsegen.run.store import write_file
 
 SUFFIXES = (".yaml", ".yml", ".json")

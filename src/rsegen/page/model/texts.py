@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 from rsegen.errors import RsegenError
-from rsegen.io.recipe_file import parse_yaml, to_yaml
 from rsegen.page.model.session import Entry, draft_of
 from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.codec import decode, row_text, to_json
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import parse_yaml, to_yaml
 
 _LONGEST = 500_000
 """Letters of a YAML that is edited: ruamel.yaml takes some ten seconds for them. A longer one is written anew."""

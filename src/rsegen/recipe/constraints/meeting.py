@@ -29,12 +29,10 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.limits import StepLimits
-from rsegen.field.metrics.traversability import cells_to_each_side, crossing, lane, percolation_step
+from rsegen.field.crossing import NO_CAP, CrossingModel
 from rsegen.field.obstacles.random import Random
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.arrays import maps_first, maps_last, namespace
-from rsegen.params.sorts import NANOMETRES
 from rsegen.params.streams import generator
 from rsegen.params.watch import tell
 from rsegen.recipe.constraints.inventory import (
@@ -49,11 +47,6 @@ from rsegen.recipe.constraints.inventory import (
 )
 from rsegen.recipe.difficulty import parts_of
 from rsegen.recipe.map_design import MapDesign
-from rsegen.standing.kinds import Standing
-from rsegen.standing.lanes import across, lines_along, straight_lane
-
-_ANYTHING = 2**30
-"""A level above all levels, for cells without a limit; twice it still fits into 32 bits."""
 
 
 def step_limited(field: StepField, limit: int) -> Ints:
@@ -83,8 +76,8 @@ def blocks_step_limited(levels: Any, design: MapDesign) -> Any:
 
 
 def envelope(levels: Ints, field: StepField, limit: int) -> Ints:
-    """Return the highest levels (n_x, n_y) that meet the limit and are not above `levels`; _ANYTHING in frames."""
-    highest = np.where(field.frame, _ANYTHING, levels.astype(np.int64))
+    """Return the highest levels (n_x, n_y) that meet the limit and are not above `levels`; NO_CAP in frames."""
+    highest = np.where(field.frame, NO_CAP, levels.astype(np.int64))
     return _lowered_to_limit(highest, limit, field.frame)  # type: ignore[no-any-return]  # an array as the levels
 
 
@@ -100,113 +93,19 @@ def _lowered_to_limit(levels: Any, limit: int, frame: Mask | None = None) -> Any
             lower[ahead] = minimum(lower[ahead], highest[behind] + limit)
             lower[:, ahead] = minimum(lower[:, ahead], highest[:, behind] + limit)
         if frame is not None:
-            lower[frame] = _ANYTHING
+            lower[frame] = NO_CAP
         if (lower == highest).all():
             return highest
         highest = lower
 
 
-def crossing_caps(field: StepField, crosser: Standing | StepLimits) -> Ints | None:
+def crossing_caps(field: StepField, crosser: CrossingModel) -> Ints | None:
     """Return the highest levels along a way on which it is crossed; None if it is crossed both ways already.
 
     ParameterError if a robot does not get across even on a level lane, as frames are in its way.
     """
-    for axis in (0, 1):
-        caps = _path_caps(field, crosser, axis) if isinstance(crosser, StepLimits) else _lane_caps(field, crosser, axis)
-        if caps is not None:
-            return caps
-    return None
+    return next((caps for axis in (0, 1) if (caps := crosser.caps(field, axis)) is not None), None)
 
-
-def _search_for(robot: Standing) -> str:
-    """Return what is told of the search for lanes."""
-    return f"a way for the {robot.kind}"
-
-
-def _lane_caps(field: StepField, robot: Standing, axis: int) -> Ints | None:
-    """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
-    body, search = robot.body, _search_for(robot)
-    turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
-    aside = cells_to_each_side(field, body.width)
-    # Lanes are driven some at a time, the most even ones first, until one is driven to its end. Each axis is half of
-    # the search: up to a half of that for the lanes as they are, the rest for lower and lower ones.
-    steps = np.pad(np.abs(np.diff(turned.levels.astype(np.int64), axis=0)).sum(axis=0), aside)
-    unevenness = np.lib.stride_tricks.sliding_window_view(steps, 2 * aside + 1).sum(axis=1)[lines_along(field, axis)]
-    middles = across(field, axis)[np.argsort(unevenness, kind="stable")]
-    driven, count = 0, _FIRST_LANES
-    while driven < len(middles):
-        if straight_lane(field, body, axis, middles[driven : driven + count]) is not None:
-            return None
-        driven, count = min(driven + count, len(middles)), _LANES
-        tell(search, (axis + driven / len(middles) / 2) / 2)
-    lines = [
-        line for line in np.flatnonzero(lines_along(field, axis)).tolist() if aside <= line < turned.shape[1] - aside
-    ]
-    lines = lines or [turned.shape[1] // 2]
-    highest = int(field.levels.max(initial=0))
-    for limit in range(highest - 1, -1, -1):
-        tell(search, (axis + 1 - (limit + 1) / highest / 2) / 2)
-        # The lane whose levels need the least lowering, with the level ground at both ends.
-        lanes = ((line, _lane_levels(turned, line, aside, limit)) for line in lines)
-        line, caps = min(lanes, key=lambda lane: int((turned.levels - np.minimum(turned.levels, lane[1])).sum()))
-        caps = caps if axis == 0 else caps.T
-        middle = field.edges()[1 - axis][line] + field.block_width / 2
-        lowered = _with(field, np.minimum(field.levels, caps))
-        if straight_lane(lowered, body, axis, np.array([middle])) is not None:
-            return caps
-    raise ParameterError(
-        "crossable_by",
-        f"{robot.kind} does not get over frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
-    )
-
-
-def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
-    """Return the highest levels along x, about a line of cells, whose steps are within a limit; _ANYTHING elsewhere."""
-    caps = np.full(field.shape, _ANYTHING)
-    lane = slice(max(line - aside, 0), line + aside + 1)
-    levels = field.levels[:, lane].astype(np.int64)
-    steps = np.minimum(np.arange(len(levels)), np.arange(len(levels))[::-1]) + 1
-    levels = np.minimum(levels, limit * steps[:, None])
-    part = replace(field, levels=levels.astype(np.int16), frame=field.frame[:, lane])
-    caps[:, lane] = np.where(part.frame, _ANYTHING, envelope(part.levels, part, limit))
-    return caps
-
-
-def _path_caps(field: StepField, limits: StepLimits, axis: int) -> Ints | None:
-    """Return the highest levels along the cheapest path of the least highest step; None if one leads across."""
-    step, (least, most) = percolation_step(field, limits.width, axis), sorted(limits.limits)
-    needed = round(step * NANOMETRES)
-    # A path is searched only if the percolation step is between both limits.
-    if needed <= least or (needed <= most and crossing(field, limits, axis).crosses):
-        return None
-    # Any of the cheapest: another would be another map.
-    path = crossing(field, StepLimits.of(step, limits.width), axis, shortest=False).path
-    aside = cells_to_each_side(field, limits.width)
-    caps = np.full(field.shape, _ANYTHING)
-    for (i, j), top in zip(path, _tops(field, limits, axis, path), strict=True):
-        under = slice(max(i - aside, 0), max(i + aside + 1, 0)), slice(max(j - aside, 0), max(j + aside + 1, 0))
-        caps[under] = np.minimum(caps[under], top)
-    return caps
-
-
-def _tops(field: StepField, limits: StepLimits, axis: int, path: Ints) -> Ints:
-    """Return the highest level below the robot at each cell of its path, such that it can go on from there."""
-    # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
-    margin = cells_to_each_side(field, limits.width) + 1
-    along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)
-    tops = lane(field, limits.width, axis).heights[along[:, 0], along[:, 1]]
-    unit = round(field.unit * NANOMETRES)
-    climb, drop = (0 if limit < unit else limit for limit in limits.limits)  # less than a block is no step at all
-    for k in range(1, len(tops)):
-        tops[k] = min(tops[k], tops[k - 1] + climb)
-    for k in range(len(tops) - 2, -1, -1):
-        tops[k] = min(tops[k], tops[k + 1] + drop)
-    return np.asarray(tops // unit)
-
-
-_FIRST_LANES, _LANES = 2, 8
-"""Straight lanes that are driven at a time, first and then: few enough to end early and to see it move, and enough for
-one call. Where one is driven to its end, it is mostly the most even one, such as one that was lowered before."""
 
 _TRIES = 16
 """Arrangements of blocks, around another way for the robot or with more empty cells, before the best one is lowered.
@@ -252,15 +151,9 @@ def _is_still_met(met: StepField, design: MapDesign) -> Callable[[StepField], bo
 
     Poses of each would take too long, so the lanes that a robot drives stay as they are.
     """
-    robot = design.crosser
-    if robot is None or isinstance(robot, StepLimits):
+    lanes = design.crosser.lanes(met) if design.crosser else None
+    if lanes is None:
         return lambda tried: _caps(tried, design) is None
-    lanes, aside = np.zeros(met.shape, bool), cells_to_each_side(met, robot.width) + 1
-    for axis in (0, 1):
-        middle = straight_lane(met, robot.body, axis)
-        line = 0 if middle is None else int(middle / met.block_width + met.shape[1 - axis] / 2)
-        across = slice(max(line - aside, 0), line + aside + 1)
-        lanes[(slice(None), across) if axis == 0 else (across, slice(None))] = True
     steps = replace(design, crossable_by=None)
     return lambda tried: bool((tried.levels[lanes] == met.levels[lanes]).all()) and _caps(tried, steps) is None
 
@@ -306,8 +199,8 @@ def _lowered(field: StepField, design: MapDesign, left: Blocks | None, caps: Int
     while caps is not None:
         field = _with(field, lowered_to(field.levels, caps, left))
         caps = _caps(field, design)
-    if isinstance(design.crosser, Standing):
-        tell(_search_for(design.crosser), 1)
+    if design.crosser and design.crosser.search:
+        tell(design.crosser.search, 1)
     return field
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from rsegen import Scene
-from rsegen.exporters.formats import Format
+from rsegen.formats.base import Format
 from rsegen.params.sorts import Integer
 
 

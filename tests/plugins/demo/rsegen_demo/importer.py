@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.io.importers.base import USUAL_UNIT_CM, Heights, Importer, whole_units
+from rsegen.heights.base import USUAL_UNIT_CM, Heights, Importer, whole_units
 from rsegen.params.sorts import Integer
 
 

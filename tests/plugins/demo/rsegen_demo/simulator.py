@@ -7,9 +7,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import ClassVar
 
-from rsegen.simulation.simulators import Installation, LaunchCommand, OpenRequest, Simulator
-from rsegen.simulation.simulators.live_world import LiveWorld
-from rsegen.simulation.simulators.patience import Patience
+from rsegen.run.programs import LaunchCommand
+from rsegen.simulators.base import Installation, OpenRequest, Simulator
+from rsegen.simulators.live_world import LiveWorld
+from rsegen.simulators.patience import Patience
 
 
 class Paper(Simulator):

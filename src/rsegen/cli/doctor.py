@@ -1,0 +1,98 @@
+"""The command `rsegen doctor`: what is installed, what is missing and what it is needed for."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rsegen import __version__
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
+from rsegen.params.capabilities import Finding, all_extras, hooks
+from rsegen.params.entry_points import entry_points
+
+
+def add_doctor(command: Parser) -> None:
+    """Say what `rsegen doctor` is."""
+    text = (
+        "Print the versions, simulators and extras that rsegen finds here, what is missing, and what it is needed for."
+    )
+    command.explain(text, "Starts no simulator and changes nothing. Add its output to bug reports.")
+
+
+def run_doctor(_: argparse.Namespace) -> Report:
+    """Look at this machine; no server is started, and what fails is a line of the result."""
+    findings = [look() for look in hooks("doctor")]
+    here = _environment(findings)
+    content = {**here, "missing": [{"what": what, "remedy": remedy} for what, remedy in _missing(here, findings)]}
+    return Report(lines=_diagnosis(content, findings), content=content)
+
+
+def _environment(findings: Sequence[Finding]) -> dict[str, Any]:
+    """Return versions, extras, plug-ins and what capabilities find; the version of a library or package that is missing is None."""
+    import platform
+    from importlib.metadata import PackageNotFoundError, version
+
+    from rsegen.params.extras import requirements
+
+    def version_of(package: str) -> str | None:
+        try:
+            return version(package)
+        except PackageNotFoundError:
+            return None
+
+    needed = {extra: [re.split(r"[^\w.-]", line)[0] for line in lines] for extra, lines in requirements().items()}
+    return {
+        "rsegen": __version__,
+        "python": f"{platform.python_implementation()} {platform.python_version()}",
+        "executable": sys.executable,
+        "platform": f"{platform.platform()}, {platform.machine()}",
+        "libraries": {name: version_of(name) for name in needed.get("", ["numpy"])},
+        **{finding.name: finding.content for finding in findings},
+        "extras": [
+            {
+                "name": extra.name,
+                "for": extra.use,
+                "missing": extra.missing_modules,
+                "versions": {name: known for name in needed.get(extra.name, ()) if (known := version_of(name))},
+            }
+            for extra in all_extras().values()
+        ],
+        "plugins": list(dict.fromkeys(f"{offer.source}: {offer.name}" for offer in entry_points())),
+    }
+
+
+def _missing(here: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator[tuple[str, str]]:
+    """Yield what is missing, what it is needed for, and how to get it."""
+    from rsegen.params.extras import pip_install
+
+    for name in (name for name, number in here["libraries"].items() if number is None):
+        yield f"{name}, which rsegen always needs", f"{sys.executable} -m pip install '{name}'"
+    for finding in findings:
+        yield from finding.missing
+    for extra in here["extras"]:
+        if extra["missing"]:
+            yield f"{', '.join(extra['missing'])}: {extra['for']}", pip_install([extra["name"]])
+
+
+def _diagnosis(here: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator[str]:
+    libraries = ", ".join(f"{name} {number or 'missing'}" for name, number in here["libraries"].items())
+    yield f"rsegen      {here['rsegen']}"
+    yield f"Python      {here['python']}, {here['executable']}"
+    yield f"platform    {here['platform']}"
+    yield f"libraries   {libraries}"
+    yield from (f"plug-in     {plugin}" for plugin in here["plugins"])
+    for finding in findings:
+        yield f"\n{finding.title}"
+        yield from (f"  {line}" for line in finding.lines)
+    yield "\nExtras"
+    for extra in here["extras"]:
+        versions = ", ".join(f"{name} {number}" for name, number in extra["versions"].items())
+        state = f"missing: {', '.join(extra['missing'])}" if extra["missing"] else versions or "installed"
+        yield f"  {extra['name']:<10}{state} (for {extra['for']})"
+    yield "\nMissing" if here["missing"] else "\nNothing is missing."
+    for lack in here["missing"]:
+        yield f"  {lack['what']}\n    {lack['remedy']}"

@@ -1,0 +1,179 @@
+"""The command `rsegen generate`, and what all commands share that write worlds."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rsegen.cli.edge import how_to_go_on
+from rsegen.cli.flags import add_input, add_recipe_flags, recipe_from
+from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, call, maps_bar
+from rsegen.params.command import add_flags, command, given
+from rsegen.run.sidecars import Sidecars, sidecar_kinds, with_sidecars
+
+if TYPE_CHECKING:
+    from rsegen.recipe.recipe import Recipe
+    from rsegen.run.worlds import Generated, GeneratedMap
+
+
+@command
+@with_sidecars
+def generate(  # noqa: PLR0913  # each is a flag
+    recipe: Recipe,
+    folder: OutputFolder,
+    *,
+    force: Force = False,
+    resume: Resume = False,
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
+    sync: Sync = True,
+    progress: Callable[[GeneratedMap], None] | None = None,
+    beside: Mapping[str, Callable[[], bytes]] | None = None,
+    **sidecars: Any,
+) -> Generated:
+    """Write the maps of a recipe as Gazebo worlds and models: folder/NAME_0000, folder/NAME_0001, ...
+
+    progress: called with each map that is done, in their order. beside: what makes the content of files next to the
+    maps, by their names; called once nothing refuses the run. With more than one worker a script needs
+    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError if a map's folder is taken or has
+    files that rsegen did not write, TooLarge if memory or disk space are too small, and a ParameterError if maps are
+    too large for build sheets.
+    """
+    from rsegen.run.execute import Execution
+    from rsegen.run.plan import OnExisting
+    from rsegen.run.worlds import make_worlds, plan_worlds
+
+    execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
+    plan = plan_worlds(
+        recipe,
+        Path(folder),
+        Sidecars.of(sidecars),
+        OnExisting.of(force=force, resume=resume),
+        execution,
+        beside=beside or (),
+    )
+    # What lies beside the maps may take long to make, so it is made once nothing refuses the run.
+    files = {name: make() for name, make in (beside or {}).items()}
+    return make_worlds(recipe, plan, progress, files)
+
+
+SHOWN = 10
+"""Maps that a report names one by one."""
+
+
+def add_generate(command: Parser) -> None:
+    """Add the flags of `rsegen generate`."""
+    epilog = "rsegen obstacles lists the kinds of obstacles and their parameters."
+    command.explain(generate.__doc__, epilog)
+    add_input(command.add_argument_group("input"))
+    add_output_flags(command)
+    add_recipe_flags(command)
+
+
+def add_output_flags(command: Parser) -> None:
+    """Add where to write worlds, and how."""
+    add_flags(command.add_argument_group("output"), generate)
+    for kind in sidecar_kinds():
+        kind.explain(command)
+
+
+def run_generate(arguments: argparse.Namespace) -> Report:
+    """Generate, and say what was made."""
+    return produce(recipe_from(arguments), arguments)
+
+
+def produce(
+    recipe: Recipe, arguments: argparse.Namespace, beside: Mapping[str, Callable[[], bytes]] | None = None
+) -> Report:
+    """Write the maps of a recipe, and say what was made.
+
+    beside: as in `generate`
+    """
+    options = run_options(generate, arguments)
+    with going_on(arguments, recipe), maps_bar(recipe) as progress:
+        made = call(generate, arguments, recipe, **options, progress=progress, beside=beside)
+    return Report(lines=_lines(made), content=lambda: _content(made))
+
+
+def run_options(function: Callable[..., object], arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return what the flags say of a run, by default with as many workers as there are cores; not yet checked."""
+    from rsegen.run.execute import cores
+
+    said = {"workers": cores()} | given(function, arguments)
+    for note in Sidecars.of(said).notes:
+        if not arguments.quiet:
+            print(f"rsegen: {note}", file=sys.stderr)
+    return said
+
+
+def going_on(arguments: argparse.Namespace, *recipes: Recipe) -> AbstractContextManager[None]:
+    """Add to the message of a run that is stopped how its maps are completed."""
+    then = "makes all of them again" if arguments.force else "makes the others"
+    return how_to_go_on(*recipes, resume=not arguments.force, then=then)
+
+
+def _content(made: Generated) -> dict[str, object]:
+    """Return the maps that were made, for programs; `already` names the maps that --resume found, if any."""
+    return {
+        "folder": str(made.folder),
+        "seed": made.recipe.seed,
+        "maps": [
+            {
+                "name": generated.name,
+                "index": generated.index,
+                "folder": str(generated.folder),
+                "world": str(generated.world),
+                "size": list(generated.cells),
+                "size_m": list(generated.extent),
+                "levels": list(generated.level_counts),
+                "level_counts": generated.level_counts,
+                "files": [str(path) for path in generated.files],
+                "warnings": list(generated.warnings),
+            }
+            for generated in made.maps
+        ],
+    } | ({"already": [made.recipe.map_name(index) for index in made.already]} if made.already else {})
+
+
+def _lines(made: Generated) -> Iterator[str]:
+    if made.already:
+        yield f"{_count(len(made.already))} there already, seed {made.recipe.seed}"
+    if not made.maps:
+        return
+    from rsegen.gazebo.map_summary import size_in_words
+
+    size = size_in_words(made.recipe.grid.shape, made.maps[0].cells)
+    yield f"{_count(len(made.maps))} of {size}, seed {made.recipe.seed}:"
+    for generated in made.maps[:SHOWN]:
+        yield f"  {generated.world}"
+    if len(made.maps) > SHOWN:
+        yield f"  and {len(made.maps) - SHOWN} more in {made.folder}"
+    if made.recipe.is_constrained and (scene := made.maps[0].scene):
+        from rsegen.gazebo.constraint_report import describe_constraints
+
+        yield from describe_constraints(scene)
+    for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
+        yield f"warning: {text}"
+    yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)
+
+
+def _count(maps: int) -> str:
+    return f"{maps} map{'s'[: maps > 1]}"
+
+
+def _how_to_open(first: GeneratedMap, folder: Path, simulator: str) -> Iterator[str]:
+    """Yield lines to copy. Worlds name meshes relative to them; Gazebo Classic before 11.3 looks in `.` for them."""
+    if simulator == "both":
+        yield f"Gazebo Sim:     gz sim {shlex.quote(str(first.world))}"
+    yield f"Gazebo Classic: cd {shlex.quote(str(first.folder))} && gazebo {shlex.quote(first.world.name)}"
+    if (first.folder / "model.sdf").is_file():
+        home = shlex.quote(str(folder.resolve()))
+        yield f"as a model (model://{first.name}) in other worlds:"
+        yield f"  export GZ_SIM_RESOURCE_PATH={home} IGN_GAZEBO_RESOURCE_PATH={home} GAZEBO_MODEL_PATH={home}"

@@ -1,0 +1,71 @@
+"""Parameters that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.params.command import Shell
+from rsegen.params.sorts import FilePath, Flag, Integer, Reference, parameters
+from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    pass
+
+
+Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
+
+Resume = Annotated[
+    bool,
+    Flag(
+        help="continue a stopped run: keep what is complete and as it would be made now, and make the rest; needs the "
+        "same recipe, seed and options"
+    ),
+]
+
+Workers = Annotated[
+    int,
+    Integer(1, help="processes that work at the same time"),
+    Shell(metavar="N", default="the number of cores"),
+]
+
+Scheduler = Annotated[
+    str | None,
+    Reference(
+        "tcp://HOST:PORT, or local",
+        help="make it on a Dask cluster whose workers see the same folder, as tcp://HOST:PORT, or local for one of "
+        "--workers processes; needs rsegen[cluster]",
+    ),
+    Shell(metavar="ADDRESS"),
+]
+
+Sync = Annotated[
+    bool,
+    Flag(help="wait until files are on disk"),
+    Shell(
+        help="do not wait until files are on disk: a little faster for many small maps; after a power failure some may "
+        "be empty, and --resume makes them again"
+    ),
+]
+
+OutputFolder = Annotated[
+    str | Path, FilePath(help="folder to write into"), Shell(("-o", "--output"), "DIR", required=True)
+]
+
+MapReference = Annotated[
+    int | str | None,
+    Reference("an index or a name", help="which map, by its index or its name", types=(str, int)),
+    Shell(metavar="INDEX", default="the first"),
+]
+
+MapsFolder = Annotated[
+    str | Path,
+    FilePath(help="folder for maps that are made of recipes, which are kept there"),
+    Shell(("-o", "--output"), "DIR"),
+]
+
+RESERVED_FLAGS = frozenset(
+    {"recipe", "target", "file", "map", "to", "output", "force", "resume", "preview", "sheet", "formats", "json"}
+    | {"list", "errors", "workers", "obstacle", "plugin", "help", "run", *parameters(Recipe)}
+)
+"""Flags of the commands that write maps: no option of a format or an importer has such a name."""

@@ -1,0 +1,133 @@
+"""The commands that print what rsegen knows: examples, obstacles, schema and completion."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.cli.parameters import Force
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
+from rsegen.errors import UnknownName
+from rsegen.params.capabilities import commands
+from rsegen.params.command import Shell, add_flags
+from rsegen.params.sorts import FilePath
+
+if TYPE_CHECKING:
+    from rsegen.params.sorts import Parameter
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Copies:
+    """List the recipes that come with rsegen, or copy them into a folder."""
+
+    output: Annotated[Path | None, FilePath(help="folder to copy them into"), Shell(("-o", "--output"), "DIR")] = None
+    force: Force = False
+
+
+def add_examples(command: Parser) -> None:
+    """Add the flags of `rsegen examples`."""
+    epilog = "The name of an example works wherever a recipe is expected: rsegen generate peak -o worlds"
+    command.explain(_Copies.__doc__, epilog)
+    add_flags(command, _Copies)
+
+
+def run_examples(arguments: argparse.Namespace) -> Report:
+    """List the examples, or copy them."""
+    from rsegen.recipe.examples import EXAMPLES
+    from rsegen.recipe.recipe_file import load
+    from rsegen.run.recipe_files import copy_examples
+
+    if arguments.output is not None:
+        copies = [str(path) for path in copy_examples(Path(arguments.output), force=bool(arguments.force))]
+        return Report(lines=copies, content={"files": copies})
+    described = {name: load(path).description for name, path in EXAMPLES.items()}
+    width = max(map(len, described))
+    content = [{"name": name, "description": text, "file": str(EXAMPLES[name])} for name, text in described.items()]
+    return Report(lines=(f"{name:<{width}}  {text}" for name, text in described.items()), content=content)
+
+
+def add_obstacles(command: Parser) -> None:
+    """Say what `rsegen obstacles` is."""
+    command.explain("List the kinds of obstacles with their parameters, ranges and meaning; as JSON their schemas.")
+
+
+def run_obstacles(_: argparse.Namespace) -> Report:
+    """List the kinds of obstacles."""
+    from rsegen.recipe.codec import schema
+
+    return Report(lines=_kinds(), content=lambda: schema()["properties"]["obstacles"]["items"]["oneOf"])
+
+
+def _kinds() -> Iterator[str]:
+    from rsegen.field.obstacles import KINDS
+    from rsegen.field.obstacles.base import PLACING, own_parameters
+    from rsegen.params.registry import summary
+
+    def rows(known: Mapping[str, Parameter]) -> Iterator[str]:
+        return (f"    {name:<11} {parameter.help}: {parameter.describe()}" for name, parameter in known.items())
+
+    yield "An obstacle is its kind, the parameters of that kind, and a place: 'peak levels=5 first=2,2 last=7,7'."
+    yield "first and last, its place, are the same for every kind: they are at the end."
+    yield ""
+    for name, cls in KINDS.items():
+        source = KINDS.source(name)
+        yield f"{name}\n    {summary(cls)}" + (f" From {source}." if source else "")
+        yield from rows(own_parameters(cls))
+        yield ""
+    yield "every kind"
+    yield from rows(PLACING)
+
+
+def add_schema(command: Parser) -> None:
+    """Add the argument of `rsegen schema`."""
+    named = ", ".join(name for name, known in commands().items() if known.function)
+    text = "Print the JSON Schema (2020-12) of recipe files, by which editors complete and check recipes; or of the "
+    command.explain(f"{text}parameters of a command, of which a form can be made.")
+    command.add_argument("command", nargs="?", metavar="COMMAND", help=named)
+
+
+def run_schema(arguments: argparse.Namespace) -> Report:
+    """Print the schema of a recipe, or of a command."""
+    import rsegen
+    from rsegen.params.command import schema as command_schema
+    from rsegen.recipe.codec import schema
+
+    functions = {name: known.function for name, known in commands().items() if known.function}
+    if arguments.command is None:
+        content = schema()
+    elif arguments.command in functions:
+        content = command_schema(getattr(rsegen, functions[arguments.command]))
+    else:
+        raise UnknownName.among("", "command", arguments.command, functions)
+    return Report(lines=[json.dumps(content, indent=2)], content=content)
+
+
+_SHELLS = ("bash", "zsh", "fish")
+
+
+def add_completion(command: Parser) -> None:
+    """Add the argument of `rsegen completion`."""
+    epilog = (
+        'For good: eval "$(rsegen completion bash)" in ~/.bashrc, the same with zsh in ~/.zshrc after compinit, or '
+        "rsegen completion fish > ~/.config/fish/completions/rsegen.fish."
+    )
+    command.explain("Print what makes a shell complete commands, flags and their words when Tab is pressed.", epilog)
+    text = f"{', '.join(_SHELLS)} (default: that of $SHELL)"
+    command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
+
+
+def run_completion(arguments: argparse.Namespace) -> Report:
+    """Print the code for a shell, by which argcomplete asks rsegen itself at each Tab."""
+    from argcomplete.shell_integration import shellcode
+
+    shell = arguments.shell or os.path.basename(os.environ.get("SHELL", "bash"))
+    if shell not in _SHELLS:
+        raise UnknownName.among("", "shell", shell, _SHELLS)
+    code = shellcode(["rsegen"], shell=shell)
+    return Report(lines=[code.rstrip("\n")], content={"shell": shell, "code": code})

@@ -1,0 +1,39 @@
+"""Very many maps: series of rising difficulty, and data sets in few files, read as one array, and checked.
+
+DIR --Dataset--> levels (maps, n_x, n_y), metrics, any map by its place
+"""
+
+from rsegen.params.capabilities import Capability, Command
+from rsegen.params.extras import Extra
+
+DATASET = Extra("dataset", "pyarrow", "rsegen dataset --metrics parquet: metrics of a data set as Parquet")
+
+CAPABILITY = Capability(
+    summary="series of rising difficulty, and data sets of very many maps",
+    needs=("measuring", "pictures"),
+    commands=(
+        Command(
+            "series",
+            "worlds",
+            "write maps whose difficulty rises evenly",
+            "rsegen.datasets.commands",
+            "series",
+        ),
+        Command(
+            "dataset",
+            "files for other programs",
+            "write very many maps into few files, for machine learning",
+            "rsegen.datasets.commands",
+            "make_dataset",
+        ),
+    ),
+    public={
+        "rsegen.datasets.commands": ("make_dataset", "series"),
+        "rsegen.datasets.reading": ("Dataset",),
+        "rsegen.datasets.series": ("Series",),
+        "rsegen.datasets.tiles": ("Tiles",),
+    },
+    extras=(DATASET,),
+    targets="rsegen.datasets.layout:recipe_of_place",
+    manual="datasets",
+)

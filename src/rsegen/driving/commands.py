@@ -1,0 +1,184 @@
+"""The command `rsegen drive`."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
+from rsegen.cli.parameters import Force, MapReference
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, call, checked_flags, seconds_bar
+from rsegen.errors import ParameterError
+from rsegen.field.crossing import robot_kinds
+from rsegen.field.limits import SIDE, SPEED, TURN
+from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors
+from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
+from rsegen.params.streams import SEEDS
+from rsegen.robots.parameters import RobotModel
+from rsegen.simulators.parameters import SimulatorName, Timeout
+
+if TYPE_CHECKING:
+    from rsegen.driving.drive import DriveResult
+    from rsegen.run.target_worlds import Target
+
+
+@command
+def drive(  # noqa: PLR0913  # each is a flag
+    target: Target,
+    *,
+    map: MapReference = None,  # noqa: A002  # the flag's name
+    robot: RobotModel = "burger",
+    wheels: Annotated[
+        str | None,
+        Reference("LEFT,RIGHT or FRONT+REAR,FRONT+REAR", help="joints of the wheels of a model in a file"),
+        Shell(metavar="LEFT,RIGHT", default="of its drive plug-in, of ROS's controllers, or by their shapes"),
+    ] = None,
+    tracks: Annotated[
+        str | None,
+        Reference(
+            "LEFT,RIGHT or TRACK+FLIPPER,TRACK+FLIPPER",
+            help="links of the tracks of a model in a file, and of their flippers",
+        ),
+        Shell(metavar="LEFT,RIGHT", default="of its drive plug-in"),
+    ] = None,
+    size: Annotated[
+        tuple[float, float, float] | None,
+        ListOf(SIDE, 3, help="length, width and height of the robot in the file"),
+        Shell(metavar="L,W,H", default="of its collision shapes"),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        replace(SPEED, help="maximum speed of the robot in the file"),
+        Shell(metavar="V", default="of its plug-in, controller or joints, else 0.2"),
+    ] = None,
+    turn: Annotated[
+        float | None,
+        replace(TURN, help="maximum turn rate of the robot in the file"),
+        Shell(metavar="W", default="of its plug-in or controller, else 0.5"),
+    ] = None,
+    robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,
+    simulator: SimulatorName = None,
+    route: Annotated[
+        str,
+        Choice(
+            ("straight", "random", "way"),
+            help="straight across the map, randomly on it, or across it on a way on which the robot's poses are good",
+        ),
+    ] = "straight",
+    best: Annotated[
+        str | None,
+        Choice(
+            ("length", "tilt", "margin"),
+            help="for route way: the shortest way, that with the least tilt, or with the largest angle to tip over",
+        ),
+        Shell(default="length"),
+    ] = None,
+    duration: Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")] = 30.0,
+    seed: Annotated[
+        int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
+    ] = None,
+    output: Annotated[
+        str | Path | None,
+        FilePath(help="folder for trajectories, metrics and a picture"),
+        Shell(("-o", "--output"), "DIR"),
+    ] = None,
+    contacts: Annotated[
+        bool,
+        Flag(help="record what the robots touch"),
+        Shell(help="do not record contacts, which take Gazebo Sim 1.5 to 1.8 times the CPU time"),
+    ] = True,
+    picture: Annotated[
+        bool, Flag(help="add gazebo.jpg to the folder, from a camera in Gazebo; needs a screen")
+    ] = False,
+    force: Force = False,
+    timeout: Timeout = 20.0,
+    progress: Callable[[float], None] = lambda _: None,
+) -> DriveResult:
+    """Drive robots over a map in a Gazebo server without a window, and report how far each got.
+
+    target: a world made by rsegen, its folder, a recipe or a scene. progress: called with the simulation time [s]. The
+    same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
+    """
+    from rsegen.driving.drive import (
+        DriveResult,
+        drivable,
+        drive_notes,
+        driven_robot,
+        file_names,
+        refuse_output,
+    )
+    from rsegen.driving.recording import record_drive
+    from rsegen.driving.robot_runs import robot_runs
+    from rsegen.driving.routes import AlongWay
+    from rsegen.params.streams import fresh_seed
+    from rsegen.run.dry import foresee
+    from rsegen.run.store import unchanged_if_stopped
+    from rsegen.run.target_worlds import world_of
+    from rsegen.simulators.server import choose_installation
+
+    # All that can be wrong is refused before a server is started, which takes seconds.
+    if best is not None and route != AlongWay.name:
+        raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
+    model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
+    seed = fresh_seed() if seed is None else seed
+    refuse_output(None if output is None else Path(output), picture=picture, force=force)
+    world = world_of(target, map)
+    here, scene = choose_installation(world.made_for, simulator, timeout), world.scene()
+    runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
+    pictured = picture and "pictures" not in here.simulator.drives_without
+    if output is not None:
+        foresee(Path(output), file_names(runs, picture=pictured), is_whole=True)
+    with unchanged_if_stopped(output), world.on_disk() as file:
+        extent = scene.field.extent if pictured else None
+        recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)
+    result = DriveResult(
+        scene=scene,
+        simulator=str(here),
+        route=route,
+        seed=seed,
+        robots=tuple(driven_robot(run, scene, recording, route) for run in runs),
+        errors=tuple(recording.errors),
+        notes=tuple(drive_notes(here, runs, recording, route, contacts=contacts, picture=picture)),
+        contact_samples=recording.samples,
+        way=runs[0].way,
+        image=recording.image,
+    )
+    if output is not None:
+        result.write(output, force=force)
+    return result
+
+
+_OWN = ("simulator",)
+
+
+_WORLD = "WORLD-or-DIR-or-RECIPE"
+
+
+def add_drive(command: Parser) -> None:
+    """Add the flags of `rsegen drive`."""
+    epilog = (
+        "The burger, which drives by default, gets over no frame; the crawler does; --boundary none leaves them out. "
+        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+    )
+    command.explain(drive.__doc__, epilog + robot_kinds())
+    add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=_WORLD)
+    add_flags(command.add_argument_group("drive"), drive)
+    add_target_recipe_flags(command, ("seed", *_OWN))
+
+
+def run_drive(arguments: argparse.Namespace) -> Report:
+    """Drive, and report the metrics."""
+    with flags_in_errors(drive):
+        target = target_of(arguments, _OWN if arguments.target is None else ("seed", *_OWN))
+    said = checked_flags(drive, arguments)
+    with seconds_bar(said.get("duration", default(drive, "duration"))) as progress:
+        result = call(drive, arguments, target, progress=progress)
+    played = [f"to see it drive: rsegen gui {shlex.quote(str(said['output']))}"] if "output" in said else []
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=chain(result.report(), played), content=result.as_json, notes=notes)

@@ -1,0 +1,294 @@
+"""`rsegen.drive`: robots driven over a map in a Gazebo server, and how far each got, as a report, files and a picture.
+
+Everything is checked before the server starts: the robot's file, its places, and whether the results can be written.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from rsegen.driving.drive_metrics import (
+    SLOW,
+    TIPPED,
+    Course,
+    DriveMetrics,
+    Trajectory,
+    drive_metrics,
+    moves_by_window,
+    possible_part,
+)
+from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contact_shares, contacts_csv
+from rsegen.driving.robot_runs import finish_x
+from rsegen.driving.routes import PlannedWay, Wandering
+from rsegen.errors import ParameterError, shown
+from rsegen.params.numbers import whole_degrees
+from rsegen.pictures.plan import draw_plan
+from rsegen.pictures.preview import encoded
+from rsegen.recipe.codec import map_json
+from rsegen.robots.base import Robot
+from rsegen.robots.drives import Tracks
+from rsegen.robots.lookup import DrivableRobot, robot_of
+from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
+from rsegen.run.programs import has_screen
+from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
+from rsegen.scene.scene import Scene
+from rsegen.simulators.base import Installation
+from rsegen.simulators.live_world import Pose
+from rsegen.standing.spots import GAP
+from rsegen.standing.ways import events
+
+_RIM, _MARGIN = 0.1, 1.5
+"""Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""
+
+
+def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
+    """Draw a PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
+
+    A planned way is a dashed line. Rows that are no numbers are left out.
+    """
+    from matplotlib.figure import Figure
+
+    # On the plan of the map, each line has a white rim, so that it is seen on blocks of every colour.
+    figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
+    axes = figure.subplots()
+    draw_plan(axes, scene)
+    if way:
+        axes.plot(*way.points.T, color="white", linewidth=3)
+        axes.plot(*way.points.T, color="black", linewidth=1.5, linestyle="--", label="planned way")
+    for index, (name, trajectory) in enumerate(trajectories.items()):
+        x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
+        colour = f"C{index % 10}"
+        axes.plot(x, y, color="white", linewidth=4)
+        axes.plot(x, y, color=colour, linewidth=2, label=name)
+        axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
+        axes.plot(
+            x[-1:], y[-1:], "X" if trajectory.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white"
+        )
+    axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
+    axes.legend(loc="upper right")
+    axes.set_title(f"{scene.name}: trajectories")
+    return encoded(figure, "png")
+
+
+def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
+    """Return the limits of an axis: the map, and the trajectories near it."""
+    along = [trajectory.rows[np.isfinite(trajectory.rows[:, column]), column] for trajectory in trajectories.values()]
+    half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
+    low = min(values.min(initial=0.0) for values in along) - _RIM
+    high = max(values.max(initial=0.0) for values in along) + _RIM
+    return max(min(low, -half), -far), min(max(high, half), far)
+
+
+_PARTS = 5
+"""The parts of a robot with the most contacts that are reported, on one line; drive.json has all."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DrivenRobot:
+    """A robot of a drive: its name in the world, kind, start pose, metrics and trajectory."""
+
+    name: str
+    kind: str
+    start: Pose
+    metrics: DriveMetrics
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class DriveResult:
+    """The result of `rsegen.drive`.
+
+    scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
+    contact_samples: simulated seconds and the contacts at that time; way: the one that the robots followed, on that
+    route; image: a JPEG of Gazebo's own camera, empty without `picture`.
+    """
+
+    scene: Scene
+    simulator: str
+    route: str
+    seed: int
+    robots: tuple[DrivenRobot, ...]
+    errors: tuple[str, ...]
+    contact_samples: ContactSamples
+    notes: tuple[str, ...] = ()
+    way: PlannedWay | None = None
+    image: bytes = b""
+
+    def as_json(self) -> dict[str, object]:
+        """Return the content of drive.json, which `rsegen drive --json` prints."""
+        return {
+            "map": self.scene.name,
+            "simulator": self.simulator,
+            "route": self.route,
+            "seed": self.seed,
+            **({"way": self.way.as_json()} if self.way else {}),
+            "robots": [
+                {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
+                | {"incidents": [asdict(incident) for incident in robot.metrics.incidents]}
+                for robot in self.robots
+            ],
+            "errors": list(self.errors),
+            "notes": list(self.notes),
+        }
+
+    def report(self) -> Iterator[str]:
+        """Yield the lines that `rsegen drive` prints: robots, their contacts, notes and warnings."""
+        seed = f", seed {self.seed}" if self.route == Wandering.name else ""
+        if self.way:
+            yield f"predicted for {self.scene.name}: {_foreseen(self.way)}"
+        yield f"{self.scene.name} in {self.simulator}, {self.route}{seed}:"
+        for robot in self.robots:
+            metrics = robot.metrics
+            crossed = "" if self.route == Wandering.name else _crossed(robot)
+            tipped = f", tipped over {metrics.tipped}x" if metrics.tipped else ""
+            driven = f"{metrics.distance:.2f} m in {metrics.seconds:g} s"
+            incidents = "".join(f"; {incident}" for incident in metrics.incidents)
+            yield f"  {robot.name}: {driven}{crossed}, stuck {metrics.stuck:g} s{tipped}{incidents}"
+            if metrics.touched:
+                most = list(metrics.touched.items())[:_PARTS]
+                shares = ", ".join(f"{part} {share:.0%}" for part, share in most)
+                yield f"    parts on blocks or ground (link::shape, share of the time): {shares}"
+        yield from (f"note: {line}" for line in self.notes)
+        yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
+
+    def write(self, folder: str | Path, *, force: bool = False) -> None:
+        """Write trajectories, contacts, metrics and pictures into a folder; `force` replaces an earlier drive."""
+        trajectories = {robot.name: robot.trajectory for robot in self.robots}
+        files = {f"{name}.csv": _encoded(trajectory.csv()) for name, trajectory in trajectories.items()} | {
+            "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
+            "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
+            "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
+            "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
+        }
+        files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
+        files |= {"gazebo.jpg": [self.image]} if self.image else {}
+        paths = {PurePosixPath(name): content for name, content in files.items()}
+        write_folder(paths, Path(folder), "drive", force=force)
+
+
+def _foreseen(way: PlannedWay) -> str:
+    """Return the forecast for the way that the robots follow."""
+    if way.length is not None:
+        tilt, margin = (whole_degrees(angle or 0.0) for angle in (way.tilt, way.margin))
+        steepest = f"tilts by up to {tilt}, {margin} from tipping over"
+        return f"the way across is {way.length:.2f} m long, and the robot on it {', '.join([steepest, *events(way)])}"
+    x, y = way.at or (0.0, 0.0)
+    return f"no way across for this robot: on the best straight lane it {way.reason} at {x:.2f}, {y:.2f} m"
+
+
+def _crossed(robot: DrivenRobot) -> str:
+    """Return when a robot was across, or where it was at the end."""
+    if robot.metrics.crossed is not None:
+        return f", crossed the map after {robot.metrics.crossed:g} s"
+    if robot.metrics.incidents or not len(robot.trajectory.rows):
+        return ", did not cross the map"
+    x, y = robot.trajectory.rows[-1, 1:3] + 0.0
+    return f", did not cross the map: it is at x {x:.2f}, y {y:.2f} m at the end"
+
+
+def _encoded(lines: Iterable[str]) -> list[bytes]:
+    return [line.encode() for line in lines]
+
+
+def file_names(runs: Sequence[RobotRun], *, picture: bool) -> list[str]:
+    """Return the names of the files of a drive in its folder."""
+    names = [*(f"{run.name}.csv" for run in runs), "contacts.csv", "recipe.json", "drive.json", "drive.png"]
+    return [*names, *(["way.csv"] if runs[0].way else []), *(["gazebo.jpg"] if picture else [])]
+
+
+def drivable(
+    robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, tracks: str | None, **limits: object
+) -> DrivableRobot:
+    """Return a robot of a kind or of a file; only a file's takes wheels, tracks, size, speed and turn rate."""
+    said = {name: value for name, value in limits.items() if value is not None}
+    if wheels and tracks:
+        raise ParameterError("tracks", "excludes wheels: give those on which the robot drives")
+    if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
+        model = from_file(robot, wheels, tracks).given(said)
+        _ = model.drive  # an error before anything is driven
+        return model
+    for name in [*said, *(["wheels"] if wheels else []), *(["tracks"] if tracks else [])]:
+        kind = robot_of(robot).kind
+        raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
+    return robot_of(robot)
+
+
+def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
+    """Raise a UserError, before anything is driven, if the results could not be written."""
+    if picture and output is None:
+        raise ParameterError("picture", "needs a folder to write into; give output='DIR' too")
+    if picture and not has_screen():
+        raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
+    if output is not None:
+        refuse_not_a_folder(output)
+        refuse_busy(output.parent)
+        refuse_taken([output], force=force, holds="drive")
+
+
+def drive_notes(
+    here: Installation,
+    runs: Sequence[RobotRun],
+    recording: DriveRecording,
+    route: str,
+    *,
+    contacts: bool,
+    picture: bool,
+) -> Iterator[str]:
+    """Yield what was derived from a robot's file, what went wrong, and what the simulator does not give."""
+    if isinstance(runs[0].robot, SdfRobot):
+        yield from runs[0].robot.notes(here.backend)
+    if recording.attempts > 1:
+        yield f"{here} failed and was started again; this is attempt {recording.attempts}"
+    if contacts and not recording.samples:
+        yield f"{here} gives no contacts of a drive"
+    if picture and "pictures" in here.simulator.drives_without:
+        yield f"{here} gives no pictures of a drive"
+    # Robots on tracks that stand still have one known reason, which the notes on single robots would hide.
+    tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
+    still = [name for name in tracked if recording.trajectories[name].is_still]
+    if still and here.backend != "classic":
+        yield f"{', '.join(still)} did not move: tracks need the physics engine DART 6.13 or later in {here}"
+        return
+    for run in runs:
+        yield from _hardly_moved(run, recording.trajectories[run.name], route)
+
+
+_NOTICED = 1.0
+"""Seconds after which a robot that hardly moves is noticed: one that starts has its speed after some tenths."""
+
+
+def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator[str]:
+    """Yield a note if a robot moved by less than SLOW of its commanded distance where no block can be the reason."""
+    # A robot is on level ground in the gap before the map. Only half of it counts, as one that stands at the first
+    # block may not have come all of it. On a random route a block may hold a robot anywhere.
+    drive, _ = possible_part(trajectory, run.robot.driving_speed, run.robot.size)
+    t, x, y = drive.rows[:, :3].T
+    level = x < run.start.x + GAP / 2
+    end = len(x) if route == Wandering.name or level.all() else int(level.argmin()) + 1
+    lengths, moves = moves_by_window(t[:end], x[:end], y[:end])
+    seconds, moved = float(lengths.sum()), float(moves.sum())
+    commanded = run.robot.driving_speed * seconds
+    if seconds < _NOTICED or moved >= SLOW * commanded or drive.tilt.max() > TIPPED:
+        return
+    share = f"{run.name} moved {moved:.2f} m in {seconds:.3g} s, {moved / commanded:.1%} of what was commanded"
+    parts = ", ".join((*run.robot.drive.left, *run.robot.drive.right))
+    doubt = f"perhaps {parts} do not turn, do not touch the ground, or are not what it drives on"
+    if route == Wandering.name:
+        yield f"{share}: it is stuck where it started, or {doubt}"
+    else:
+        yield f"{share}, on the level ground before the map: {doubt}"
+
+
+def driven_robot(run: RobotRun, scene: Scene, recording: DriveRecording, route: str) -> DrivenRobot:
+    """Return the result of a robot."""
+    trajectory, robot = recording.trajectories[run.name], run.robot
+    course = Course.over(scene.field, None if route == Wandering.name else finish_x(scene.field, robot))
+    shares = contact_shares(recording.samples, run.name)
+    metrics = drive_metrics(trajectory, robot.driving_speed, robot.size, course, shares)
+    return DrivenRobot(name=run.name, kind=robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)

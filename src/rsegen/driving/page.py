@@ -1,0 +1,186 @@
+"""Drives that were recorded, for a page to play: where each robot was, and what happened to it.
+
+A folder of `rsegen drive` has a trajectory and the contacts of each robot. A mark is made where a person would look:
+
+    contact   a part that seldom touches anything touches something, for the first time or after a pause
+    fall      it comes down faster than it drives down
+    hang-up   it stays at its place for two seconds or more, upright and before it has crossed the map
+    tip, end  it tips over; it has crossed the map
+
+A contact is a small mark, an outcome (trouble, or the success at the end) a large one.
+
+A body that scrapes along, or bounces, is one mark, not one for each sample. What breaks it: a wheel that is in the air
+for more than half of the drive counts as a part that seldom touches. The folder may come from anybody.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rsegen.driving.drive_metrics import COLUMNS, STILL, TIPPED, Trajectory, moves_by_window
+from rsegen.errors import FileError
+from rsegen.field.stepfield import Mask
+from rsegen.input_files import text_of
+from rsegen.page.calls import call_of_host
+from rsegen.page.host import Host
+from rsegen.page.places import Places
+
+_MIB = 32
+"""The largest file of a drive that is read, MiB: an hour of one robot's trajectory is 4."""
+
+_ROBOTS, _EVENTS = 100, 300
+"""Robots of a drive, and events of a robot, at most: if there are more, contacts are left out first."""
+
+_SELDOM = 0.5
+"""Share of the samples up to which the contacts of a part are news: wheels and tracks have more."""
+
+_PAUSE = 2.0
+"""Seconds without a contact of a part after which its next one is news: two to eight samples, and longer than a body
+takes to bounce over an edge."""
+
+_FALL, _WITHIN = 0.03, 0.2
+"""Metres by which a robot comes down within some seconds in a fall: on a slope of 30 degrees it takes twice as long."""
+
+
+@call_of_host
+def playback(host: Host, *, path: str) -> dict[str, Any]:
+    """Return the drive that a folder holds."""
+    folder = host.places.inside(path)
+    drive = _drive(folder)
+    robots = [_robot(folder, each) for each in drive["robots"][:_ROBOTS]]
+    return {
+        "title": ", ".join(str(drive.get(name, "")) for name in ("map", "route") if drive.get(name)),
+        "simulator": str(drive.get("simulator", "")),
+        "robots": robots,
+        "duration": max((robot["seconds"][-1] for robot in robots), default=0.0),
+    }
+
+
+def _drive(folder: Path) -> dict[str, Any]:
+    """Return the content of drive.json; a FileError if it is not that of a drive."""
+    file = folder / "drive.json"
+    try:
+        drive = json.loads(text_of(file, _MIB, "a drive"))
+    except (ValueError, RecursionError):
+        drive = None
+    robots = drive.get("robots") if isinstance(drive, dict) else None
+    named = isinstance(robots, list) and all(
+        isinstance(each, dict) and isinstance(each.get("name"), str) and isinstance(each.get("kind"), str)
+        for each in robots
+    )
+    if not isinstance(drive, dict) or not named:
+        raise FileError(f"{file}: not the drive.json of rsegen drive")
+    return drive
+
+
+def _robot(folder: Path, robot: Mapping[str, Any]) -> dict[str, Any]:
+    name = robot["name"]
+    trajectory = _trajectory(Places(folder).inside(f"{name}.csv"))
+    touches = list(_touches(folder, robot))
+    tips = ((float(trajectory.rows[at, 0]), "tips over") for at, _ in _runs(trajectory.tilt > TIPPED))
+    outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *tips]
+    events = [
+        *((second, "has crossed the map", "success") for second in [_crossed(robot)] if second < inf),
+        *((second, text, "trouble") for second, text in outcome),
+        *((second, text, "contact") for second, text in _contacts(touches)),
+    ]
+    return {
+        "name": name,
+        "robot": robot["kind"],
+        "seconds": trajectory.rows[:, 0].tolist(),
+        "poses": trajectory.rows[:, 1:].tolist(),
+        "events": [{"second": second, "text": text, "kind": kind} for second, text, kind in sorted(events[:_EVENTS])],
+    }
+
+
+def _trajectory(file: Path) -> Trajectory:
+    """Return a trajectory without rows that are no numbers; a FileError for a file that has none."""
+    rows = [row for row in csv.reader(io.StringIO(text_of(file, _MIB, "a trajectory"))) if row]
+    if not rows or tuple(rows[0]) != COLUMNS:
+        raise FileError(f"{file}: not a trajectory of rsegen drive, whose columns are {','.join(COLUMNS)}")
+    try:
+        values = np.array([[float(each) for each in row] for row in rows[1:]], np.float64).reshape(-1, len(COLUMNS))
+    except ValueError:
+        raise FileError(f"{file}: has a row that is not {len(COLUMNS)} numbers") from None
+    kept = values[np.isfinite(values).all(axis=1)]
+    if not len(kept) or (np.diff(kept[:, 0]) < 0).any():
+        raise FileError(f"{file}: has no poses in the order of time")
+    return Trajectory(rows=kept)
+
+
+_Touch = tuple[float, str, str]
+"""When a part touched something, the part, and what it touched."""
+
+
+def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:
+    """Yield the contacts of parts that seldom touch anything, in the order of time."""
+    file, shares = Places(folder).inside("contacts.csv"), robot.get("touched")
+    if not file.is_file() or not isinstance(shares, dict):
+        return
+    seldom = {part for part, share in shares.items() if isinstance(share, int | float) and share < _SELDOM}
+    found = set[_Touch]()
+    for row in csv.DictReader(io.StringIO(text_of(file, _MIB, "contacts"))):
+        try:
+            touch = float(row["t"]), row["part"], row["other"]
+            is_its = row["robot"] == robot["name"]
+        except (KeyError, TypeError, ValueError):
+            raise FileError(f"{file}: not the contacts.csv of rsegen drive") from None
+        if is_its and row["part"] in seldom:
+            found.add(touch)
+    yield from sorted(found)
+
+
+def _contacts(touches: Sequence[_Touch]) -> Iterator[tuple[float, str]]:
+    """Yield when a part touches something for the first time, and after each pause."""
+    last: dict[str, float] = {}
+    for second, part, other in touches:
+        if second - last.get(part, -inf) > _PAUSE:
+            yield second, f"{part} touches {other}"
+        last[part] = second
+
+
+def _falls(trajectory: Trajectory) -> Iterator[tuple[float, str]]:
+    """Yield when a robot comes down faster than it drives down, and by how much."""
+    seconds, z = trajectory.rows[:, 0], trajectory.rows[:, 3]
+    ahead = np.minimum(np.searchsorted(seconds, seconds + _WITHIN, side="right"), len(z)) - 1
+    for at, until in _runs(z - z[ahead] > _FALL):
+        yield float(seconds[at]), f"falls by {100 * (z[at] - z[at : ahead[until - 1] + 1].min()):.0f} cm"
+
+
+def _runs(which: Mask) -> Iterator[tuple[int, int]]:
+    """Yield where each run of true values begins, and where it has ended."""
+    edges = np.flatnonzero(np.diff(which, prepend=False, append=False)).tolist()
+    return zip(edges[::2], edges[1::2], strict=True)
+
+
+_HELD = 2
+"""Windows of a second in which a robot that hangs up does not move: in one it may turn, or swing its flippers."""
+
+
+def _hang_ups(
+    robot: Mapping[str, Any], trajectory: Trajectory, touches: Sequence[_Touch]
+) -> Iterator[tuple[float, str]]:
+    """Yield when a robot begins to stay at its place, and the parts on which it rests then."""
+    t, x, y = trajectory.rows[:, :3].T
+    lengths, moves = moves_by_window(t, x, y)
+    begins = t[0] + np.append(0.0, lengths.cumsum())
+    upright = np.interp(begins[:-1], t, trajectory.tilt) < TIPPED
+    held = (moves < STILL) & upright & (begins[:-1] < _crossed(robot))
+    for at, until in _runs(held):
+        if until - at >= _HELD:
+            parts = sorted({part for second, part, _ in touches if begins[at] <= second < begins[until]})
+            yield float(begins[at]), f"hangs up on {' and '.join(parts)}" if parts else "is stuck"
+
+
+def _crossed(robot: Mapping[str, Any]) -> float:
+    """Return when a robot has crossed the map, infinity if it never has."""
+    crossed = robot.get("crossed")
+    return float(crossed) if isinstance(crossed, int | float) and not isinstance(crossed, bool) else inf

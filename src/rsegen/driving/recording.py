@@ -1,0 +1,217 @@
+"""Robots driven over a world in a simulator's server, and the record of their poses and contacts.
+
+The world is paused while the routes of all robots decide at their poses; then each gets its command, the world steps
+for a period, and contacts are sampled. So the machine's speed decides nothing: the same runs, world and simulator give
+the same trajectories. Poses come from a record of the server, or of the robots' plug-ins, every 0.05 s. Cost: a round
+trip per period; in Gazebo Classic 0.4 s, as its paused server answers five times a second (decision 10). A server that
+fails is started again, with new routes.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
+from itertools import permutations
+from math import ceil, isfinite
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.driving.drive_metrics import Trajectory
+from rsegen.driving.routes import STOP, PlannedWay, Route
+from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
+from rsegen.errors import SimulatorFailed
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.simulators.base import Installation
+from rsegen.simulators.live_world import Contact, LiveWorld, Pose, Record
+from rsegen.simulators.server import attempted, running_server
+from rsegen.standing.spots import Spot
+
+ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
+"""Simulated seconds, and all contacts at that time, sample by sample."""
+
+
+class RobotContact(NamedTuple):
+    """Contact of a part of a robot, LINK::COLLISION, with another model or robot; x, y, z: its mean point, metres."""
+
+    t: float
+    robot: str
+    part: str
+    other: str
+    x: float
+    y: float
+    z: float
+
+
+def robot_contacts(samples: ContactSamples, robots: Iterable[str]) -> Iterator[RobotContact]:
+    """Yield the contacts of these robots with other models, in the order of time."""
+    names = set(robots)
+    for second, contacts in samples:
+        for contact in contacts:
+            for (robot, _, part), (other, _, _) in permutations(name.partition("::") for name in contact.collisions):
+                if robot in names and other != robot:
+                    yield RobotContact(round(second, 3), robot, part, other, *contact.position)
+
+
+def contact_shares(samples: ContactSamples, robot: str) -> Mapping[str, float]:
+    """Return the share of samples in which each part of a robot had contact, 0..1, the largest first."""
+    touches = {(contact.t, contact.part) for contact in robot_contacts(samples, [robot])}
+    counts = Counter(part for _, part in sorted(touches))
+    return {part: round(count / len(samples), 3) for part, count in counts.most_common()}
+
+
+def contacts_csv(samples: ContactSamples, robots: Iterable[str]) -> Iterator[str]:
+    """Yield the lines of contacts.csv: a header, then a line per contact."""
+    yield ",".join(RobotContact._fields) + "\n"
+    for t, robot, part, other, *point in robot_contacts(samples, robots):
+        yield ",".join([f"{t:g}", robot, part, other, *(f"{round(along, 4) + 0:.4f}" for along in point)]) + "\n"
+
+
+PERIOD = 0.05
+"""Seconds between two rows of a trajectory: at 0.4 m/s 2 cm, a tenth of a block or less; logs grow with its inverse."""
+
+_SAME = 1e-4
+"""Seconds between two times that are one: a tenth of a physics step."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RobotRun:
+    """A robot with its name in the world, its start pose, and a function that makes its route anew for each attempt.
+
+    spot: the place on the map at which it starts, if it does; way: the one that its route follows
+    """
+
+    name: str
+    robot: DrivableRobot
+    start: Pose
+    route: Callable[[], Route]
+    spot: Spot | None = None
+    way: PlannedWay | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriveRecording:
+    """The recording of a drive: trajectories by robot, contact samples, the simulator's error lines, a JPEG if asked.
+
+    There are no samples if contacts were not wanted, or if the simulator does not report any. attempts: the number of
+    servers that it took, as those before the last one failed
+    """
+
+    trajectories: Mapping[str, Trajectory]
+    samples: ContactSamples
+    errors: Sequence[str]
+    image: bytes = b""
+    attempts: int = 1
+
+
+def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
+    here: Installation,
+    world: Path,
+    runs: Sequence[RobotRun],
+    seconds: float,
+    progress: Callable[[float], None] = lambda _: None,
+    *,
+    contacts: bool = True,
+    camera_extent: tuple[float, float] | None = None,
+) -> DriveRecording:
+    """Return the recording of robots that drive for `seconds` of simulation time; a failed server is tried again.
+
+    The same runs, world and simulator give the same trajectories. `progress` is called with the simulated seconds that
+    are done; contacts: sample them, as in `drive_in_steps`; camera_extent: size in metres of the map that a camera
+    looks at, which needs a screen.
+    """
+    # The world with the robots is written once, next to no other; each attempt runs it in a server of its own.
+    simulator, screen = here.simulator, camera_extent is not None
+    with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
+        frames = Path(folder, "frames")
+        models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+        models = [simulator.with_contact_sensors(model) for model in models] if contacts else models
+        models += [camera_model(camera_extent, (1280, 720), rate=1, frames=frames)] if camera_extent else []
+        text = world_with_robots(world, models, unthrottled=True, backend=here.backend)
+        file = Path(folder, world.name)
+        file.write_text(text, "utf-8")
+        folder_of_models, options = world.absolute().parent.parent, simulator.record_options(PERIOD)
+
+        def attempt() -> DriveRecording:
+            poses = Record()
+            with running_server(here, file, models=folder_of_models, options=options, screen=screen) as server:
+                with server.connect() as live:
+                    live.record([run.name for run in runs])
+                    watched = contacts and live.watch_contacts()
+                    samples = drive_in_steps(live, runs, seconds, time_step(text), progress, poses, contacts=watched)
+                    end, recorded = live.clock().simulated, live.recorded()
+                errors = server.errors
+                server.stop()
+                record = simulator.read_record(server.home) or recorded or poses
+            if poses and record[0][0] > poses[0][0] + _SAME:  # a server that records later has no start
+                record = [*poses[:1], *record]
+            driven = trajectories(record, runs, end)
+            if missing := [run.name for run in runs if run.name not in driven]:
+                raise SimulatorFailed(f"the simulator kept no record of {missing[0]}")
+            return DriveRecording(trajectories=driven, samples=samples, errors=errors)
+
+        recording, attempts = attempted(attempt)
+        return replace(recording, attempts=attempts, image=last_frame(frames) if screen else b"")
+
+
+def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
+    live: LiveWorld,
+    runs: Sequence[RobotRun],
+    seconds: float,
+    step: float,
+    progress: Callable[[float], None] = lambda _: None,
+    record: Record | None = None,
+    *,
+    contacts: bool = True,
+) -> ContactSamples:
+    """Drive, and return the contact samples: each period, routes decide, robots get commands, the world steps.
+
+    It ends after `seconds` of simulation time, or when all routes are done. step: seconds of a physics step of the
+    world; the poses at the beginning of each period are appended to `record`. Without `contacts` there are no samples.
+    """
+    # All robots share the period of the quickest route; it is a whole number of physics steps, so no time is lost.
+    routes = {run.name: run.route() for run in runs}
+    period = min(route.period for route in routes.values())
+    samples: list[tuple[float, Sequence[Contact]]] = []
+    for turn in range(ceil(round(seconds / step) / round(period / step))):
+        poses = live.poses()
+        if record is not None:
+            record.append((turn * period, {run.name: list(astuple(poses[run.name])) for run in runs}))
+        if all(route.is_done(poses[name]) for name, route in routes.items()):
+            break
+        send_commands(live, runs, routes, poses)
+        done = min((turn + 1) * period, seconds)
+        steps = round((done - turn * period) / step)
+        if contacts:
+            samples.append((turn * period, live.step_with_contacts(steps)))
+        else:
+            live.step(steps)
+        progress(done)
+    return samples
+
+
+def send_commands(
+    live: LiveWorld, runs: Sequence[RobotRun], routes: Mapping[str, Route], poses: Mapping[str, Pose]
+) -> None:
+    """Send every robot the command for the motion that its route wants at its pose, or to stop if that is no number."""
+    for run in runs:
+        at = poses[run.name]
+        v, w = routes[run.name].motion(at) if all(map(isfinite, astuple(at))) else STOP
+        live.send_command(run.robot.command(run.name, v, w, live.backend))
+
+
+def trajectories(record: Record, runs: Sequence[RobotRun], end: float = 0.0) -> dict[str, Trajectory]:
+    """Return the trajectories of robots that were in a record, by their names.
+
+    A record has no state for times without motion, so the last row may be repeated at `end`, seconds.
+    """
+    driven = {}
+    for run in runs:
+        rows = [[second, *poses[run.name]] for second, poses in record if run.name in poses]
+        if rows:
+            last = [[end, *rows[-1][1:]]] if end > rows[-1][0] + _SAME else []
+            driven[run.name] = Trajectory(rows=np.array([*rows, *last]))
+    return driven

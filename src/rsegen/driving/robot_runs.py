@@ -1,0 +1,107 @@
+"""The runs of robots of one kind: safe start poses on or next to a map, and a route for each.
+
+A start pose is that of a robot at rest, 5 mm higher, so no part is inside a block: on the ground west of the map, or at
+one of its spots. The same seed gives the same spots and routes; `rsegen spots` shows them (docs/driving.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from math import ceil
+
+import numpy as np
+
+from rsegen.driving.recording import RobotRun
+from rsegen.driving.routes import AlongWay, PlannedWay, Route, Straight, Wandering, planned_way
+from rsegen.errors import ParameterError, UnknownName
+from rsegen.field.stepfield import StepField
+from rsegen.params.streams import generator
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.simulators.live_world import DROP_HEIGHT, Pose
+from rsegen.standing.body import Body
+from rsegen.standing.spots import GAP, Outline, Spot, fits, spot_generator, spots_on_map
+
+
+def adjacent_pose(field: StepField, body: Body, aside: float = 0.0) -> Pose:
+    """Return the pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
+    return Pose(x=-field.extent[0] / 2 - GAP - float(body.high[0]), y=aside, z=DROP_HEIGHT)
+
+
+_POINTS = 8
+"""Points of a way in the distance at which a robot heads for one."""
+
+ROUTES = (Straight.name, Wandering.name, AlongWay.name)
+
+
+def robot_runs(  # noqa: PLR0913  # the last four by name
+    field: StepField,
+    robot: DrivableRobot,
+    route: str,
+    *,
+    count: int,
+    seed: int,
+    best: str = "length",
+    evenest: bool = False,
+) -> Sequence[RobotRun]:
+    """Return the runs of `count` robots on a route.
+
+    For a straight crossing they start side by side west of the map; along the planned way that is `best` one behind
+    the other; else at spots on the map, or west of it if they are larger than it. ParameterError if there are too few
+    spots; with `evenest` they start at the best places there are.
+    """
+    if route not in ROUTES:
+        raise UnknownName.among("route", "route", route, ROUTES)
+    if route == AlongWay.name:
+        body = robot.body
+        way = planned_way(field, body, best)
+        first = adjacent_pose(field, body, float(way.points[0, 1]))
+        starts = [replace(first, x=first.x - index * (body.length + GAP)) for index in range(count)]
+        return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
+    body, goal = robot.body_or_box, finish_x(field, robot) + GAP
+    lane = Outline.of(body).width + GAP
+    starts = [adjacent_pose(field, body, (index - (count - 1) / 2) * lane) for index in range(count)]
+    if route == Straight.name:
+        straight = partial(Straight, speed=robot.driving_speed, turn=robot.turn, goal=goal)
+        return _named(robot, starts, [partial(straight, line=at.y) for at in starts])
+    places: Sequence[Spot | None] = [None] * count
+    if fits(field, body):  # a command knows `robots`, not `count`
+        try:
+            places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
+        except ParameterError as error:
+            raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
+    starts = [Pose.above(spot) if spot else at for spot, at in zip(places, starts, strict=True)]
+    runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
+    return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
+
+
+def finish_x(field: StepField, robot: DrivableRobot) -> float:
+    """Return the x of a robot's centre beyond which the whole robot is east of the map, metres."""
+    return field.extent[0] / 2 - float(robot.body_or_box.low[0])
+
+
+def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
+    """Return the route along a way, and straight on from its end until the whole robot is beyond the map."""
+    ahead, goal = max(field.block_width, robot.size[0] / 2), finish_x(field, robot) + GAP
+    points = np.append(way.points, [(goal + ahead, way.points[-1, 1])], axis=0)
+    # As close together as it takes for the nearest of them to be beside the robot.
+    run = np.append(0.0, np.hypot(*np.diff(points, axis=0).T).cumsum())
+    at = np.linspace(0.0, run[-1], ceil(run[-1] / ahead * _POINTS) + 1)
+    dense = zip(*(np.interp(at, run, column).tolist() for column in points.T), strict=True)
+    return AlongWay(speed=robot.driving_speed, turn=robot.turn, points=tuple(dense), ahead=ahead, goal=goal)
+
+
+def _random(field: StepField, robot: DrivableRobot, seed: int, index: int) -> Route:
+    reach = max(robot.size[:2])
+    half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
+    rng = generator(seed, index, "route")
+    return Wandering(speed=robot.driving_speed, turn=robot.turn, half=(half_x, half_y), rng=rng)
+
+
+def _named(robot: DrivableRobot, starts: Sequence[Pose], routes: Sequence[Callable[[], Route]]) -> list[RobotRun]:
+    """Return the runs of a robot at these poses, with a name each."""
+    return [
+        RobotRun(name=f"{robot.kind}_{index}", robot=robot, start=start, route=route)
+        for index, (start, route) in enumerate(zip(starts, routes, strict=True))
+    ]

@@ -1,0 +1,123 @@
+"""The world file of a drive: a world with robots, and perhaps a camera, as text that can be saved in any folder.
+
+Robots are added as <model>s, URIs become absolute paths, and physics runs in real time or unthrottled. Gazebo Sim also
+gets the systems that the world does not name: up to Fortress 6.7 the server loads its default systems only if the world
+file has no plug-in at all, and those of a robot count, so time would run and nothing would fall.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from math import atan2, hypot, pi, sqrt
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
+
+from rsegen.errors import FileError, SimulatorFailed
+from rsegen.gazebo.sdf import numbers
+from rsegen.input_files import elements, text_of
+from rsegen.robots.drives import system
+
+ALWAYS = ("Physics", "UserCommands", "SceneBroadcaster")
+"""The default systems of every version."""
+
+# Sensors that a server computes by rendering; all others compute with the physics.
+_RENDERED = ("camera", "depth_camera", "rgbd_camera", "thermal_camera", "segmentation_camera", "gpu_lidar", "gpu_ray")
+_OF_SENSORS = {"imu": "Imu", "contact": "Contact"} | dict.fromkeys(_RENDERED, "Sensors")
+"""Type of a sensor -> its system."""
+
+_NAME = re.compile(r"(gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
+
+
+def add_systems(world: Element, backend: str) -> None:
+    """Add to a <world> the systems that its models need and that it does not name; none in Gazebo Classic."""
+    if backend == "classic":
+        return
+    # Gazebo Sim still reads Fortress's names, and Fortress no later ones.
+    names = (_NAME.fullmatch(plugin.get("name", "")) for plugin in world.findall("plugin"))
+    named = {name[2] for name in names if name and (backend == "sim" or name[1] == "ignition::gazebo")}
+    sensors = {_OF_SENSORS.get(sensor.get("type", ""), "") for sensor in world.iter("sensor")} - {""}
+    for kind in (*ALWAYS, *sorted(sensors)):
+        if kind not in named:
+            world.append(fromstring(system(kind, backend)))  # noqa: S314  # ours
+
+
+_MOST_MIB = 512
+"""The largest world that is read, MiB; parsed it takes several times this in memory."""
+
+_ABSOLUTE = re.compile(r"[a-z][a-z0-9+.-]*:|/|\s*$")
+"""A URI that is no path from the folder of its file: with a scheme, from the root, or empty."""
+
+
+def world_with_robots(
+    world: Path, models: Iterable[str] = (), *, unthrottled: bool = False, backend: str = "classic"
+) -> str:
+    """Return the text of a world file with models added, each the text of a <model>; meshes have absolute paths.
+
+    unthrottled: simulated as fast as the machine can, else in real time; backend: that of the installation, whose
+    systems are added where the world does not name them. FileError if the file is not a world.
+    """
+    root = elements(text_of(world, _MOST_MIB, "a world"), str(world))
+    element = root.find("world")
+    if root.tag != "sdf" or element is None:
+        raise FileError(f"{world}: no <world> in <sdf>")
+    for model in models:
+        element.append(fromstring(model))  # noqa: S314  # ours
+    for uri in root.iter("uri"):
+        path = uri.text or ""
+        if not _ABSOLUTE.match(path):
+            uri.text = str(world.absolute().parent / path)
+    add_systems(element, backend)
+    if unthrottled:  # Gazebo Classic reads the update rate, Gazebo Sim the factor
+        physics = element.find("physics")
+        physics = SubElement(element, "physics", {"type": "ode"}) if physics is None else physics
+        for name in ("real_time_update_rate", "real_time_factor"):
+            limit = physics.find(name)
+            (SubElement(physics, name) if limit is None else limit).text = "0"
+    return '<?xml version="1.0"?>\n' + tostring(root, encoding="unicode") + "\n"
+
+
+def time_step(world: str) -> float:
+    """Return the physics step of a world in seconds, from its text; by default that of both Gazebos, a millisecond."""
+    element = fromstring(world).find("world/physics/max_step_size")  # noqa: S314  # ours
+    return float(element.text or 0) if element is not None else 0.001
+
+
+def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: int, frames: Path | None = None) -> str:
+    """Return the model of a camera that looks at a map from the south-west; its server needs a screen.
+
+    rate: pictures per second, 0 for as many as possible; frames: a folder to save them in
+    """
+    save = f'\n        <save enabled="true"><path>{frames}</path></save>' if frames else ""
+    # At 1.1 diagonals and a metre to the south-west, half the diagonal is within half the view: 1.1 tan(0.9 / 2) > 0.5.
+    # From 0.8 / sqrt(2) of that distance up it looks down by 29 degrees: over walls, and yet along the ground.
+    away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)
+    high = 0.8 * away
+    pose = numbers((-away, -away, high, 0, round(atan2(high, away * sqrt(2)), 4), round(pi / 4, 4)))
+    return f"""\
+<model name="eye">
+  <static>true</static>
+  <pose>{pose}</pose>
+  <link name="link">
+    <sensor name="camera" type="camera">
+      <always_on>1</always_on>
+      <update_rate>{rate}</update_rate>
+      <camera>
+        <horizontal_fov>0.9</horizontal_fov>
+        <image><width>{pixels[0]}</width><height>{pixels[1]}</height></image>
+        <clip><near>0.05</near><far>1000</far></clip>{save}
+      </camera>
+    </sensor>
+  </link>
+</model>
+"""
+
+
+def last_frame(frames: Path) -> bytes:
+    """Return the last picture that was saved, a JPEG; SimulatorFailed if there is none."""
+    pictures = sorted(frames.glob("*.jpg"), key=lambda path: (len(path.name), path.name))
+    if not pictures:
+        raise SimulatorFailed(
+            "the camera saved no picture: the simulator could not render (is there a screen with OpenGL?)"
+        )
+    return pictures[-1].read_bytes()

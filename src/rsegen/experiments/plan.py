@@ -1,0 +1,224 @@
+"""Plans of experiments: rows of robots and maps, each in several sizes, paces and repeats.
+
+A cell of the table is a row at a size and a pace. Cells are tried in a mixed order that the seed decides, each once per
+repeat, so that a noisy hour of the machine does not favour one of them, and so that a stopped experiment goes on alike.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from itertools import product
+from pathlib import Path
+from typing import Annotated
+
+from rsegen.driving.drive import drivable
+from rsegen.errors import ParameterError, UnknownName, inside, refuse_unknown, shown
+from rsegen.field.limits import SIDE, SPEED, TURN
+from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
+from rsegen.recipe.codec import decode
+from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import content
+from rsegen.robots.base import ROBOTS
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.sdf_file import is_robot_file
+from rsegen.simulators.base import SIMULATORS
+
+PACES = ("real", "free", "beside", "camera", "window")
+"""Paces of a trial: in real time; as fast as the processor can, which shows what a map costs; so in turns, second by
+second, with an empty world, which tells the two apart on a noisy machine too; in real time with a camera in the server;
+in real time with the simulator's own window."""
+
+IN_REAL_TIME = ("real", "camera", "window")
+"""The paces in real time."""
+
+PLANS = {path.name.removesuffix(".yaml"): path for path in files("rsegen.experiments").joinpath("plans").iterdir()}
+"""The plans that come along, by name."""
+
+_BLOCKS = 10
+"""Blocks per side of a chunk, as in the paper's maps; sizes are multiples of it."""
+
+
+@dataclass(frozen=True)
+class _KindOrFile(Choice):
+    """A kind of robot, or the file of one, which is read when its trials are prepared."""
+
+    def check(self, where: str, value: object) -> str:
+        return str(value) if is_robot_file(value) else super().check(where, value)
+
+    def describe(self) -> str:
+        return f"{super().describe()}, or an SDF, URDF or Xacro file"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TableRow:
+    """Robots of a kind, or of a file, on random maps of several sizes; `recipe` holds more parameters of these maps.
+
+    wheels, tracks, size, speed, turn: as in `rsegen.drive`, for the robot of a file
+    """
+
+    robot: Annotated[str, _KindOrFile(tuple(ROBOTS), help="kind of robot, or file of a model")] = "burger"
+    wheels: Annotated[str | None, Reference("LEFT,RIGHT", help="joints of the wheels of a model in a file")] = None
+    tracks: Annotated[str | None, Reference("LEFT,RIGHT", help="links of the tracks of a model in a file")] = None
+    size: Annotated[tuple[float, float, float] | None, ListOf(SIDE, 3, help="length, width and height")] = None
+    speed: Annotated[float | None, SPEED] = None
+    turn: Annotated[float | None, TURN] = None
+    robots: Annotated[int, Integer(1, 100, help="number of robots")] = 3
+    sizes: Annotated[
+        tuple[int, ...],
+        ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
+    ] = (0, 10, 20, 40, 60, 80)
+    levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 3
+    unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 0.3
+    recipe: Mapping[str, Json] | None = None
+    simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="default: the newest that is installed")] = None
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not isinstance(self.recipe, Mapping | None):
+            raise ParameterError("recipe", f"{shown(self.recipe)} is not parameters of a recipe, such as {{chunks: 2}}")
+        for size in self.sizes:
+            if size % _BLOCKS:
+                raise ParameterError("sizes", f"{size} is no multiple of {_BLOCKS} blocks")
+        self.map_of(_BLOCKS, 0)
+
+    def map_of(self, size: int, seed: int) -> Recipe:
+        """Return the recipe of its map with this number of blocks per side."""
+        given = {
+            "name": f"random-{size}",
+            "chunk_size": _BLOCKS,
+            "chunks": [max(size // _BLOCKS, 1)] * 2,
+            "unit_cm": self.unit_cm,
+            "boundary": "none",
+            "seed": seed,
+            "obstacles": [{"kind": "random", "levels": self.levels}] if size else [],
+        }
+        with inside("recipe"):
+            return decode({**given, **(self.recipe or {})})
+
+    @property
+    def model(self) -> DrivableRobot:
+        """The robot; a UserError if its file cannot be read or driven, or a kind is given what is a file's."""
+        return drivable(self.robot, self.wheels, self.tracks, size=self.size, speed=self.speed, turn=self.turn)
+
+    @property
+    def label(self) -> str:
+        """The row in a few words."""
+        shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
+        what = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
+        return what + (f", {shape}" if shape else "")
+
+    def differs_by_simulator(self, other: TableRow) -> bool:
+        """Return whether both differ, and only by the simulator."""
+        return self.simulator != other.simulator and replace(self, simulator=other.simulator) == other
+
+
+def _in_words(value: Json) -> str:
+    """Return a value of a recipe for a heading; of obstacles their kinds."""
+    if isinstance(value, Mapping):
+        return str(value.get("kind", "")) or json.dumps(value)
+    if isinstance(value, list):
+        return " and ".join(map(_in_words, value))
+    return str(value)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Cell:
+    """A field of the table: a row at a size and a pace."""
+
+    row: int
+    size: int
+    pace: str
+
+    @property
+    def name(self) -> str:
+        """The name of the cell in its plan."""
+        return f"row {self.row + 1}, {self.size or 'empty'}, {self.pace}"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExperimentPlan:
+    """The trials of an experiment, and their repeats; each takes `seconds` of wall time, whatever the pace."""
+
+    name: Annotated[str, Text(r"[A-Za-z0-9_.\-]{1,64}", "1..64 letters, digits, _ . -", help="name of the experiment")]
+    rows: tuple[TableRow, ...]
+    paces: Annotated[
+        tuple[str, ...],
+        ListOf(
+            Choice(PACES),
+            help="real time, full speed, full speed alternating with an empty world, real time with camera or window",
+        ),
+    ] = ("real", "free")
+    seconds: Annotated[float, Float(1, 1e5, unit="s", help="wall time of each trial, after its world is loaded")] = 20.0
+    repeats: Annotated[int, Integer(1, 1000, help="trials per cell of the table")] = 3
+    seed: Annotated[int, Integer(0, 2**62, help="seed of maps, places, routes and order; plus 1 for each repeat")] = 1
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not self.rows:
+            raise ParameterError("rows", "is empty; give a row, such as {robot: burger, sizes: [0, 80]}")
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        """The fields of the table, row by row."""
+        return tuple(
+            Cell(row=index, size=size, pace=pace)
+            for pace, (index, row) in product(self.paces, enumerate(self.rows))
+            for size in row.sizes
+        )
+
+    def in_simulators(self, names: Sequence[str]) -> ExperimentPlan:
+        """Return the plan with a row for each of these simulators, where a row names none itself."""
+        rows = (
+            replace(row, simulator=name) for row in self.rows for name in ((row.simulator,) if row.simulator else names)
+        )
+        return replace(self, rows=tuple(rows))
+
+    @property
+    def tables(self) -> Sequence[Sequence[int]]:
+        """The numbers of the rows that go into one table each, as they differ by the simulator only."""
+        tables: list[list[int]] = []
+        for index, row in enumerate(self.rows):
+            like = (table for table in tables if all(self.rows[other].differs_by_simulator(row) for other in table))
+            if (own := next(like, None)) is None:
+                tables.append([index])
+            else:
+                own.append(index)
+        return tables
+
+    def order(self) -> Iterator[tuple[Cell, int]]:
+        """Yield each cell and the number of its repeat, mixed, so that a noisy hour does not favour one cell."""
+        for repeat in range(self.repeats):
+            cells = list(self.cells)
+            random.Random(f"{self.seed}/{repeat}").shuffle(cells)  # noqa: S311  # an order, no secret
+            yield from ((cell, repeat) for cell in cells)
+
+
+def load_plan(name: str) -> ExperimentPlan:
+    """Return the plan of that name, or in a YAML file."""
+    path = Path(str(PLANS.get(name, name)))
+    if not path.suffix:
+        raise UnknownName.among("", "plan", name, PLANS)
+    try:
+        return read_plan(path.stem, content(path))
+    except ParameterError as error:
+        raise error.of(str(path)) from None
+
+
+def read_plan(name: str, content: Json) -> ExperimentPlan:
+    """Return the plan of a file's content, called `name` if it says none; ParameterError for a wrong value."""
+    if not isinstance(content, Mapping) or not isinstance(content.get("rows"), list):
+        raise ParameterError("", "not a plan of an experiment; it has name: and a list of rows:")
+    known = [*parameters(ExperimentPlan), "rows"]
+    refuse_unknown("key", content, known)
+    rows = []
+    for index, row in enumerate(content["rows"]):
+        with inside(f"rows[{index}]"):
+            if not isinstance(row, Mapping):
+                raise ParameterError("", f"{shown(row)} is not a row, such as {{robot: burger, sizes: [0, 80]}}")
+            refuse_unknown("key of a row", row, [*parameters(TableRow), "recipe"])
+            rows.append(TableRow(**row))
+    return ExperimentPlan(**{"name": name, **content, "rows": tuple(rows)})

@@ -1,0 +1,295 @@
+"""`rsegen.experiment`: the trials of a plan run one by one, logged as they end, and reported in tables and a plot.
+
+    tracks/row1-80-free-0.csv   poses of robots in the first trial of the first row, on 80 x 80 blocks, at pace `free`
+    tracks/row1-80-free.png     a picture of those in the last trial of this cell, on the plan of its map
+
+Outcomes are lines of the journal of the experiment's folder, and a stopped experiment goes on with them. They are read
+as a file from anybody: whatever is no outcome of this plan is refused with its place.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+import shlex
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from rsegen.driving.drive import draw_trajectories
+from rsegen.driving.drive_metrics import COLUMNS
+from rsegen.errors import FileError, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
+from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
+from rsegen.experiments.report import plot, report_page, trials_csv
+from rsegen.experiments.trial import (
+    Outcome,
+    Results,
+    Trial,
+    refuse_undrivable,
+    refuse_without_frames,
+    run_trial,
+)
+from rsegen.input_files import JOURNAL, checksum_of
+from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, Text
+from rsegen.recipe import recipe_file
+from rsegen.robots.sdf_file import is_robot_file
+from rsegen.robots.xacro_files import with_arguments
+from rsegen.run.journal import Journal, is_intact, read_errors, read_journal
+from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
+from rsegen.simulators.server import choose_installation
+
+HOLDS = "experiment"
+_LINE = Text(r".{0,4096}", "a line of at most 4096 letters")
+"""The command line in a summary, which may come from anybody; 4096 is the longest path of Linux."""
+
+REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExperimentResult:
+    """The result of `rsegen.experiment`: the plan, every cell's outcomes, the machine, and the folder of the files.
+
+    command: the command line, or the call in Python, that gives them
+    """
+
+    plan: ExperimentPlan
+    results: Results
+    machine: dict[str, str]
+    folder: Path
+    command: str
+
+    @property
+    def table(self) -> str:
+        """The content of table.md."""
+        return report_page(self.plan, self.results, self.machine, self.command)
+
+
+def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
+    plan: str | os.PathLike[str] | ExperimentPlan,
+    folder: Path,
+    simulators: Sequence[str] | None,
+    *,
+    force: bool,
+    timeout: float,
+    progress: Callable[[int, Cell], None],
+    watch: Callable[[], None],
+) -> ExperimentResult:
+    """Run the trials of a plan that are missing in its folder, and report on all of them; see `rsegen.experiment`."""
+    command = _command(plan, folder, simulators)
+    plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
+    plan = in_simulators(plan, simulators)
+    names = dict.fromkeys(str(row.simulator) for row in plan.rows)
+    installed = {name: choose_installation("both", name, timeout) for name in names}
+    refuse_without_frames(plan, installed)
+    refuse_undrivable(plan)
+    machine = {"simulator": ", ".join(map(str, installed.values())), **_description()}
+    with _opened(plan, folder, force=force) as store:
+        done = read_entries(store.journal.content, folder, len(plan.rows))
+        store.foresee([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
+        for number, (cell, repeat) in enumerate(plan.order()):
+            progress(number, cell)
+            if (cell, repeat) not in done:
+                try:  # first the tracks of a trial are written, then its outcome
+                    trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
+                    if files := track_files(plan, cell, repeat, trial):
+                        store.put(files, force=True, holds=HOLDS)
+                    store.note(entry(cell, repeat, trial.outcome))
+                    done[cell, repeat] = trial.outcome
+                except KeyboardInterrupt:
+                    there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
+                    raise Stopped(there, changed=bool(done)) from None
+        result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
+        store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
+    return result
+
+
+def _description() -> dict[str, str]:
+    """Processor, cores, memory, system and load of this computer."""
+    import psutil
+
+    table = Path("/proc/cpuinfo")
+    named = re.search(r"model name\s*:\s*(.+)", table.read_text()) if table.exists() else None
+    return {
+        "processor": named[1] if named else platform.processor() or platform.machine(),
+        "cores": str(os.cpu_count()),
+        "memory": f"{psutil.virtual_memory().total / 2**30:.1f} GB",
+        "system": platform.platform(),
+        "load before": " ".join(f"{load:.1f}" for load in os.getloadavg()) if hasattr(os, "getloadavg") else "?",
+    }
+
+
+@contextmanager
+def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Store]:
+    """Open the folder of the results, or that of those which replace them; an OutputError if that may not be."""
+    # Three cases: replace another experiment, refuse other files, or go on with what this plan has begun.
+    refuse_busy(folder)
+    of: Json = json.loads(json.dumps({**asdict(plan), **_robot_files(plan)}))
+    journal = read_journal(folder)
+    if force and journal:
+        refuse_irreplaceable(folder, HOLDS)
+        with replacing(folder, HOLDS, of) as store:
+            yield store
+        return
+    if journal and (journal.holds, journal.of) != (HOLDS, of):
+        has = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
+        raise OutputError(f"{folder}: has {has}; give another folder{', or force=True' * (journal.holds == HOLDS)}")
+    with read_errors(folder):
+        for name in (*REPORT_FILES, *track_names(plan)):
+            is_intact(folder, name, journal)
+    with open_store(folder) as store:
+        store.journal.begin(HOLDS, of)
+        yield store
+
+
+def _robot_files(plan: ExperimentPlan) -> dict[str, Json]:
+    """Return the checksums of the robots' files: outcomes of a robot that was changed are not those of the plan."""
+    files = [with_arguments(row.robot)[0] for row in plan.rows if is_robot_file(row.robot)]
+    checksums = {file: checksum.sha256 for file in files if (checksum := checksum_of(Path(file)))}
+    return {"robot_files": checksums} if checksums else {}
+
+
+def in_simulators(plan: ExperimentPlan, simulators: Sequence[str] | None) -> ExperimentPlan:
+    """Return the plan with a row for each of these simulators, by default the newest that is installed."""
+    if simulators is not None:
+        return plan.in_simulators(list(dict.fromkeys(simulators)))
+    if all(row.simulator for row in plan.rows):
+        return plan
+    return plan.in_simulators([choose_installation("both", None).simulator.name])
+
+
+def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], str]:
+    """Return the plan, the outcomes, the machine and the command of a summary.json that `experiment` wrote.
+
+    FileError if it is damaged.
+    """
+    content = recipe_file.content(file)
+    try:
+        plan = read_plan(file.stem, content["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
+        results = {
+            read_cell({key: cell[key] for key in ("row", "size", "pace")}, len(plan.rows)): [
+                read_outcome(outcome) for outcome in cell["outcomes"]
+            ]
+            for cell in content["cells"]  # type: ignore[index]
+        }
+        machine = {str(name): str(value) for name, value in content["machine"].items()}  # type: ignore[index]
+        command = _LINE.check("command", content["command"])  # type: ignore[index]
+    except ParameterError as error:
+        raise error.of(str(file)) from None
+    except (AttributeError, KeyError, TypeError) as error:
+        raise FileError(f"{file}: not the summary of an experiment: {error}") from None
+    return plan, results, machine, command
+
+
+def _command(plan: str | os.PathLike[str] | ExperimentPlan, folder: Path, simulators: Sequence[str] | None) -> str:
+    """Return the command line that does the same; for a plan made in Python the call."""
+    if isinstance(plan, ExperimentPlan):
+        return "rsegen.experiment(plan, output" + (f", simulator={list(simulators)!r})" if simulators else ")")
+    flags = ["--simulator", ",".join(simulators)] if simulators else []
+    return shlex.join(["rsegen", "experiment", os.fspath(plan), *flags, "-o", os.fspath(folder)])
+
+
+def _files(result: ExperimentResult) -> dict[str, bytes]:
+    plan, results = result.plan, result.results
+    cells = [
+        {**asdict(cell), "outcomes": [asdict(outcome) for outcome in results[cell]]}
+        for cell in plan.cells
+        if cell in results
+    ]
+    summary = {"command": result.command, "machine": result.machine, "plan": asdict(plan), "cells": cells}
+    return {
+        "table.md": result.table.encode(),
+        "trials.csv": trials_csv(plan, results).encode(),
+        "summary.json": json.dumps(summary, indent=2).encode() + b"\n",
+        "plot.png": plot(plan, results),
+    }
+
+
+# Outcomes and tracks in the folder of an experiment.
+
+
+_OUTCOME: Mapping[str, Parameter] = {
+    **{field.name: Float() for field in fields(Outcome)},
+    "starved": Flag(),
+    "attempts": Integer(1),
+}
+_OPTIONAL = frozenset(_OUTCOME) - {"load", "memory", "speed"}
+"""Figures that not every trial has: some paces, and robots that are not in the record, lack some of them."""
+
+Entries = dict[tuple[Cell, int], Outcome]
+"""The outcome of each repeat of a cell that was tried, by its number."""
+
+
+def entry(cell: Cell, repeat: int, outcome: Outcome) -> dict[str, Json]:
+    """Return an outcome as the journal has it."""
+    return {"cell": asdict(cell), "repeat": repeat, "outcome": asdict(outcome)}
+
+
+def read_entries(journal: Journal | None, folder: Path, rows: int) -> Entries:
+    """Return the outcomes in the journal of a folder; FileError for the first that something else has changed."""
+    entries = {}
+    for number, result in enumerate(journal.results if journal else (), 1):
+        try:
+            cell, outcome = read_cell(result.get("cell"), rows), read_outcome(result.get("outcome"))
+            entries[cell, Integer(0).check("repeat", result.get("repeat"))] = outcome
+        except ParameterError as error:  # noqa: PERF203  # an experiment has some hundred
+            advice = "delete its line, or give another folder, or force=True"
+            raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
+    return entries
+
+
+def results_of(entries: Entries) -> Results:
+    """Return the outcomes of every cell."""
+    results: dict[Cell, list[Outcome]] = {}
+    for (cell, _), outcome in entries.items():
+        results.setdefault(cell, []).append(outcome)
+    return results
+
+
+def read_cell(content: object, rows: int) -> Cell:
+    """Return the cell that a file has, of a plan with this number of rows; a ParameterError if it cannot be."""
+    sorts = {"row": Integer(0, rows - 1), "size": Integer(0), "pace": Choice(PACES)}
+    return Cell(**_checked("cell", content, sorts))
+
+
+def read_outcome(content: object) -> Outcome:
+    """Return the outcome that a file has; a ParameterError if a value is no number."""
+    return Outcome(**_checked("outcome", content, _OUTCOME, _OPTIONAL))
+
+
+def _checked(
+    where: str, content: object, sorts: Mapping[str, Parameter], optional: Collection[str] = ()
+) -> dict[str, Any]:
+    """Return the values of a mapping by their sorts; a ParameterError for one that is missing, too many, or wrong."""
+    if not isinstance(content, Mapping):
+        raise ParameterError(where, f"{shown(content)} is not a mapping with {', '.join(sorts)}")
+    with inside(where):
+        refuse_unknown("key", content, sorts)
+        given = ((name, sort, content.get(name)) for name, sort in sorts.items())
+        return {
+            name: None if value is None and name in optional else sort.check(name, value) for name, sort, value in given
+        }
+
+
+def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> dict[str, list[bytes]]:
+    """Return the file of the trajectories of a trial, and a picture of them if it is the last one of its cell."""
+    if not trial.trajectories:
+        return {}
+    file, *picture = track_names(plan, [(cell, repeat)])
+    rows = [",".join(["robot", *COLUMNS]) + "\n"]
+    for name, trajectory in trial.trajectories.items():
+        rows += [f"{name},{row}" for row in [*trajectory.csv()][1:]]
+    files = {file: [row.encode() for row in rows]}
+    return files | {name: [draw_trajectories(trial.scene, trial.trajectories)] for name in picture}
+
+
+def track_names(plan: ExperimentPlan, trials: Collection[tuple[Cell, int]] | None = None) -> Iterator[str]:
+    """Yield the name of every file that the tracks of these trials have, by default of all of a plan."""
+    for cell, repeat in plan.order() if trials is None else trials:
+        name = f"tracks/row{cell.row + 1}-{cell.size}-{cell.pace}"
+        yield f"{name}-{repeat}.csv"
+        if repeat == plan.repeats - 1:
+            yield f"{name}.png"

@@ -1,0 +1,474 @@
+"""A trial: a world with robots that drive randomly, what it costs the simulator, and what the robots did meanwhile.
+
+The cost of a map is only comparable if robots do about the same: stuck ones cost less. So how far they drove, how long
+they were stuck and what they have covered of the map is measured with it. At the pace `beside` the world and an empty
+one are simulated in turns of a second, in two servers, so that other load on the machine affects both alike.
+
+All clocks are read while the world is paused, before and after a span, so they belong to the same moment. CPU time is
+that of the server's process; the machine's own load is measured too, as it tells how far a real-time factor is the
+map's. Frames are drawn by a camera in the server, or by the simulator's own window, and counted by their messages.
+What breaks it: a machine so busy that a span takes twenty times as long, which ends the trial.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import astuple, dataclass, field, replace
+from functools import partial
+from math import ceil
+from pathlib import Path
+from statistics import fmean
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from rsegen.driving.drive_metrics import PLANE, Course, Incident, Trajectory, drive_metrics, possible_part
+from rsegen.driving.recording import RobotRun, send_commands, trajectories
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.routes import Route, Wandering
+from rsegen.driving.world_file import camera_model, world_with_robots
+from rsegen.errors import NoSimulator, ParameterError, SimulatorFailed, inside
+from rsegen.experiments.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
+from rsegen.field.stepfield import StepField
+from rsegen.gazebo import sdf
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.run.programs import has_screen, running
+from rsegen.run.target_worlds import write_world
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.base import Installation
+from rsegen.simulators.live_world import LiveWorld, Record
+from rsegen.simulators.process import usage
+from rsegen.simulators.server import attempted, running_server
+
+# The load of the machine: what else was going on while a server had its own figures.
+
+
+def busy() -> float:
+    """Seconds so far in which the machine's processors worked, by the number of them."""
+    import psutil
+
+    times = psutil.cpu_times()
+    idle = times.idle + getattr(times, "iowait", 0.0)
+    guests = getattr(times, "guest", 0.0) + getattr(times, "guest_nice", 0.0)  # Linux counts them as time of users too
+    return float(sum(times) - idle - guests) / (os.cpu_count() or 1)
+
+
+def gpu_load() -> float | None:
+    """Return the load of the busiest GPU just now, 0..1; None if none tells it (NVIDIA's do, AMD's on Linux)."""
+    percents = ""  # a line each
+    if command := shutil.which("nvidia-smi"):
+        query = [command, "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
+        with suppress(OSError, subprocess.SubprocessError):
+            percents = subprocess.run(query, capture_output=True, text=True, timeout=5, check=True).stdout  # noqa: S603  # no shell
+    if not percents:
+        with suppress(OSError):  # the files of AMD's driver
+            percents = "".join(
+                file.read_text() for file in Path("/sys/class/drm").glob("card*/device/gpu_busy_percent")
+            )
+    loads = [int(percent) for percent in re.findall(r"^\d+$", percents, re.MULTILINE)]
+    return max(loads) / 100 if loads else None
+
+
+# A server, in which robots drive randomly.
+
+
+SOURCES = ("camera", "window")
+"""The paces in which frames are drawn."""
+
+CAMERA_PIXELS = (640, 480)
+"""Width and height of the camera's pictures: those of a usual robot's camera; frames per second fall with the area."""
+
+_FIRST_FRAME = 120.0
+"""Seconds within which the first frame must be drawn: a renderer without a GPU is slow to begin.
+
+With less, trials that work would end; with more, a screen without OpenGL is reported later.
+"""
+
+SETTLED = 2.0
+"""Simulated seconds before measuring begins, in which robots fall to the ground and start to drive."""
+
+_FRAME_LOOK = 1.0
+"""Seconds between two looks for the first frame."""
+
+LOOKS = 0.05
+"""Seconds between two looks at the poses of robots: two per row of a trajectory, as poses come when they like."""
+
+PERIOD = 0.1
+"""Simulated seconds between two rows of a trajectory, or more if the world is simulated faster than is looked."""
+
+_SLOWEST = 20
+"""Times of a span within which it must end: a slower world is stuck, or the machine does something else."""
+
+
+def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installation]) -> None:
+    """Raise a UserError, before any trial, if a pace of the plan needs a screen or a window that there is not."""
+    for source in (pace for pace in plan.paces if pace in SOURCES):
+        for here in installed.values():
+            if source not in here.simulator.frames:
+                raise ParameterError("paces", f"frames of {here} cannot be counted; leave {source} out, or use classic")
+            if source == "window" and "gzclient" not in here.commands:
+                raise ParameterError("paces", f"the window of {here} is not installed; leave window out")
+        if not has_screen():
+            raise ParameterError("paces", f"{source} needs a screen, and there is none; run under xvfb-run -a")
+
+
+def wait_for_frames(frames: Callable[[], int], source: str, wait: Callable[[float], object]) -> None:
+    """Wait until a frame has been drawn; `wait` waits for some seconds. NoSimulator if none is."""
+    for _ in range(ceil(_FIRST_FRAME / _FRAME_LOOK)):
+        if frames():
+            return
+        wait(_FRAME_LOOK)
+    raise NoSimulator(f"the {source} drew nothing in {_FIRST_FRAME:g} s: does this screen have OpenGL?")
+
+
+class Measurement(NamedTuple):
+    """Seconds of simulation, wall and CPU time; real-time factors and loads of the GPU, 0..1, between commands.
+
+    busy: seconds of CPU time of the whole machine, by its number of processors; frames: those that were drawn
+    """
+
+    simulated: float
+    real: float
+    cpu: float
+    busy: float
+    frames: int
+    factors: list[float]
+    gpu: list[float]
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per second of CPU, which the system counts in hundredths."""
+        return self.simulated / max(self.cpu, 0.01)
+
+    @property
+    def cores(self) -> float:
+        """Processors that the server used."""
+        return self.cpu / max(self.real, 1e-9)
+
+
+def total(spans: Sequence[Measurement]) -> Measurement:
+    """Return the sum of spans; of their lists all that is in them."""
+    return Measurement(*(sum(parts, start=type(parts[0])()) for parts in zip(*spans, strict=True)))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TrialServer:
+    """A running server that took `load` seconds to load its world, the robots on a map in it, and their record.
+
+    pace: of the trial; frames: counts those that were drawn; watch: called several times per second while robots drive;
+    may raise
+    """
+
+    live: LiveWorld
+    pid: int
+    load: float
+    pace: str
+    scene: Scene
+    runs: Sequence[RobotRun]
+    routes: Mapping[str, Route]
+    frames: Callable[[], int]
+    watch: Callable[[], None]
+    record: Record = field(default_factory=list)
+
+    @property
+    def is_real(self) -> bool:
+        """Return whether the world is simulated in real time."""
+        return self.pace in IN_REAL_TIME
+
+    def measure(self, seconds: float) -> Measurement:
+        """Measure `seconds` of wall time, paused only before and after, so that all clocks are exact."""
+        start, cpu, machine, frames = self.live.clock(), usage(self.pid).cpu, busy(), self.frames()
+        samples = self.run_robots("real", seconds, self.record)
+        end = self.live.clock()
+        return Measurement(
+            simulated=end.simulated - start.simulated,
+            real=end.real - start.real,
+            cpu=usage(self.pid).cpu - cpu,
+            busy=busy() - machine,
+            frames=self.frames() - frames,
+            factors=[factor for factor, _ in samples],
+            gpu=[load for _, load in samples if load is not None],
+        )
+
+    def run_robots(
+        self, clock: Literal["simulated", "real"], seconds: float, record: Record | None = None
+    ) -> list[tuple[float, float | None]]:
+        """Let robots drive for this many simulated or real seconds.
+
+        Gives the real-time factor and the load of the GPU between commands; poses are added to `record`.
+        """
+        # Between two commands the world runs freely; each interval gives a real-time factor.
+        start = last = self.live.clock()
+        samples, end = [], time.monotonic() + _SLOWEST * seconds
+        self.live.unpause()
+        while getattr(last, clock) < getattr(start, clock) + seconds:
+            send_commands(self.live, self.runs, self.routes, self.live.poses())
+            self._rest(record)
+            now = self.live.clock()
+            if time.monotonic() > end:
+                raise SimulatorFailed(f"{now.simulated - start.simulated:g} s simulated in {_SLOWEST * seconds:g} s")
+            factor = (now.simulated - last.simulated) / max(now.real - last.real, 1e-9)
+            samples.append((factor, gpu_load() if self.is_real else None))
+            last = now
+        self.live.pause()
+        return samples
+
+    def _rest(self, record: Record | None) -> None:
+        """Wait until the next command, and add the poses of robots to a record as they come."""
+        end = time.monotonic() + (REST if self.is_real else REST_AT_FULL_SPEED)
+        while (left := end - time.monotonic()) > 0:
+            time.sleep(min(left, LOOKS))
+            self.watch()
+            if record is None:
+                continue
+            second, poses = self.live.last_poses()
+            here = {run.name: list(astuple(poses[run.name])) for run in self.runs if run.name in poses}
+            if here and (not record or second >= record[-1][0] + PERIOD):
+                record.append((second, here))
+
+
+@contextmanager
+def trial_server(
+    plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]
+) -> Iterator[TrialServer]:
+    """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
+    # Also an empty world has robots at the places of a map, so that both differ by the map alone.
+    row, source = plan.rows[cell.row], cell.pace if cell.pace in SOURCES else None
+    scene = compose(row.map_of(cell.size, seed))
+    runs = _runs(row, scene, seed)
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rsegen-")))
+        file = _write_trial(cell, scene, runs, here, folder)
+        # Loading ends with the connection: what comes later, window, first frame and settling, is not its time.
+        began = time.monotonic()
+        server = stack.enter_context(running_server(here, file, screen=source == "camera", watch=watch))
+        live = stack.enter_context(server.connect())
+        live.stop_recording()
+        trial = TrialServer(
+            live=live,
+            pid=server.pid,
+            load=time.monotonic() - began,
+            pace=cell.pace,
+            scene=scene,
+            runs=runs,
+            routes={run.name: run.route() for run in runs},
+            frames=live.frame_counter(source) if source else lambda: 0,
+            watch=watch,
+        )
+        if source == "window":
+            window = here.simulator.window(here, server.launch)
+            if window is None:
+                raise NoSimulator(f"{here}: its window is not installed")
+            log = stack.enter_context((server.home / "window.log").open("w", encoding="utf-8"))
+            stack.enter_context(running(window, log))
+            wait_for_frames(trial.frames, source, time.sleep)  # a window draws a paused world too
+        live.last_poses()
+        trial.run_robots("simulated", SETTLED)
+        if source == "camera":
+            wait_for_frames(trial.frames, source, partial(trial.run_robots, "real"))
+        yield trial
+
+
+def _write_trial(cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: Installation, folder: Path) -> Path:
+    """Write the world file of a trial, with robots and perhaps a camera on a map, or on none if the cell is empty."""
+    models = [run.robot.model(run.name, here.backend, astuple(run.start)) for run in runs]
+    models += [camera_model(scene.field.extent, CAMERA_PIXELS, rate=0)] if cell.pace == "camera" else []
+    if cell.size:
+        world = write_world(scene, folder)
+    else:
+        world = folder / "empty.world"
+        world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
+    unthrottled, file = cell.pace not in IN_REAL_TIME, world.with_name("experiment.world")
+    file.write_text(world_with_robots(world, models, unthrottled=unthrottled, backend=here.backend), "utf-8")
+    return file
+
+
+# What the robots did.
+
+
+def driving_figures(
+    tracks: Mapping[str, Trajectory], runs: Sequence[RobotRun], field: StepField | None
+) -> dict[str, float | None]:
+    """Return the figures of an outcome that are of robots with these trajectories on a field, None: an empty world."""
+    driven = [(tracks[run.name], run.robot) for run in runs if run.name in tracks]
+    if not driven:
+        return {}
+    course = Course.over(field) if field else PLANE
+    every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
+    parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
+    shares = [covered(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
+    return {
+        "driven": round(fmean(metrics.distance for metrics in every), 3),
+        "stuck": round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
+        "tipped": round(fmean(metrics.tipped for metrics in every), 3),
+        "covered": round(fmean(shares), 5) if shares else None,
+        "off": round(fmean(metrics.has(Incident.OFF) for metrics in every), 4),
+        "impossible": round(fmean(metrics.has(Incident.IMPOSSIBLE) for metrics in every), 4),
+    }
+
+
+def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
+    """Return the share of a field's cells over which some part of a robot's footprint has been, 0..1.
+
+    The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every
+    row of its trajectory.
+    """
+    apart = field.block_width / 2  # so that no cell between is missed
+    axes = [np.linspace(-side / 2, side / 2, ceil(side / apart) + 1) for side in robot.size[:2]]
+    along, across = (offsets.ravel() for offsets in np.meshgrid(*axes))
+    x, y, yaw = (track.rows[:, [column]] for column in (1, 2, 6))
+    places = [x + np.cos(yaw) * along - np.sin(yaw) * across, y + np.sin(yaw) * along + np.cos(yaw) * across]
+    i, j = (
+        np.floor((place + extent / 2) / field.block_width).astype(int).ravel()
+        for place, extent in zip(places, field.extent, strict=True)
+    )
+    been = np.zeros(field.shape, dtype=bool)
+    on_it = (i >= 0) & (j >= 0) & (i < field.shape[0]) & (j < field.shape[1])
+    been[i[on_it], j[on_it]] = True
+    return float(been.mean())
+
+
+# A trial.
+
+
+REST, REST_AT_FULL_SPEED = 1.0, 0.2
+"""Seconds between commands to robots: about a simulated second, as small worlds run five times as fast as real time."""
+
+TURN = 1.0
+"""Seconds that one of two worlds is simulated before it is the other's turn: shorter than other load comes and goes."""
+
+
+STARVED = 0.5
+"""Processors below which a server that would use more was starved by other programs.
+
+At full speed it computes all the time, on one processor or a little more. With less than half of one, the robots have
+moved for less than half of the seconds that they had, and its caches are cold, so that its figures are the machine's.
+"""
+
+BEHIND = 0.9
+"""Real-time factor of a trial in real time below which a server would use more CPU time, if it had it.
+
+One that keeps up has 0.97 or more in every second; one that does not, on a free machine, uses a whole processor.
+"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Outcome:
+    """The measured cost of a trial, and what the robots did meanwhile.
+
+    load: seconds until the world was loaded; memory: MB at the end; speed: simulated seconds per second of CPU
+    cpu: processors that the server used while robots drove; machine: load of all processors of the machine, 0..1;
+    starved: whether other programs left the server too little of them (STARVED); attempts: servers that it took, as
+    those before the last one failed
+    gpu: load of the GPU, 0..1, None where there is none; rtf_min, rtf, rtf_max: real-time factors; these in real time,
+    else None
+    fps: frames per second that the camera or the window drew, at the paces `camera` and `window`, else None
+    share: speed divided by that of the empty world at the pace `beside`, else None
+    simulated: seconds; all others are means over the robots, None if nothing of them is known. driven: metres; stuck:
+    share of the time, 0..1; tipped: how often each tipped over; covered: share of the cells of the map over which some
+    part of a robot has been, 0..1, None in an empty world; off, impossible: share of the robots that left the map, and
+    that did what no robot can, with which their other figures end
+    """
+
+    load: float
+    memory: float
+    cpu: float | None = None
+    speed: float
+    rtf_min: float | None = None
+    rtf: float | None = None
+    rtf_max: float | None = None
+    share: float | None = None
+    machine: float | None = None
+    gpu: float | None = None
+    fps: float | None = None
+    simulated: float | None = None
+    driven: float | None = None
+    stuck: float | None = None
+    tipped: float | None = None
+    covered: float | None = None
+    off: float | None = None
+    impossible: float | None = None
+    starved: bool | None = None
+    attempts: int | None = None
+
+
+Results = Mapping[Cell, list[Outcome]]
+"""The outcomes of every cell, in the order of its repeats."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Trial:
+    """A trial: its outcome, the map, and the trajectory of every robot by its name."""
+
+    outcome: Outcome
+    scene: Scene
+    trajectories: Mapping[str, Trajectory]
+
+
+def run_trial(
+    plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation, watch: Callable[[], None] = lambda: None
+) -> Trial:
+    """Run a trial; each repeat has its own map and start poses. A failed server is tried again.
+
+    `watch` is called several times per second; what it raises ends the trial and its servers.
+    """
+    trial, attempts = attempted(lambda: _trial(plan, cell, plan.seed + repeat, here, watch))
+    return replace(trial, outcome=replace(trial.outcome, attempts=attempts))
+
+
+def refuse_undrivable(plan: ExperimentPlan) -> None:
+    """Raise a UserError, before any trial, if a robot cannot be driven, or the smallest map of a row has no room."""
+    for index, row in enumerate(plan.rows):
+        smallest = min((size for size in row.sizes if size), default=0)
+        with inside(f"rows[{index}]"):
+            _ = row.model
+            for seed in range(plan.seed, plan.seed + plan.repeats) if smallest else ():
+                _runs(row, compose(row.map_of(smallest, seed)), seed)
+
+
+def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
+    """Return the runs of the robots of a row on one of its maps."""
+    return robot_runs(scene.field, row.model, Wandering.name, count=row.robots, seed=seed, evenest=True)
+
+
+def _trial(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]) -> Trial:
+    """Run the trial of a cell, perhaps in turns with an empty world; round its figures for the journal."""
+    cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
+    with ExitStack() as stack:  # both servers run for the whole trial
+        servers = [stack.enter_context(trial_server(plan, part, seed, here, watch)) for part in cells]
+        turns = [plan.seconds] if len(servers) == 1 else [TURN] * ceil(plan.seconds / TURN)
+        spans = [[server.measure(turn) for server in servers] for turn in turns]
+        ours, *others = (total(parts) for parts in zip(*spans, strict=True))
+        first = servers[0]
+        tracks = trajectories(first.record, first.runs)
+        figures = driving_figures(tracks, first.runs, first.scene.field if cell.size else None)
+        if first.is_real:
+            rtf_min, rtf, rtf_max = min(ours.factors), fmean(ours.factors), max(ours.factors)
+            figures |= {"rtf_min": round(rtf_min, 3), "rtf": round(rtf, 3), "rtf_max": round(rtf_max, 3)}
+            figures["gpu"] = round(fmean(ours.gpu), 3) if ours.gpu else None
+            figures["fps"] = round(ours.frames / ours.real, 2) if cell.pace in SOURCES else None
+        outcome = Outcome(
+            load=round(first.load, 3),
+            memory=round(usage(first.pid).memory, 1),
+            speed=round(ours.speed, 3),
+            share=round(ours.speed / others[0].speed, 4) if others else None,
+            simulated=round(ours.simulated, 3),
+            cpu=round(ours.cores, 4),
+            machine=round(min(ours.busy / ours.real, 1.0), 4),
+            starved=any(is_starved(span, real=first.is_real) for span in (ours, *others)),
+            **figures,  # type: ignore[arg-type]  # mypy takes them for `starved` and `attempts` too
+        )
+    return Trial(outcome=outcome, scene=first.scene, trajectories=tracks)
+
+
+def is_starved(span: Measurement, *, real: bool) -> bool:
+    """Return whether a server had too little of the processors; in real time it wants more only if it is behind."""
+    wants_more = not real or span.simulated < BEHIND * span.real
+    return wants_more and span.cores < STARVED

@@ -1,1 +1,0 @@
-"""Pictures of maps: previews, and plots of a robot's paths."""

@@ -1,0 +1,98 @@
+"""Files for other programs next to each world: `generate --formats stl,mjcf`."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from rsegen.errors import ParameterError
+from rsegen.formats.parameters import Formats, add_format_rows
+from rsegen.input_files import open_regular
+from rsegen.params.sorts import Json
+from rsegen.run.sidecars import Sidecar
+
+if TYPE_CHECKING:
+    from rsegen.cli.parser import Parser
+    from rsegen.formats.base import Format
+    from rsegen.gazebo import Bundle
+    from rsegen.recipe.recipe import Recipe
+    from rsegen.run.resources import InMemory
+    from rsegen.scene.scene import Scene
+
+FORMATS_FILE = "formats.json"
+"""The file in a map's folder that lists the formats in it with their options."""
+
+
+@dataclass(frozen=True, slots=True)
+class FormatFiles(Sidecar):
+    """The files of some formats for each map, in a folder for each format, and formats.json, which lists them."""
+
+    name: ClassVar[str] = "formats"
+    parameter: ClassVar[object] = Formats
+    default: ClassVar[object] = ()
+
+    formats: tuple[Format, ...]
+
+    @classmethod
+    def of(cls, value: Sequence[Format]) -> FormatFiles:
+        """Return the files of these formats."""
+        return cls(tuple(value))
+
+    @classmethod
+    def explain(cls, command: Parser) -> None:
+        """Add the names of formats to the help."""
+        add_format_rows(command)
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Files that are left out, as a library is not installed."""
+        return [format_.left_out for format_ in self.formats if format_.left_out]
+
+    @property
+    def in_memory(self) -> Collection[InMemory]:
+        """The formats."""
+        return self.formats
+
+    def refuse(self, recipe: Recipe) -> None:
+        """Raise a UserError if a format needs a package that is not installed, or joins maps."""
+        from rsegen.formats.base import refuse_unready
+
+        refuse_unready(self.formats)
+        for format_ in self.formats:
+            if format_.joins:
+                problem = f"{format_.joins} would hold every map, which rsegen export alone writes"
+                raise ParameterError(f"formats: {format_.name}", f"{problem}; export it, or leave out its name")
+
+    def files(self, scene: Scene) -> Bundle:
+        """Return the files of all formats."""
+        from rsegen.formats.base import added
+
+        return added(scene, self.formats)
+
+    def are_in(self, home: str) -> bool:
+        """Return whether a map's folder lists the formats, with the same options."""
+        from rsegen.formats.base import recorded_options
+
+        listed = listed_formats(home) or {}
+        return all(listed.get(name) == wanted for name, wanted in recorded_options(self.formats).items())
+
+    def seconds(self, cells: int) -> float:
+        """Return about how long they take for a map with this many cells."""
+        # Estimates: 5 ms and 30 us per cell for a format. Larger ones start workers for runs that are too short for
+        # them; smaller ones give each worker more at once.
+        return (5e-3 + cells * 3e-5) * len(self.formats)
+
+
+def listed_formats(home: str) -> dict[str, Json] | None:
+    """Return the formats in a map's folder with their options, from its formats.json; None if the file is damaged."""
+    try:
+        with open_regular(os.path.join(home, FORMATS_FILE)) as file:
+            listed = json.load(file)
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, RecursionError):
+        return None
+    return listed if isinstance(listed, dict) else None

@@ -1,0 +1,21 @@
+"""Heights as maps: from tables, arrays, images and occupancy grids; every module is an importer for some file names.
+
+file --Importer.read--> Heights --imported--> Recipe of one matrix
+"""
+
+from rsegen.params.capabilities import Capability, Command
+
+CAPABILITY = Capability(
+    summary="maps of measured heights, images and occupancy grids",
+    needs=("pictures",),
+    commands=(
+        Command(
+            "import",
+            "worlds",
+            "write a world from measured heights, an image or an occupancy grid of ROS",
+            "rsegen.heights.commands",
+        ),
+    ),
+    public={"rsegen.heights.base": ("imported",)},
+    manual="heights",
+)

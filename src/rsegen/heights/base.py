@@ -1,0 +1,330 @@
+"""The interface of importers of heights, and the steps from heights in centimetres to levels, and to a recipe.
+
+An importer is one file of this folder with one class: a frozen dataclass whose annotated fields are its options, under
+`@register`. Nothing else needs to know of it. Files come from strangers: nothing in them is trusted.
+
+Heights h become levels floor(h / unit + 0.5). They have to be whole units up to decimals' rounding, or, on request,
+measured blocks: then the mean error must be below 0.2 units, where random heights have 0.25, and few may be halfway.
+Else the message says what the numbers may be: another ground, unit, or unit of length. What breaks it: heights of which
+most are 0, whose few others may be of any unit.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rsegen.cli.parameters import RESERVED_FLAGS
+from rsegen.errors import FileError, ParameterError
+from rsegen.params.registry import Contract, Registry, clash
+from rsegen.params.sorts import CENTIMETRES as UNITS
+from rsegen.params.sorts import Cell, validate
+from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array, Ints, Mask
+
+
+_MEASURED = 0.2
+"""Mean rounding error, in units, above which heights are not blocks of that unit; of random ones it is 0.25."""
+
+_HALFWAY = 0.4
+"""Error, in units, from which on a height is almost halfway between two levels; it is at most 0.5."""
+
+_MOST_HALFWAY = 0.05
+"""Share of heights that may be almost halfway: fewer are of blocks of which every sixth is off by over 0.2 units."""
+
+_NEAR = 0.12
+"""Mean error, in units, below which heights count as nearly whole units when a unit is looked for.
+
+It is half of what random heights have: with more, advice would name a wrong unit; with less, none for coarse measures.
+"""
+
+_WHOLE = 1e-3
+"""Error, in units, up to which a height is a whole unit: that of three decimals."""
+
+_VISIBLE_CM = 1e-3
+"""Rounding errors up to this are those of decimals, and are not reported."""
+
+CENTIMETRES = {name: UNITS[name] for name in ("cm", "mm", "m", "in")}
+"""Centimetres of what a file's numbers may be."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rounding:
+    """The rounding of heights: the largest error and its cell x, y, and the mean, in cm; the number of filled holes.
+
+    As text it is one line, empty if there is nothing to say.
+    """
+
+    largest_cm: float
+    cell: Cell
+    mean_cm: float
+    filled: int
+
+    def __str__(self) -> str:
+        x, y = self.cell
+        error = f"rounded by {self.mean_cm:.2g} cm in the mean, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
+        filled = f"{self.filled:,} hole{'s'[: self.filled > 1]} filled from the neighbours"
+        return "; ".join([error] * (self.largest_cm > _VISIBLE_CM) + [filled] * (self.filled > 0))
+
+
+def are_not_blocks(units: Array, levels: Ints) -> bool:
+    """Return whether heights, in units, are too far from whole units to be measured blocks of that unit."""
+    import numpy as np
+
+    errors = np.abs(units - levels)
+    halfway = int((errors > _HALFWAY).sum())
+    lost = bool(units.max(initial=0) > _WHOLE) and not levels.any()  # all rounded to 0
+    return lost or float(errors.mean()) > _MEASURED or halfway > max(_MOST_HALFWAY * units.size, 1)
+
+
+def advice(heights_cm: Array, unit_cm: float) -> str:
+    """Return advice on heights [cm] that are no whole units: another ground, or another unit."""
+    import numpy as np
+
+    heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
+    if not heights.any():
+        return "give other values (cm, m, in, ...)"
+    # First another ground, then this unit measured badly, then another unit, of which blocks have 1 to 150 cm.
+    lowest = float(heights.min())
+    if lowest > unit_cm / 4 and _are_near(heights - lowest, unit_cm):
+        return f"they are whole units above {lowest:.4g} cm: give datum_cm {lowest:.4g} if that is the ground"
+    step = _largest_step(heights)
+    if step is None:
+        return "give another unit_cm, other values (cm, m, in, ...), or rounded"
+    if abs(step / unit_cm - 1) < _NEAR:
+        return "they are nearly whole units: rounded takes the nearest"
+    may_be = {"levels": 1.0} if abs(step - 1) < 1e-6 else {}
+    may_be |= {name: factor for name, factor in CENTIMETRES.items() if 1 <= step * factor <= 150}
+    ways = (
+        f"values {name}" + (f" and unit_cm {step * factor:.4g}" if name != "levels" else "")
+        for name, factor in may_be.items()
+    )
+    return f"they are whole multiples of {step:.4g}: give {', or '.join(ways)}"
+
+
+def _largest_step(heights: Array) -> float | None:
+    """Return the largest length of which all heights are nearly whole multiples, if the blocks have up to ten levels.
+
+    The lowest blocks, without ground and outliers, are one to four units high; the median of height / level is the
+    unit.
+    """
+    import numpy as np
+
+    positive = heights[heights > heights.max() * 0.02]  # less than a fifth of the lowest of ten levels is ground
+    lowest = float(np.quantile(positive, 0.1))
+    steps = (lowest / parts for parts in range(1, 5))
+    near = (step for step in steps if heights.max() / step < 10.5 and _are_near(heights, step))
+    step = next(near, None)
+    return None if step is None else float(np.median(positive / np.maximum(np.rint(positive / step), 1)))
+
+
+def _are_near(heights: Array, unit: float) -> bool:
+    import numpy as np
+
+    units = heights / unit
+    return float(np.abs(units - np.rint(units)).mean()) < _NEAR
+
+
+def lower_medians(rows: Array) -> Array:
+    """Return the lower median of the values of each row that are not nan; nan if all are."""
+    import numpy as np
+
+    middles = np.maximum(np.count_nonzero(~np.isnan(rows), axis=1) - 1, 0) // 2
+    return np.take_along_axis(np.sort(rows, axis=1), middles[:, None], axis=1)[:, 0]  # nan are last
+
+
+def filled(heights: Array, holes: Mask) -> Array:
+    """Return heights (n_x, n_y) with the lower median of the known of its eight neighbours in every hole.
+
+    A hole is filled from its edge to its middle, ring by ring; at least one cell has to be no hole.
+    """
+    import numpy as np
+
+    complete = np.where(holes, np.nan, heights)
+    missing = np.argwhere(holes)
+    while len(missing):
+        padded = np.pad(complete, 1, constant_values=np.nan)
+        around = [padded[missing[:, 0] + i, missing[:, 1] + j] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+        medians = lower_medians(np.stack(around, axis=1))
+        known = ~np.isnan(medians)
+        complete[tuple(missing[known].T)] = medians[known]
+        missing = missing[~known]
+    return complete
+
+
+MOST_CELLS = 2**24
+"""Cells of a file at most: 4096 x 4096, which need 0.8 GB while they become a map."""
+
+USUAL_UNIT_CM = 10.0
+"""The unit of heights if neither the file nor the user gives one, as of a recipe."""
+
+_HIGHEST = 32766
+"""The highest level: a recipe has at most 32,767 levels, as levels are int16, and the lowest is 0."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Heights:
+    """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has.
+
+    errors_cm, holes: (n_x, n_y), by how much each height is above its level, and which cells were filled, if known.
+    """
+
+    levels: Ints
+    unit_cm: float
+    recipe_values: Mapping[str, Any] = field(default_factory=dict)
+    errors_cm: Array | None = None
+    holes: Mask | None = None
+
+    @property
+    def rounding(self) -> Rounding | None:
+        """The rounding of the heights, None if it is unknown."""
+        import numpy as np
+
+        if self.errors_cm is None or self.holes is None:
+            return None
+        errors = np.where(self.holes, 0, np.abs(self.errors_cm))
+        x, y = (int(at) for at in np.unravel_index(errors.argmax(), errors.shape))
+        mean = float(errors.sum() / max((~self.holes).sum(), 1))
+        return Rounding(largest_cm=float(errors[x, y]), cell=(x, y), mean_cm=mean, filled=int(self.holes.sum()))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Importer(ABC):
+    """Reads heights from one sort of file, with its options."""
+
+    name: ClassVar[str]
+    suffixes: ClassVar[tuple[str, ...]]
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @abstractmethod
+    def read(self, path: Path, unit_cm: float | None) -> Heights:
+        """Return the heights in a file, in units of `unit_cm` if that is given; a FileError if it has none."""
+
+
+def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
+    """Raise a FileError if a file has too many cells, or none; called before they are read."""
+    from rsegen.run.resources import refuse_many_heights
+
+    if not 0 < n_x * n_y <= MOST_CELLS:
+        raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
+    refuse_many_heights(str(path), n_x, n_y)
+
+
+def whole_units(
+    path: Path, heights_cm: Array, unit_cm: float, *, rounded: bool, any_heights: bool = True, holes: Mask | None = None
+) -> Ints:
+    """Return heights [cm], shape (n_x, n_y), as levels; a FileError for the first that is no whole unit.
+
+    rounded: round those that are no whole units; any_heights: else heights that are no measured blocks of that unit are
+    refused; holes: cells that are not judged.
+    """
+    import numpy as np
+
+    # Whatever is no level is refused with the first such cell, in the order in which a person reads the table.
+    units = heights_cm / unit_cm
+    levels = np.floor(units + 0.5)
+    bad = ~np.isfinite(units) | (levels < 0) | (levels > _HIGHEST)
+    if not rounded:
+        with np.errstate(invalid="ignore"):
+            bad |= np.abs(units - levels) > _WHOLE
+    if bad.any():
+        column, row = (int(at) for at in np.argwhere(bad[:, ::-1])[0])
+        height = heights_cm[:, ::-1][column, row]
+        amiss, hint = "nan cm is a hole", "fill_holes gives it the height of its neighbours"
+        if not np.isnan(height):
+            amiss = f"{height:g} cm is not 0..{_HIGHEST} whole units of {unit_cm:g} cm"
+            hint = advice(heights_cm, unit_cm)
+        others = int(bad.sum()) - 1
+        more = f" ({others} more such cell{'s'[: others > 1]})" if others else ""
+        raise FileError(f"{path}: row {row + 1} from the top, column {column + 1}: {amiss}{more}; {hint}")
+    judged = np.ones(levels.shape, dtype=bool) if holes is None else ~holes
+    if rounded and not any_heights and are_not_blocks(units[judged], levels[judged]):
+        heights = heights_cm[judged]
+        raise FileError(
+            f"{path}: heights of {heights.min():.4g} to {heights.max():.4g} cm are not blocks of {unit_cm:g} cm: "
+            f"{advice(heights, unit_cm)}; any_heights rounds them anyway"
+        )
+    return levels.astype(np.int32)
+
+
+def _problem(cls: type[Importer]) -> str:
+    """Return the problem of a plug-in's importer: a suffix or an option; empty if there is none."""
+    for suffix in cls.suffixes:
+        if not (suffix.startswith(".") and suffix.islower()):
+            return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"
+    return clash(cls, RESERVED_FLAGS) or ("" if cls() else "cannot be made without options")
+
+
+IMPORTERS: Registry[type[Importer]] = Registry(
+    "format of heights",
+    package="rsegen.heights",
+    group="rsegen.importers",
+    contract=Contract(base=Importer, names=lambda cls: tuple(cls.suffixes), check=_problem),
+)
+"""Every importer by the suffixes of its files."""
+
+register = IMPORTERS.register
+"""Decorator of an importer, which is known by the suffixes of its files then."""
+
+
+def importer_for(path: Path) -> type[Importer]:
+    """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
+    importer = IMPORTERS.get(path.suffix.lower())
+    if not importer:
+        raise FileError(f"{path}: heights are read from files named {', '.join('*' + suffix for suffix in IMPORTERS)}")
+    return importer
+
+
+def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
+    """Return the recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
+
+    unit_cm: the height of one level, by default that of the file
+    chunk_size: must divide both sides; by default that of the file, or 10 if it divides both sides, else the largest
+    number up to 1000 that does
+    """
+    return recipe_of(path, heights_in(path, reading, unit_cm), chunk_size)
+
+
+def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> Heights:
+    """Return the heights in a file, as levels of `unit_cm`, by default that of the file."""
+    import numpy as np
+
+    with np.errstate(all="ignore"):  # what is no number, or too large for one, is found in whole_units
+        return reading.read(path, unit_cm)
+
+
+def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
+    """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    import numpy as np
+
+    from rsegen.field.obstacles.matrix import Matrix
+
+    n_x, n_y = heights.levels.shape
+    common, side = math.gcd(n_x, n_y), chunk_size or heights.recipe_values.get("chunk_size")
+    if side and common % side:
+        raise ParameterError("chunk_size", f"{side} does not divide {n_x} x {n_y} cells; {common} does")
+    side = side or next(side for side in (10, *range(min(common, 1000), 0, -1)) if common % side == 0)
+    parts = {"heights": heights.levels}
+    if heights.holes is not None and heights.holes.any():
+        parts = {
+            "heights": np.where(heights.holes, -1, heights.levels),
+            "filled-holes": np.where(heights.holes, heights.levels, -1),
+        }
+    recipe_values = {"boundary": "none", **heights.recipe_values, "unit_cm": heights.unit_cm, "chunk_size": side}
+    return Recipe(
+        name=re.sub(r"[^A-Za-z0-9_.\-]", "_", path.stem).lstrip(".-")[:64] or "heights",
+        description=re.sub(r"[\x00-\x1f]", " ", f"heights of {path.name}")[:500],
+        chunks=(n_x // side, n_y // side),
+        seed=0,
+        obstacles=tuple(Matrix.of(levels, key=key) for key, levels in parts.items()),
+        **recipe_values,
+    )

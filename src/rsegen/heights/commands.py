@@ -1,0 +1,118 @@
+"""The command `rsegen import`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from rsegen.cli.flags import (
+    add_recipe_flags,
+    recipe_flags,
+    with_flags,
+)
+from rsegen.cli.generate import add_output_flags, produce
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
+from rsegen.errors import ParameterError
+from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
+from rsegen.params.sorts import FilePath, Flag, parameters
+from rsegen.pictures.flags import picture_of
+from rsegen.recipe.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rsegen.heights.base import Importer
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Errors:
+    """Write a world from a file of heights, each cell a block with vertical sides."""
+
+    errors: Annotated[
+        str | None,
+        FilePath("a picture", help="draw by how much each height was rounded"),
+        Shell(metavar="PICTURE"),
+    ] = None
+
+
+def add_import(command: Parser) -> None:
+    """Add the flags of `rsegen import`."""
+    from rsegen.heights.base import IMPORTERS
+
+    epilog = (
+        "A table (CSV), a numpy array (NPY), a greyscale image (PNG, JPEG, PGM, TIFF), or an occupancy grid of ROS "
+    )
+    epilog += "(map.yaml). The folder of the world has its recipe, which can be opened on the page and generated again."
+    command.explain(_Errors.__doc__, epilog)
+    command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
+    _add_reading_flags(command)
+    add_output_flags(command)
+    add_flags(command, _Errors)
+    add_recipe_flags(command, over="FILE")
+
+
+def run_import(arguments: argparse.Namespace) -> Report:
+    """Import, generate, and say what was made and how far heights were rounded."""
+    from rsegen.heights.base import heights_in, importer_for, recipe_of
+    from rsegen.heights.pictures import rounding_plot
+    from rsegen.scene.scene import compose
+
+    path, picture = Path(arguments.file), picture_of(arguments.errors, force=arguments.force)
+    said, sorts = recipe_flags(arguments), parameters(Recipe)
+    settled = {name: sorts[name].check(name, said[name]) for name in ("unit_cm", "chunk_size") if name in said}
+    heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
+    recipe = with_flags(recipe_of(path, heights, settled.get("chunk_size")), arguments)
+    if picture and heights.rounding is None:
+        raise ParameterError("--errors", f"{path} has levels, which are not rounded")
+    report = produce(recipe, arguments)
+    if picture and heights.errors_cm is not None and heights.holes is not None:
+        picture.write(partial(rounding_plot, compose(recipe), heights.errors_cm, heights.holes))
+    return replace(report, notes=[str(heights.rounding)]) if heights.rounding else report
+
+
+def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
+    """Return the importer with the options that were given; one that it does not have is an error."""
+    for name, option in _options().items():
+        if name not in parameters(cls) and getattr(arguments, name) is not None:
+            flags = ", ".join(known.flags[-1] for known in declared(cls).values())
+            raise ParameterError(
+                option.flags[-1], f"is not for this file, which is read as {cls.name} (known: {flags})"
+            )
+    said = given(cls, arguments, arguments.units)
+    values: Any = parameters(cls).get("values")
+    if arguments.units == "in" and "values" not in said and "in" in getattr(values, "values", ()):
+        said["values"] = "in"
+    return cls(**said)
+
+
+def _add_reading_flags(command: argparse.ArgumentParser) -> None:
+    group = command.add_argument_group("reading")
+    for name, option in _options().items():
+        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
+        is_switch = isinstance(option.sort, Flag)
+        options = {"action": "store_const", "const": True} if is_switch else {"metavar": name.upper()}
+        action = add_flag(group, option._replace(default=None), text, **options)
+        action.completer = None  # its words depend on the file
+
+
+def _meanings(name: str) -> Mapping[str, Collection[str]]:
+    """Return the help texts of an option, each with the formats that have it."""
+    from rsegen.heights.base import IMPORTERS
+
+    formats: dict[str, dict[str, None]] = {}
+    for cls in IMPORTERS.values():
+        if option := declared(cls).get(name):
+            listed = option.metavar.startswith("{") and not isinstance(option.sort, Flag)
+            text = option._replace(default=None).help
+            formats.setdefault(f"{option.metavar}: {text}" if listed else text, {})[cls.name] = None
+    return formats
+
+
+def _options() -> Mapping[str, Declared]:
+    """Return the options of all formats by name."""
+    from rsegen.heights.base import IMPORTERS
+
+    return {name: option for cls in IMPORTERS.values() for name, option in declared(cls).items()}

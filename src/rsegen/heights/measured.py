@@ -1,0 +1,151 @@
+"""The common base of importers of measured heights: unit, ground, resampling, holes and rounding.
+
+A table that is finer than blocks, shifted or turned is sampled: each block gets the median of up to 15 x 15 points on
+it, which ignores edges and outliers, and is a hole if more than half of the points are. Then the ground is subtracted,
+holes are filled on request, and heights are rounded to levels. Cost: at most 2^26 samples, a second. What breaks it: a
+grid that is turned or scaled by more than about a block over the map, so that points lie on neighbouring blocks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, cos, isqrt, radians, sin
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from rsegen.errors import FileError, ParameterError
+from rsegen.heights.base import Heights, Importer, filled, lower_medians, refuse_too_many_cells, whole_units
+from rsegen.params.sorts import Cell, Flag, Float, ListOf, Size2D
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Array
+
+
+_MOST_ALONG = 15
+"""Samples along a side of a block at most: the median of 225 points is surer than a block is level."""
+
+_MOST_SAMPLES = 2**26
+"""Samples of a map at most: blocks of larger maps get fewer; more would take seconds."""
+
+
+def sampled(
+    heights: Array, size: Cell, per_block: tuple[float, float], origin: tuple[float, float], turn: float
+) -> Array:
+    """Return the median height over each block, shape `size`; nan where more than half of a block is nan or outside.
+
+    heights: (n_x, n_y) of a file's cells, nan for holes; per_block: its cells along a block's sides; origin: the
+    map's south-west corner, in cells from the file's; turn: of the map in the file, degrees counterclockwise.
+    """
+    import numpy as np
+
+    most = max(min(_MOST_ALONG, isqrt(_MOST_SAMPLES // (size[0] * size[1]))), 1)
+    samples = [min(max(ceil(cells), 1), most) for cells in per_block]
+    along = [
+        (np.arange(blocks * n).reshape(blocks, n) + 0.5) / n * cells
+        for blocks, n, cells in zip(size, samples, per_block, strict=True)
+    ]
+    c, s = cos(radians(turn)), sin(radians(turn))
+    rows = (_heights_at(heights, origin, u[:, None, None], along[1], (c, s)) for u in along[0])
+    points = (row.transpose(1, 0, 2).reshape(size[1], -1) for row in rows)
+    return np.array([np.where(np.isnan(row).mean(axis=1) > 0.5, np.nan, lower_medians(row)) for row in points])
+
+
+def _heights_at(heights: Array, origin: tuple[float, float], u: Array, v: Array, turned: tuple[float, float]) -> Array:
+    """Return the heights of the file at points u, v of the map."""
+    import numpy as np
+
+    c, s = turned
+    x, y = (
+        np.floor(np.round(along, 6)).astype(np.int64)
+        for along in (origin[0] + u * c - v * s, origin[1] + u * s + v * c)
+    )
+    n_x, n_y = heights.shape
+    inside = (x >= 0) & (x < n_x) & (y >= 0) & (y < n_y)
+    return np.where(inside, heights[x.clip(0, n_x - 1), y.clip(0, n_y - 1)], np.nan)
+
+
+RESAMPLED = "resample to this many cells along x and y; default: one per cell, or pixel, of the file"
+
+_MOST_HOLES = 0.5
+"""Share of cells that may be filled: with more holes the map would be made up rather than measured."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Measured(Importer):
+    """An importer of heights that were measured."""
+
+    rounded: Annotated[bool, Flag(help="round heights that are not whole units; without it they are errors")] = False
+    any_heights: Annotated[
+        bool, Flag(help="round heights even if most are far from whole units, as those of natural ground are")
+    ] = False
+    datum_cm: Annotated[
+        float | None, Float(-100_000, 100_000, unit="cm", help="height of the ground in the file, which is subtracted")
+    ] = None
+    fill_holes: Annotated[
+        bool, Flag(help="give blank cells and holes the median height of their neighbours; the recipe lists them apart")
+    ] = False
+    size: Annotated[Cell | None, Size2D(help=RESAMPLED)] = None
+    cells_per_block: Annotated[
+        float | None, Float(0.01, 4096, help="cells of the file along the side of a block, for size")
+    ] = None
+    origin: Annotated[
+        tuple[float, float] | None,
+        ListOf(
+            Float(-4096, 4096),
+            2,
+            help="south-west corner of the map in the file, in cells from its own, for size; default: centred",
+        ),
+    ] = None
+    rotation: Annotated[
+        float, Float(-360, 360, unit="degrees", help="angle of the map in the file, counterclockwise")
+    ] = 0.0
+
+    def measured(
+        self, path: Path, heights_cm: Array, unit_cm: float, recipe_values: dict[str, Any] | None = None
+    ) -> Heights:
+        """Return heights [cm] of a file, shape (n_x, n_y), nan for holes, as levels; a FileError if they are none."""
+        import numpy as np
+
+        # In this order: blocks of the map, then their ground, then holes, then levels.
+        heights = self._resampled(heights_cm) - (self.datum_cm or 0)
+        holes = np.isnan(heights)
+        if self.fill_holes and holes.any():
+            if holes.mean() > _MOST_HOLES:
+                raise FileError(
+                    f"{path}: {int(holes.sum()):,} of {holes.size:,} cells are holes; at most half are filled"
+                )
+            heights = filled(heights, holes)
+        rounded = self.rounded or self.any_heights
+        levels = whole_units(path, heights, unit_cm, rounded=rounded, any_heights=self.any_heights, holes=holes)
+        return Heights(
+            levels=levels,
+            unit_cm=unit_cm,
+            recipe_values=recipe_values or {},
+            errors_cm=heights - levels * unit_cm,
+            holes=holes,
+        )
+
+    def _resampled(self, heights: Array) -> Array:
+        """Return the heights of the blocks of a map; those of the file if nothing else is asked for."""
+        import numpy as np
+
+        quarters, rest = divmod(self.rotation, 90)
+        if self.size is None:
+            if rest or self.origin or self.cells_per_block:
+                raise ParameterError(
+                    "size", "give the number of blocks along x and y with origin, rotation, cells_per_block"
+                )
+            return np.rot90(heights, -int(quarters))
+        extent = heights.shape[:: -1 if quarters % 2 else 1]
+        whole = self.cells_per_block is None and self.origin is None and not rest
+        cells = self.cells_per_block or 1.0
+        per_block = (extent[0] / self.size[0], extent[1] / self.size[1]) if whole else (cells, cells)
+        refuse_too_many_cells(Path("size"), *self.size)
+        return sampled(heights, self.size, per_block, self.origin or self._centred(heights, per_block), self.rotation)
+
+    def _centred(self, heights: Array, per_block: tuple[float, float]) -> tuple[float, float]:
+        """Return the south-west corner of a map whose middle is that of the file."""
+        u, v = (blocks * cells / 2 for blocks, cells in zip(self.size or (), per_block, strict=True))
+        c, s = cos(radians(self.rotation)), sin(radians(self.rotation))
+        n_x, n_y = heights.shape
+        return n_x / 2 - (u * c - v * s), n_y / 2 - (u * s + v * c)

@@ -1,0 +1,286 @@
+"""A terrain for a curriculum: many maps side by side in one field, harder from row to row, a kind in each column.
+
+    recipes --build, at the difficulty of each row--> tiles --with flat ground around them--> StepField
+
+Rows go along +x, from the easiest; columns along +y. A column has as many maps of its recipe as there are rows. As they
+differ in roughness, more difficulty of a smoother map may be less than less of a rougher one, so the rougher maps of a
+column are in its harder rows. That costs the metric of each map as designed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import gcd
+
+import numpy as np
+
+from rsegen.datasets.difficulty_tiles import (
+    Span,
+    amid,
+    check_tile,
+    eased,
+    kind_of_column,
+    mean_of,
+    recipes_of,
+    refuse_unlike,
+    share_of,
+    span_of,
+    tile_levels,
+)
+from rsegen.errors import ParameterError, TooLarge, inside
+from rsegen.field.crossing import CrossingModel
+from rsegen.field.limits import SIDE
+from rsegen.field.obstacles.matrix import Matrix
+from rsegen.field.stepfield import Array, Ints, Levels, StepField
+from rsegen.learning.terrain_design import TerrainDesign
+from rsegen.measuring.catalogue import RMS, By, metric_by
+from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
+from rsegen.params.streams import generator
+from rsegen.recipe.building import build
+from rsegen.recipe.recipe import Recipe
+from rsegen.standing.body import Body
+from rsegen.standing.spots import body_of_size, spots_of_parts
+
+_ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
+"""Parameters that must be the same in all recipes, as the whole terrain has one value of each."""
+
+_LARGEST_CHUNK = 1000
+"""Largest `chunk_size` of a recipe, of which a terrain as one map is made."""
+
+_MOST_CELLS = 2**27
+"""Largest number of cells of a terrain: a mesh takes hundreds of bytes for each."""
+
+SIZE, _COUNT = ListOf(SIDE, 2), Integer(1, 1000)
+_ENVIRONMENTS = Integer(1, 10_000_000)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terrain(TerrainDesign):
+    """Maps of one or several recipes as one field, harder from row to row.
+
+    recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
+    difficulty: that of the first row and that of the last; the rows between rise evenly. 0 is flat, 1 as designed.
+    by: what rises evenly from row to row, by its name in `rsegen metrics --csv` or a function StepField -> float. By
+    `steps.rms`, the default, each tile has the row's share of its own; by another one a row has one value, from the
+    mean of level tiles to the mean of full ones, as near as each tile comes to it. robot: for metrics of a robot, such
+    as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
+    progress: called for each tile that is made, and for each whose spots are found.
+    Frames become blocks of their height. The flat ground around tiles is at the highest `ground_level` of the recipes,
+    and tiles of a lower one are raised to it. UserError if the recipes do not go together, or it is too large.
+    """
+
+    recipes: Recipe | Sequence[Recipe]
+    by: By = RMS
+    robot: CrossingModel | None = None
+    progress: Callable[[], object] | None = None
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not 0 < len(self._kinds) <= self.columns:
+            raise ParameterError(
+                "recipes", f"{len(self._kinds)} for {self.columns} columns; give at most one per column"
+            )
+        refuse_unlike(self._kinds, _ALIKE)
+        first = self._kinds[0].cells
+        for index, recipe in enumerate(self._kinds):
+            with inside(f"recipes[{index}]"):
+                if (tile := recipe.cells) != first:
+                    sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, first))
+                    raise ParameterError("", f"tiles of {sides} cells with their frames; give recipes of one size")
+                check_tile(recipe)
+        metric_by(self.by, self.robot)
+        n_x, n_y = self._shape
+        if n_x * n_y > _MOST_CELLS:
+            raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; give fewer or smaller tiles")
+
+    @property
+    def _kinds(self) -> tuple[Recipe, ...]:
+        return recipes_of(self.recipes)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The name of the recipe of each column."""
+        return tuple(self._kinds[self._kind_of(column)].name for column in range(self.columns))
+
+    @property
+    def difficulties(self) -> Array:
+        """The difficulty of each row, (rows,): how far it is from level (0) to as designed (1), by the metric."""
+        return np.linspace(*self.difficulty, self.rows)
+
+    @cached_property
+    def maps(self) -> Ints:
+        """The index of the map of each tile in its recipe, (rows, columns): a column has every `columns`-th map.
+
+        They are in the order in which the metric of the whole map rises along the rows, if the difficulty does.
+        """
+        maps = np.arange(self.rows * self.columns).reshape(self.rows, self.columns)
+        rising = np.sign(self.difficulty[1] - self.difficulty[0])
+        for column in range(self.columns if rising and self.rows > 1 else 0):
+            full = [self._fullness(self._kind_of(column), int(index)) for index in maps[:, column]]
+            maps[:, column] = maps[np.argsort(rising * np.array(full), kind="stable"), column]
+        maps.setflags(write=False)
+        return maps
+
+    @cached_property
+    def levels(self) -> Levels:
+        """The levels of the cells of each tile, frames counted: (rows, columns, n_x, n_y)."""
+        n_x, n_y = self._kinds[0].cells
+        levels = np.empty((self.rows, self.columns, n_x, n_y), dtype=np.int16)
+        recipes: dict[tuple[int, float], Recipe] = {}
+        for row, column in np.ndindex(self.rows, self.columns):
+            key = self._kind_of(column), self._share(row, column)
+            recipe = recipes[key] = recipes.get(key) or eased(self._kinds[key[0]], key[1])
+            raised = self._ground - recipe.ground_level
+            levels[row, column] = tile_levels(recipe, int(self.maps[row, column])) + np.int16(raised)
+            self._tell_progress()
+        levels.setflags(write=False)
+        return levels
+
+    @cached_property
+    def field(self) -> StepField:
+        """All tiles in one field, whose middle is the origin."""
+        first = self._kinds[0]
+        levels = np.full(self._shape, self._ground, dtype=np.int16)
+        for row, column in np.ndindex(self.rows, self.columns):
+            levels[self._window(row, column)] = self.levels[row, column]
+        return StepField(
+            levels=levels,
+            frame=np.zeros(levels.shape, dtype=bool),
+            block_width=self._block_width,
+            unit=first.unit_cm / 100,
+            frame_height=first.frame_height_cm / 100,
+        )
+
+    @property
+    def tile_size(self) -> tuple[float, float]:
+        """Metres of a tile along x and y, frames counted."""
+        n_x, n_y = self._kinds[0].cells
+        width = self._block_width
+        return round(n_x * width, NANOMETRE_DIGITS), round(n_y * width, NANOMETRE_DIGITS)
+
+    @property
+    def origins(self) -> Array:
+        """The middle of each tile, (rows, columns, 3), metres; z is the highest of the cells that meet there."""
+        x, y = (
+            (np.arange(tiles) - (tiles - 1) / 2) * (cells + self.gap) * self._block_width
+            for tiles, cells in zip((self.rows, self.columns), self._kinds[0].cells, strict=True)
+        )
+        middles = np.round(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1), NANOMETRE_DIGITS)
+        return np.concatenate([middles, amid(self.levels)[..., None] * (self._kinds[0].unit_cm / 100)], axis=2)
+
+    def grid_origins(self, count: int) -> Array:
+        """Return places for `count` environments in an even grid over all tiles, (count, 3), metres, along x first.
+
+        z is the highest of the cells that meet there, as in `origins`: for policies that stay where they are.
+        """
+        count = _ENVIRONMENTS.check("count", count)
+        field, extent = self.field, np.array(self.field.extent)
+        along_x = max(1, min(count, round(float(np.sqrt(count * extent[0] / extent[1])))))
+        shape = np.array([along_x, -(-count // along_x)])
+        places = (np.stack(np.unravel_index(np.arange(count), shape), axis=1) + 0.5) / shape
+        cells = np.round(places * field.shape, NANOMETRE_DIGITS)
+        i, j = (np.stack([np.ceil(at) - 1, np.floor(at)]).astype(int) for at in cells.T)
+        heights = field.heights[i[:, None], j[None, :]].max(axis=(0, 1))
+        return np.column_stack([places * extent - extent / 2, heights])
+
+    def spots(self, robot: Body | Sequence[float], count: int = 1, *, seed: int = 0, evenest: bool = False) -> Array:
+        """Return spots on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
+
+        robot: its body, or the length and width in metres of one that stands on all of its rectangle; evenest: where a
+        tile has no spot, take the best place. ParameterError names the first tile that has too few.
+        """
+        body = robot if isinstance(robot, Body) else body_of_size(*SIZE.check("robot", robot))
+        count = _COUNT.check("count", count)
+        tiles = list(np.ndindex(self.rows, self.columns))
+        rngs = (generator(seed, row * self.columns + column, "spots of a terrain") for row, column in tiles)
+        spots = spots_of_parts(self.field, body, count, [self._window(*tile) for tile in tiles], rngs, evenest=evenest)
+        poses = np.empty((self.rows, self.columns, count, 4))
+        for row, column in tiles:
+            with inside(f"tile {row}, {column}"):
+                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in next(spots)]
+            self._tell_progress()
+        return poses
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        """The recipe of the whole terrain as one map: all that rsegen does with a map it does with this one."""
+        first, (n_x, n_y) = self._kinds[0], self._shape
+        side = next(side for side in range(min(gcd(n_x, n_y), _LARGEST_CHUNK), 0, -1) if gcd(n_x, n_y) % side == 0)
+        return replace(
+            first,
+            name=self.name,
+            description="",
+            maps=1,
+            first_map=0,
+            chunk_size=side,
+            chunks=(n_x // side, n_y // side),
+            boundary="none",
+            ground_level=0,
+            difficulty=1.0,
+            max_step=None,
+            crossable_by=None,
+            inventory=None,
+            obstacles=(Matrix.of(self.field.levels, key="terrain"),),
+        )
+
+    @property
+    def _block_width(self) -> float:
+        """Side of a block, metres."""
+        return self._kinds[0].block_width_cm / 100
+
+    @property
+    def _ground(self) -> int:
+        """Level of the flat ground around the tiles, and of all tiles."""
+        return max(recipe.ground_level for recipe in self._kinds)
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        """Cells of the whole field."""
+        n_x, n_y = self._kinds[0].cells
+        along_x, along_y = (
+            tiles * cells + (tiles - 1) * self.gap + 2 * self.border
+            for tiles, cells in ((self.rows, n_x), (self.columns, n_y))
+        )
+        return along_x, along_y
+
+    def _window(self, row: int, column: int) -> tuple[slice, slice]:
+        """Return the cells of a tile in the field."""
+        n_x, n_y = self._kinds[0].cells
+        x, y = (self.border + tile * (cells + self.gap) for tile, cells in ((row, n_x), (column, n_y)))
+        return slice(x, x + n_x), slice(y, y + n_y)
+
+    def _share(self, row: int, column: int) -> float:
+        """Return the share of its recipe's difficulty that a tile has."""
+        difficulty = float(self.difficulties[row])
+        if self.by == RMS:
+            return difficulty
+        kind, index, metric = self._kind_of(column), int(self.maps[row, column]), metric_by(self.by, self.robot)
+        spans, mean = self._spans[kind]
+        return share_of(self._kinds[kind], index, metric, spans[index], mean, difficulty)
+
+    def _fullness(self, kind: int, index: int) -> float:
+        """Return how far the metric of a map as designed is from that of level ground; less for smoother maps."""
+        if self.by == RMS:
+            return metric_by(RMS)(build(self._kinds[kind], index))
+        spans, mean = self._spans[kind]
+        return (spans[index].full - mean.level) * (1 if mean.full > mean.level else -1)
+
+    @cached_property
+    def _spans(self) -> list[tuple[dict[int, Span], Span]]:
+        """The metric's range on each map of each recipe by its index, and the mean range."""
+        spans_of_kinds = []
+        metric = metric_by(self.by, self.robot)
+        for kind, recipe in enumerate(self._kinds):
+            indices = (i for i in range(self.rows * self.columns) if self._kind_of(i % self.columns) == kind)
+            spans = {index: span_of(recipe, index, metric) for index in indices}
+            spans_of_kinds.append((spans, mean_of(list(spans.values()), metric.name)))
+        return spans_of_kinds
+
+    def _tell_progress(self) -> None:
+        if self.progress:
+            self.progress()
+
+    def _kind_of(self, column: int) -> int:
+        return kind_of_column(column, self.columns, len(self._kinds))

@@ -1,0 +1,337 @@
+"""rsegen metrics: how rough maps are, and what a robot can do on them; a page for one map, a line each for many."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain
+from math import radians
+from typing import TYPE_CHECKING, Annotated, Any
+
+from rsegen.cli.flags import add_target_flags, add_target_recipe_flags, maps_of_flags
+from rsegen.cli.parameters import Force
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, share_bar
+from rsegen.errors import ParameterError
+from rsegen.field.crossing import CrossingModel, robot_kinds, robot_that_crosses
+from rsegen.field.limits import StepLimits
+from rsegen.params.command import Shell, add_flags, given
+from rsegen.params.numbers import Lengths, lengths_in, whole_degrees
+from rsegen.params.sorts import Float, Reference
+from rsegen.pictures.flags import PictureName, picture_of
+
+if TYPE_CHECKING:
+    from rsegen.field.steps import Steps
+    from rsegen.measuring.catalogue import Metrics
+    from rsegen.measuring.roughness import Scale
+    from rsegen.measuring.spectrum import Spectrum
+    from rsegen.scene.scene import Scene
+
+    Measured = tuple[Scene, Metrics]
+
+_KINDS = Reference("a kind of robot, or a file of one", help="kind of robot, or SDF, URDF or Xacro file of a model")
+_NO_ROBOT = "give a robot, as in --robot burger, or limits of steps, as in --climb-cm 10"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Options:
+    """The robot that the shell can name, and the picture that it can ask for."""
+
+    robot: Annotated[str | None, _KINDS, Shell(metavar="KIND|FILE")] = None
+    output: Annotated[
+        PictureName, Shell(help="draw the ways of the robot across the first map, and the area that it can reach")
+    ] = None
+    heading: Annotated[
+        float | None,
+        Float(
+            -360, 360, unit="degrees", help="draw maps of the robot's tilt, margin and reason at this heading instead"
+        ),
+        Shell(metavar="DEG"),
+    ] = None
+    force: Force = False
+
+
+def add_metrics(command: Parser) -> None:
+    """Add the flags of `rsegen metrics`."""
+    text = (
+        "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
+        "crossed. With a robot, also where it gets, and its ways across, by its poses; with limits of steps, by cells."
+    )
+    command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")
+    add_target_flags(command, "all")
+    group = command.add_argument_group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
+    add_flags(group, _Options, only=["robot"])
+    group = command.add_argument_group("limits of steps", "in place of a robot: paths from cell to cell")
+    add_flags(group, StepLimits)
+    output = command.add_argument_group("output")
+    output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
+    add_flags(output, _Options, without=["robot"])
+    add_target_recipe_flags(command)
+
+
+def run_metrics(arguments: argparse.Namespace) -> Report:
+    """Measure and draw."""
+    if arguments.json and arguments.csv:
+        raise ParameterError("--csv", "--json and --csv exclude each other")
+    robot = _crosser(arguments)
+    picture = picture_of(arguments.output, force=arguments.force)
+    if picture and robot is None:
+        raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
+    heading = given(_Options, arguments).get("heading")
+    if heading is not None and picture is None:
+        raise ParameterError("--heading", "is for a picture; give -o too")
+    scenes = _scenes(arguments)
+    first = next(scenes)
+    measured = _measured(first, robot)
+    if picture and robot:
+        picture.write(partial(_picture, first, robot, measured, heading))
+    rows: Iterable[Measured] = chain([(first, measured)], ((scene, _measured(scene, robot)) for scene in scenes))
+    if arguments.json:
+        rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too
+    lines = _csv(rows) if arguments.csv else _report(rows, robot, first.units)
+    return Report(lines=lines, content=lambda: [_entry(*row) for row in rows])
+
+
+def _scenes(arguments: argparse.Namespace) -> Iterator[Scene]:
+    """Yield the maps to measure, each when it is asked for."""
+    from rsegen.run.resources import refuse_too_large
+    from rsegen.scene.scene import compose
+
+    for recipe in maps_of_flags(arguments):
+        refuse_too_large(recipe, "measure")
+        yield from (compose(recipe, index) for index in recipe.indices)
+
+
+def _crosser(arguments: argparse.Namespace) -> CrossingModel | None:
+    """Return the robot or the limits of steps that the flags give, if any."""
+    said = given(StepLimits, arguments)
+    if arguments.robot is not None:
+        if said:
+            raise ParameterError("--climb-cm", "limits of steps are measured without --robot, which knows its own")
+        return robot_that_crosses(arguments.robot, "--robot")
+    if said and "climb_cm" not in said:
+        raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
+    return StepLimits(**said) if said else None
+
+
+def _measured(scene: Scene, crosser: CrossingModel | None) -> Metrics:
+    """Return the metrics of a map; the search of a robot, which may take a minute, is shown as a bar."""
+    from rsegen.measuring.catalogue import metrics
+
+    if crosser is None or not crosser.search:
+        return metrics(scene.field, crosser)
+    with share_bar(scene.name) as watch:
+        return metrics(scene.field, crosser.watched(watch))
+
+
+def _picture(scene: Scene, crosser: CrossingModel, measured: Metrics, heading: float | None, form: str) -> bytes:
+    """Draw the ways across a map, or maps of a robot's poses at a heading in degrees."""
+    if heading is not None:
+        return crosser.pose_maps(scene, radians(heading), form)
+    from rsegen.measuring.plots import path_plot
+
+    return path_plot(scene, measured.reach, crosser.in_words(scene.units), form)
+
+
+def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:
+    from rsegen.measuring.catalogue import custom, nested
+
+    whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(measured)}
+    return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
+
+
+def _csv(measured: Iterable[Measured]) -> Iterator[str]:
+    """Yield the lines of a table with a column for each metric of the first map."""
+    from rsegen.measuring.catalogue import flattened
+
+    columns: list[str] = []
+    for row in measured:
+        values = dict(flattened(_entry(*row)))
+        text = io.StringIO()
+        writer = csv.DictWriter(text, columns or list(values), lineterminator="\n")
+        if not columns:
+            columns = list(values)
+            writer.writeheader()
+        writer.writerow(values)
+        yield text.getvalue()[:-1]
+
+
+def _report(measured: Iterable[Measured], crosser: CrossingModel | None, units: str) -> Iterator[str]:
+    """Yield the lines of a page for one map, of a table for more of them."""
+    maps = iter(measured)
+    first, second = next(maps), next(maps, None)
+    yield from _table(chain([first, second], maps)) if second else _page(*first, crosser)
+
+
+def _table(measured: Iterable[Measured]) -> Iterator[str]:
+    from rsegen.measuring.catalogue import METRICS, custom
+
+    with_reach = False
+    for number, (scene, found) in enumerate(measured):
+        own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
+        cells = _cells(found, lengths_in(scene.recipe.units)) | own
+        if not number:
+            with_reach = found.reach is not None
+            yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
+            yield f"{'':<24}" + "".join(f"{unit:>{_width(name, unit)}}" for name, unit in cells)
+        yield f"{scene.name:<24}" + "".join(f"{text:>{_width(*head)}}" for head, text in cells.items())
+    yield ""
+    yield from (f"{name:<11}{text}" for name, text in _LEGEND.items())
+    yield from (f"{name:<11}{text}" for name, text in (_LEGEND_OF_REACH if with_reach else {}).items())
+    yield "rsegen metrics --map INDEX says more of one map, docs/metrics.md has every formula"
+
+
+_LEGEND = {
+    "height, sd": "mean height of the blocks, and its standard deviation",
+    "step, max": "height difference of neighbouring blocks: the mean, the largest",
+    "TRI": "terrain ruggedness index: root mean square height difference of a block from its 8 neighbours",
+    "surface": "area of tops and sides, divided by that of the plan",
+    "climb w-e": "smallest step with which some path leads across from west to east; s-n: from south to north",
+}
+_LEGEND_OF_REACH = {
+    "region": "share of the blocks in the largest region in which the robot gets from everywhere to everywhere",
+    "way w-e": "its way across from west to east, divided by the straight one; empty: there is none",
+}
+"""The words below a table, for who has never read docs/metrics.md."""
+
+
+def _width(name: str, unit: str) -> int:
+    """Return the width of a column; a metric of a plug-in may have a long name, and a long unit."""
+    return max(_WIDTH, len(name) + 2, len(unit) + 2)
+
+
+_WIDTH = 7
+_SIZES = 24
+"""The largest number of step sizes that a page lists."""
+
+
+def _cells(found: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
+    """Return the cells of one map in a table, by the heads of its columns and their units; empty without a value."""
+    lengths = {
+        "height": found.spread.mean,
+        "sd": found.spread.deviation,
+        "step": found.steps.mean,
+        "max": found.steps.highest,
+        "TRI": found.ruggedness.tri,
+        "climb w-e": found.opening.west_east,
+        "climb s-n": found.opening.south_north,
+    }
+    cells = {
+        (name, written.unit): "" if length is None else written.measured(length) for name, length in lengths.items()
+    }
+    cells["surface", "x"] = f"{found.ruggedness.surface_ratio:.2f}"
+    if found.reach is not None:
+        cells["region", "%"] = f"{found.reach.coverage:.0%}".rstrip("%")
+        cells["way w-e", "x"] = _ratio(found.reach.west_east)
+        cells["way s-n", "x"] = _ratio(found.reach.south_north)
+    return cells
+
+
+def _ratio(way: Any) -> str:
+    ratio = getattr(way, "cost_ratio", way.length_ratio)
+    return "" if ratio is None else f"{ratio:.2f}"
+
+
+def _page(scene: Scene, found: Metrics, crosser: CrossingModel | None) -> Iterator[str]:
+    blocks, written = sum(found.spread.level_counts.values()), lengths_in(scene.recipe.units)
+    width = written.short(round(scene.field.block_width * 1e9))
+    size = f"{width} x {width} {written.unit}"
+    yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
+    spread, plane = found.spread, found.plane
+    of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
+    heights = f"{written.measured(spread.lowest)}..{written.said(spread.highest)}"
+    yield f"heights  {heights}, mean {written.said(spread.mean)}"
+    yield f"         standard deviation {written.said(spread.deviation)}{of_mean}, entropy {spread.entropy:.2f} bits"
+    yield from _steps(found.steps, written)
+    off = f"heights deviate by {written.said(plane.residual)} (rms) from their plane of least squares"
+    yield f"plane    {off}, which rises by {plane.slope:.1%}"
+    yield _scale(found.scale, written)
+    yield _spectrum(found.spectrum)
+    rugged, opens = found.ruggedness, found.opening
+    tri = f"{written.said(rugged.tri)} (root mean), {written.said(rugged.riley)} (Riley)"
+    yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
+    yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
+    yield f"surface  {rugged.surface_ratio:.2f} times the plan"
+    wide = " for its width" if found.reach else ""
+    ways = f"{written.said(opens.west_east)} west to east, {written.said(opens.south_north)} south to north"
+    yield f"climb    that is needed to cross{wide}: {ways}"
+    if found.reach and crosser:
+        yield from _reach(found.reach, crosser, scene.units)
+    from rsegen.measuring.catalogue import METRICS, custom
+
+    for name, value in custom(scene.field).items():
+        yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
+
+
+def _steps(found: Steps, written: Lengths) -> Iterator[str]:
+    pairs = sum(found.counts.values())
+    mean, rms, highest = map(written.said, (found.mean, found.rms, found.highest))
+    yield f"steps    mean {mean}, rms {rms}, highest {highest}"
+    if len(found.counts) > _SIZES:
+        yield f"         of {len(found.counts):,} sizes, which --json lists"
+        return
+    for size, count in found.counts.items():
+        yield f"         {written.measured(size * found.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
+
+
+def _scale(found: Scale, written: Lengths) -> str:
+    if found.hurst is None:
+        return "scale    no exponent: the map is too small, or flat"
+    weak = f"; weak, of {len(found.lags)} lags" if found.hurst_is_weak else ""
+    first, last = ((written.said(found.rms[at]), written.said(found.lags[at])) for at in (0, -1))
+    grows = f"rms difference {first[0]} at {first[1]}, {last[0]} at {last[1]}"
+    return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
+
+
+def _spectrum(found: Spectrum) -> str:
+    sides = {"west to east": found.west_east, "south to north": found.south_north}
+    falls = ", ".join(
+        f"{name} {'without exponent' if side.exponent is None else f'as f^{round(-side.exponent, 2) + 0:.2f}'}"
+        for name, side in sides.items()
+    )
+    weak = "; weak, of few frequencies f" if any(side.exponent_is_weak for side in sides.values()) else ""
+    return f"spectrum falls {falls}{weak}"
+
+
+def _reach(found: Any, crosser: CrossingModel, units: str) -> Iterator[str]:
+    yield f"{crosser.in_words(units)}:"
+    written = lengths_in(units)
+    climbable, droppable = getattr(found, "climbable", None), getattr(found, "droppable", None)
+    if climbable is not None and droppable is not None:
+        yield f"steps    {climbable:.1%} it goes up, {droppable:.1%} it goes down"
+    if poses := getattr(found, "poses", None):
+        yield from _poses(poses, written)
+    yield f"region   {found.coverage:.1%} of the blocks, from each to each (analogue of coverability)"
+    yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
+    yield from (f"           {told}" for told in crosser.events(found.west_east))
+    yield f"         south to north: {_way(found.south_north)}"
+    yield from (f"           {told}" for told in crosser.events(found.south_north))
+
+
+def _poses(found: Any, written: Lengths) -> Iterator[str]:
+    yield f"poses    at all blocks, in eight headings: it stands in {found.stands:.1%} of them"
+    if found.tilt_median is not None and found.tilt_p90 is not None:
+        half, most = (whole_degrees(tilt) for tilt in (found.tilt_median, found.tilt_p90))
+        yield f"         tilt {half} or less in half of these, {most} or less in 90 %"
+    if found.clearance_median is not None and found.clearance_least is not None:
+        half, least = written.said(found.clearance_median), written.said(found.clearance_least)
+        yield f"         clearance {half} or more in half of these, {least} at the least"
+
+
+def _way(found: Any) -> str:
+    if found.length is None:
+        reason, at = getattr(found, "reason", None), getattr(found, "at", None)
+        return "none" if reason is None or at is None else f"none; it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
+    straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
+    if isinstance(cost := getattr(found, "cost", None), float):
+        return f"{straight}; with rises {cost:.2f} m, {getattr(found, 'cost_ratio', 0):.2f} x"
+    return f"{straight}, tilts up to {whole_degrees(getattr(found, 'tilt', 0.0))}"
+
+
+def _plain(value: float | None) -> str:
+    """A metric of a plug-in in its own unit."""
+    return "-" if value is None else f"{value:.4g}"

@@ -1,0 +1,62 @@
+"""The parameters of what rises evenly: a metric, and the robot that it is of."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from rsegen.errors import ParameterError, shown
+from rsegen.field.crossing import CrossingModel, robot_that_crosses
+from rsegen.field.limits import StepLimits
+from rsegen.params.command import Shell
+from rsegen.params.sorts import Float, Json, Parameter, Reference
+
+
+@dataclass(frozen=True)
+class CrosserSort(Parameter):
+    """A robot, of a kind or of a file, or limits of steps, as climb, drop and width in cm."""
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> CrossingModel:
+        if isinstance(value, CrossingModel):
+            return value
+        if isinstance(value, str | os.PathLike):
+            return robot_that_crosses(value, where)
+        if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
+            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
+        names = ("climb_cm", "drop_cm", "width_cm")
+        lengths = (Float(0, 100_000, unit="cm").check(where, length) for length in value)
+        return StepLimits(**dict(zip(names, lengths, strict=False)))
+
+    def parse(self, text: str) -> object:
+        return [Float().parse(part) for part in text.split(",")] if text[:1].isdecimal() else text
+
+    def format(self, value: Any) -> str:
+        return value if isinstance(value, str) else ",".join(map(str, value))
+
+    def schema(self) -> dict[str, Json]:
+        numbers = {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1, "maxItems": 3}
+        return {"anyOf": [{"type": "string"}, numbers]}
+
+    def describe(self) -> str:
+        return "a kind of robot or a file of one, or steps up, down and a width in cm, as in 7,7,30"
+
+
+By = Annotated[
+    Any,
+    Reference(
+        "a metric by its name",
+        help="what rises evenly, as in opening.west_east or, with a robot, reach.west_east.tilt",
+        types=(object,),
+    ),
+    Shell(metavar="METRIC"),
+]
+
+
+ByRobot = Annotated[
+    CrossingModel | str | None,
+    CrosserSort(help="robot, or limits of steps, of the metric by which it rises"),
+    Shell(metavar="KIND|FILE|CM,CM,CM"),
+]

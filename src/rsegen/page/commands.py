@@ -1,0 +1,165 @@
+"""The commands of the page: gui, which serves it, and view, which writes it as a file."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import json
+import os
+import shlex
+import socket
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.cli.flags import (
+    add_input,
+    add_target_flags,
+    add_target_recipe_flags,
+    has_recipe_flags,
+    maps_of_flags,
+    recipe_from,
+)
+from rsegen.cli.generate import SHOWN
+from rsegen.cli.parameters import Force
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, checked_flags
+from rsegen.params.command import Shell, add_flags, flags_in_errors
+from rsegen.params.sorts import FilePath, Flag, Integer, Text
+
+if TYPE_CHECKING:
+    from rsegen.page.service import Service
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Serving:
+    """Serve a page on which maps are edited and driven on, and open the browser."""
+
+    host: Annotated[
+        str,
+        Text(r"[^\x00-\x20]{1,255}", "an address", help="address to listen at; others than this machine may reach it"),
+        Shell(("--host",), "ADDRESS"),
+    ] = "127.0.0.1"
+    port: Annotated[
+        int | None, Integer(0, 65535, help="port to listen at; 0: any free one"), Shell(("--port",), "N")
+    ] = None
+    no_browser: Annotated[bool, Flag(help="open no browser")] = False
+    keep: Annotated[bool, Flag(help="go on when the last page is closed")] = False
+
+
+def add_gui(command: Parser) -> None:
+    """Add the flags of `rsegen gui`."""
+    command.explain(_Serving.__doc__)
+    where = "YAML or JSON file, the name of an example, a folder, that of a drive, or DIR#17 of a data set"
+    add_input(command, where, metavar="RECIPE-or-DIR")
+    add_flags(command.add_argument_group("server"), _Serving)
+    add_target_recipe_flags(command)
+
+
+def run_gui(arguments: argparse.Namespace) -> None:
+    """Serve the page until it is closed, or the command is stopped."""
+    from rsegen.page.host import Host
+    from rsegen.page.host import open as open_document
+    from rsegen.page.model.session import Session
+    from rsegen.page.service import Service
+
+    serving = _Serving(**checked_flags(_Serving, arguments))
+    folder, what = _place(arguments.recipe)
+    host = Host(folder=folder)
+    if has_recipe_flags(arguments):
+        doc = host.open(Session.of(recipe_from(arguments))).id
+    else:
+        doc = open_document(host, what=what)["doc"]
+    with flags_in_errors(_Serving):
+        service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
+    drive = what if what and (folder / what / "drive.json").is_file() else ""
+    _say(service, service.url(doc, drive), arguments)
+    service.run()
+
+
+def _place(given: str | None) -> tuple[Path, str]:
+    """Return the folder in which the page reads and writes, and what it opens: a file is opened in its own folder."""
+    here = Path.cwd()
+    if given is None:
+        return here, ""
+    path = Path(given)
+    if path.is_dir() and not (path / "recipe.json").exists():
+        return path.resolve(), ""
+    name, sharp, number = given.rpartition("#")
+    file = Path(name) if sharp and number.isdecimal() and not path.exists() else path
+    if not file.exists() or file.resolve().is_relative_to(here.resolve()):
+        return here, given
+    own = file.resolve()
+    return own.parent, own.name + (f"#{number}" if file != path else "")
+
+
+def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
+    """Print the address, and open the browser if there is one that a person sees."""
+    from rsegen.run.programs import has_screen
+
+    if arguments.json:
+        print(json.dumps({"url": url}), flush=True)
+    else:
+        end = "Ctrl-C ends it" if arguments.keep else "Ctrl-C ends it, and so does closing it"
+        print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
+        print(*_maps_in(arguments.recipe), sep="", end="", flush=True)
+    if service.is_open_to_others:
+        text = "warning: others can read what is sent, with the token in it; better: ssh -L"
+        print(text, file=sys.stderr, flush=True)
+    if os.environ.get("SSH_CONNECTION"):
+        port = service.listening_port
+        tunnel = f"ssh -L {port}:localhost:{port} {getpass.getuser()}@{socket.gethostname()}"
+        print(f"From your own machine: {tunnel}, then open the address there.", flush=True)
+    elif not arguments.no_browser and has_screen():
+        import webbrowser
+
+        webbrowser.open(url)
+
+
+def _maps_in(given: str | None) -> Iterator[str]:
+    """Yield the command that opens each map in a given folder of maps, a line each: the page opens none of them."""
+    from rsegen.run.targets import recipe_files_in
+
+    if given is None or not Path(given).is_dir() or Path(given, "recipe.json").exists():
+        return
+    maps = [file.parent for file in recipe_files_in(Path(given))]
+    if maps:
+        yield f"No map is open. Maps in {given}:\n"
+    yield from (f"  rsegen gui {shlex.quote(str(folder))}\n" for folder in maps[:SHOWN])
+    if len(maps) > SHOWN:
+        yield f"  and {len(maps) - SHOWN} more\n"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Page:
+    """Write maps as one HTML file with a 3D view, the plan, heights, metrics and the recipe; it needs no internet."""
+
+    output: Annotated[str, FilePath("a file", help="HTML file"), Shell(("-o", "--output"), "FILE", required=True)]
+    force: Force = False
+
+
+def add_view(command: Parser) -> None:
+    """Add the flags of `rsegen view`."""
+    command.explain(_Page.__doc__)
+    add_target_flags(command, "all, to choose from on the page")
+    add_flags(command.add_argument_group("output"), _Page)
+    add_target_recipe_flags(command)
+
+
+def run_view(arguments: argparse.Namespace) -> Report:
+    """Make the page, and write it."""
+    from rsegen.page.view import html_path, view_all
+    from rsegen.run.store import refuse_taken_file
+
+    path = html_path(arguments.output)
+    refuse_taken_file(path, force=bool(arguments.force))
+    recipes = [*maps_of_flags(arguments)]
+    page = view_all(recipes)
+    page.save(path, force=bool(arguments.force))
+    maps, size = sum(recipe.maps for recipe in recipes), len(page.html)
+    first = recipes[0]
+    named = f"{first.map_name(first.first_map)}, seed {first.seed}" if maps == 1 else f"{maps} maps"
+    content = {"file": str(path), "maps": maps, "bytes": size}
+    return Report(lines=[f"{path}: {named}, {size:,} bytes"], content=content)

@@ -1,0 +1,177 @@
+"""What rsegen can do: the core, and capabilities, each a folder that can be taken away.
+
+A capability declares itself in the `__init__.py` of its folder, in names alone, so that nothing heavy is imported:
+
+    CAPABILITY = Capability(
+        summary="a field found in a point cloud",
+        needs=("heights", "pictures"),
+        commands=(Command("scan", "worlds", "write the world of a real field from a point cloud", "rsegen.scanning.commands"),),
+        public={"rsegen.scanning.scans": ("scan", "ScannedMap")},
+    )
+
+From these declarations alone come the list of commands with its help and completion, `rsegen.__all__`, the menu of the
+page, `rsegen doctor`, and tables of the manual. A folder that is deleted takes all of its own with it. A package of
+somebody else declares itself by the same means, through an entry point of the group `rsegen.capabilities`.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from rsegen.errors import PluginError, PluginWarning
+from rsegen.params.entry_points import entry_points
+from rsegen.params.extras import Extra
+
+CORE = ("params", "field", "recipe", "geometry", "scene", "gazebo", "run", "cli")
+"""Folders of the core, each of which may import those to its left. All other folders are capabilities."""
+
+GROUPS = ("worlds", "maps", "files for other programs", "simulation", "information")
+"""Headings of `rsegen --help`, in their order; a capability of somebody else may have its own."""
+
+
+class Command(NamedTuple):
+    """A command of the command line: its name, its heading and line in `rsegen --help`, and where it is.
+
+    module: has `add_NAME`, which adds its flags to a parser, and `run_NAME`; function: the public function that it is
+    """
+
+    name: str
+    group: str
+    help: str
+    module: str
+    function: str = ""
+
+
+class Capability(NamedTuple):
+    """What a folder brings. Everything is named by text, as `module` or `module:name`, and imported when it is used.
+
+    needs: the folders of other capabilities that it imports, besides the core
+    commands: of the command line, in the order of the help
+    public: the public names of rsegen, by their modules
+    offers: what it adds to registries of others: their group, as of entry points -> name -> module
+    extras: optional libraries
+    sidecars: optional files next to each world (`run/sidecars.py`), which become flags of `generate`
+    targets: a function from a text such as DIR#17, which is no file, to the recipe that it names, or None
+    crossers: a function that finds the robot of a kind or file, which crosses fields (`recipe/crossing.py`)
+    doctor: a function that looks at this machine, and gives a `Finding`
+    words: the known words of parameters, for forms and completion, by the parameter's name
+    calls: modules with functions that the page may call
+    notebook: a function to call in notebooks
+    manual: its page in docs/
+    """
+
+    summary: str
+    needs: tuple[str, ...] = ()
+    commands: tuple[Command, ...] = ()
+    public: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    offers: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+    extras: tuple[Extra, ...] = ()
+    sidecars: tuple[str, ...] = ()
+    targets: str = ""
+    crossers: str = ""
+    doctor: str = ""
+    words: Mapping[str, str] = MappingProxyType({})
+    calls: tuple[str, ...] = ()
+    notebook: str = ""
+    manual: str = ""
+
+
+class Finding(NamedTuple):
+    """What a capability finds on this machine, for `rsegen doctor`.
+
+    title: above its lines; content: for --json, under `name`; missing: each thing with what to do
+    """
+
+    name: str
+    title: str
+    content: list[dict[str, Any]]
+    lines: list[str]
+    missing: list[tuple[str, str]]
+
+
+@cache
+def capabilities() -> Mapping[str, Capability]:
+    """Return the core's declaration, those of the folders that are here, and those of other packages, by name."""
+    root = Path(__file__).parents[1]
+    folders = sorted(path.parent.name for path in root.glob("*/__init__.py"))
+    found: dict[str, Capability] = {"core": import_module("rsegen.cli").CAPABILITY}
+    for folder in folders:
+        if folder not in CORE:
+            found[folder] = import_module(f"rsegen.{folder}").CAPABILITY
+    for offer in entry_points():
+        if offer.group == "rsegen.capabilities":
+            try:
+                found.setdefault(offer.name, _checked(offer.load(), found))
+            except PluginError as error:
+                warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
+    return MappingProxyType(found)
+
+
+def _checked(offered: object, known: Mapping[str, Capability]) -> Capability:
+    """Return what a package offers if it is a capability that can be added; else raise a PluginError."""
+    if not isinstance(offered, Capability):
+        raise PluginError(f"{offered!r} is no rsegen.params.capabilities.Capability")
+    taken = {command.name for capability in known.values() for command in capability.commands}
+    for command in offered.commands:
+        if command.name in taken:
+            raise PluginError(f"the command {command.name!r} is taken")
+    for need in offered.needs:
+        if need not in known:
+            raise PluginError(f"it needs {need!r}, which is not here")
+    return offered
+
+
+@cache
+def commands() -> Mapping[str, Command]:
+    """Return every command by its name, in the order of `rsegen --help`."""
+    every = [command for capability in capabilities().values() for command in capability.commands]
+    groups = [*GROUPS, *(command.group for command in every if command.group not in GROUPS)]
+    return MappingProxyType({command.name: command for group in groups for command in every if command.group == group})
+
+
+@cache
+def public_names() -> Mapping[str, str]:
+    """Return the module of every public name of rsegen."""
+    return MappingProxyType(
+        {
+            name: module
+            for capability in capabilities().values()
+            for module, names in capability.public.items()
+            for name in names
+        }
+    )
+
+
+def offered_modules(group: str) -> Mapping[str, str]:
+    """Return the modules of what capabilities add to a registry, by name."""
+    return {
+        name: module
+        for capability in capabilities().values()
+        for name, module in capability.offers.get(group, {}).items()
+    }
+
+
+@cache
+def all_extras() -> Mapping[str, Extra]:
+    """Return every extra by its name; what several capabilities use it for is joined."""
+    joined: dict[str, Extra] = {}
+    for extra in (extra for capability in capabilities().values() for extra in capability.extras):
+        known = joined.get(extra.name)
+        joined[extra.name] = extra._replace(use=f"{known.use}; {extra.use}") if known else extra
+    return MappingProxyType(dict(sorted(joined.items())))
+
+
+def hooks(name: str) -> Iterator[Any]:
+    """Yield what the capabilities declare under a field, such as `targets`, each imported when it is reached."""
+    for capability in capabilities().values():
+        said = getattr(capability, name)
+        for place in (said,) if isinstance(said, str) else said:
+            if place:
+                module, _, attribute = place.partition(":")
+                yield getattr(import_module(module), attribute) if attribute else import_module(module)

@@ -1,0 +1,13 @@
+"""Pictures of maps: previews and plans, and what all plots share."""
+
+from rsegen.params.capabilities import Capability, Command
+
+CAPABILITY = Capability(
+    summary="pictures of maps, plots, and fields in notebooks",
+    commands=(
+        Command("preview", "maps", "draw a map: plan with heights, and a view in 3D", "rsegen.pictures.commands"),
+    ),
+    public={"rsegen.pictures.preview": ("preview",)},
+    sidecars=("rsegen.pictures.sidecar:Preview",),
+    notebook="rsegen.pictures.notebook:register_formatters",
+)

@@ -1,0 +1,69 @@
+"""Read recipe files, and make their text: JSON if the name ends in .json, else YAML.
+
+Files may come from anybody: their size is bounded, and so is the work for a text of that size (`yaml_loader`).
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from rsegen.errors import FileError, ParameterError
+from rsegen.input_files import parser_message, refuse_duplicates, text_of
+from rsegen.params.sorts import Json
+from rsegen.recipe.codec import decode, encode
+from rsegen.recipe.recipe import Recipe
+
+MAX_MIB = {".json": 64, ".yaml": 4}
+"""The largest files that are read, MiB: a minute's work for PyYAML, a second's for JSON."""
+
+
+def load(path: str | Path) -> Recipe:
+    """Return the recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
+    path = Path(path)
+    try:
+        return decode(content(path))
+    except ParameterError as error:
+        raise error.of(str(path)) from None
+
+
+def content(path: Path) -> object:
+    """Return the content of a YAML or JSON file as plain values; FileError if it cannot be read."""
+    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
+    text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
+    return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
+
+
+def parse_yaml(text: str, path: Path) -> object:
+    """Return the content of a YAML text; a FileError for all that rsegen's own files do not have."""
+    from rsegen.recipe.yaml_loader import Loader  # which imports PyYAML
+
+    try:
+        return Loader(text, path).get_single_data()
+    except FileError:
+        raise
+    except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say
+        mark = getattr(error, "problem_mark", None)
+        at = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise FileError(f"{path}{at}: not YAML: {parser_message(error)}") from None
+
+
+def to_yaml(recipe: Recipe) -> str:
+    """Return the recipe as the text of a YAML file."""
+    import yaml
+
+    text: str = yaml.safe_dump(encode(recipe), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)
+    return text
+
+
+def _parse_json(text: str, path: Path) -> object:
+    def unique(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
+        refuse_duplicates((key, str(path)) for key, _ in pairs)
+        return dict(pairs)
+
+    try:
+        return json.loads(text, object_pairs_hook=unique)
+    except json.JSONDecodeError as error:
+        raise FileError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
+    except (RecursionError, ValueError) as error:
+        raise FileError(f"{path}: not a recipe: {parser_message(error)}") from None

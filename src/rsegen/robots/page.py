@@ -1,0 +1,337 @@
+"""A robot on a map, as pages show it: its shape, how it stands somewhere, where it tilts, where it gets, and how.
+
+    document, index --> StepField --> PaddedGround of a robot's Body --> poses, reach, ways (rsegen.standing)
+
+A page asks with every move of the mouse, so lattices are kept with their document, as the maps that are drawn are. What
+takes seconds is done once at a time for a document, and of several that wait only the newest is answered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from math import ceil, degrees, isfinite
+from typing import Any, Literal
+from xml.etree.ElementTree import Element, fromstring
+
+import numpy as np
+
+from rsegen.driving.routes import followed
+from rsegen.errors import FileError, ParameterError, UserError, line_of
+from rsegen.field.stepfield import Array, StepField
+from rsegen.measuring.catalogue import METRICS, UNITS, custom, flattened, metrics, nested
+from rsegen.page.calls import call_of_host
+from rsegen.page.forms import metric_title
+from rsegen.page.host import Host, Opened
+from rsegen.page.scenes import kept, scene_of
+from rsegen.page.shown_map import base64_of, hex_colour
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots.base import Robot
+from rsegen.robots.links import Box, Cylinder, SdfPose, Sphere, rotation
+from rsegen.robots.lookup import DrivableRobot, robot_of
+from rsegen.robots.sdf_file import SdfRobot
+from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
+from rsegen.standing.body import Body
+from rsegen.standing.draping import draped
+from rsegen.standing.drawing import hull
+from rsegen.standing.resting import REASONS, has_stood, of_settled
+from rsegen.standing.settling import PaddedGround, reach_of, settle
+from rsegen.standing.spots import Spot, spot_generator, spots_on_map
+from rsegen.standing.ways import Lattice, Way
+from rsegen.standing.ways import reach as reached
+
+_FAR = 1000.0
+"""Metres from the origin up to which a place is looked at."""
+
+
+def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
+    """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
+    opened = host.opened(doc)
+    recipe = opened.session.recipe
+    return opened, recipe, scene_of(opened, recipe, opened.index_of("", index)).field
+
+
+def _robot(host: Host, robot: str) -> DrivableRobot:
+    """Return a robot by its kind, or of a file in the folder of pages."""
+    return robot_of(host.places.refuse_outside("robot", robot), "robot")
+
+
+@call_of_host
+def stop(host: Host, *, doc: str, of: Literal["tilt", "reach", "way", "measure"]) -> None:
+    """Stop a search that is done for a document."""
+    host.opened(doc).searches.pop(of, None)
+
+
+@call_of_host
+def robot(host: Host, *, robot: str) -> dict[str, Any]:
+    """Return a robot as it is drawn: the parts of its links, or of a file its visuals.
+
+    lift: of the origin of its model in a simulator, above that of what is drawn
+    """
+    known = _robot(host, robot)
+    if isinstance(known, SdfRobot):
+        title, lift, parts = known.kind, known.lift, iter(_parts_of_file(known))
+    else:
+        driven = {part.name.partition("::")[0] for part in known.body_or_box.parts if part.drives}
+        title, lift, parts = known.title, known.lift, _parts_of_links(known, driven)
+    return {"name": robot, "title": title, "size": list(known.size), "lift": lift, "parts": list(parts)}
+
+
+def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
+    for link in robot.links:
+        for part in link.parts:
+            match part.solid:
+                case Box(size=size):
+                    shape, lengths = "box", list(size)
+                case Cylinder(radius=radius, length=length):
+                    shape, lengths = "cylinder", [radius, length]
+                case Sphere(radius=radius):
+                    shape, lengths = "sphere", [radius]
+            pose = _transform(link.pose) @ _transform(part.pose)
+            yield _part(shape, lengths, pose, hex_colour(part.colour), wheel=link.name in driven)
+
+
+def _part(shape: str, size: list[float], pose: Array, colour: str, *, wheel: bool) -> dict[str, Any]:
+    """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
+    colour = colour or (_DRIVEN if wheel else _BODY)
+    return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
+
+
+def _transform(pose: SdfPose) -> Array:
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = rotation(*pose[3:]), pose[:3]
+    return matrix
+
+
+_BODY, _DRIVEN = "#73757a", "#1f1f21"
+"""Colours of the parts of a robot of a file that have none."""
+
+
+def _parts_of_file(robot: SdfRobot) -> list[dict[str, Any]]:
+    """Return the visuals of a robot of a file: boxes, cylinders and spheres as they are, others as boxes around them.
+
+    Of a link that has none, or one that cannot be read, the boxes around its collision shapes.
+    """
+    frames, body = ModelFrames(fromstring(robot.text), robot.kind), robot.body_or_box  # noqa: S314  # was found plain
+    driven = {part.name.rpartition("::")[0] for part in body.parts if part.drives}
+    parts: list[dict[str, Any]] = []
+    for link, element in frames.elements.items():
+        if element.tag != "link":
+            continue
+        try:
+            visuals = [_visual(frames, link, each) for each in element.findall("visual")]
+        except UserError:  # such as a mesh that is not here
+            visuals = []
+        for shape, size, pose, colour in visuals:
+            pose[2, 3] += robot.lift
+            parts.append(_part(shape, size, pose, colour, wheel=link in driven))
+        parts += () if visuals else _boxes(body, link)
+    return parts or list(_boxes(body))
+
+
+_Visual = tuple[str, list[float], Array, str]
+"""A shape, its size, its pose in the model, and its colour, empty if it has none."""
+
+
+def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
+    """Return a visual of a link; a FileError for one of an unknown size."""
+    geometry = visual.find("geometry")
+    solid = swept_box(geometry, frames.where) if geometry is not None and len(geometry) else None
+    if geometry is None or solid is None:
+        raise FileError(f"{frames.where}: a visual of {link} is of an unknown size")
+    pose, half = frames.shape(link, visual), np.add(solid.half, solid.radii)
+    pose[:3, 3] += pose[:3, :3] @ solid.centre
+    x, y, z = (2 * half).tolist()
+    sizes = {"cylinder": [x / 2, z], "sphere": [x / 2]}
+    shape = geometry[0].tag if geometry[0].tag in sizes else "box"
+    rgb = (visual.findtext("material/diffuse") or visual.findtext("material/ambient") or "").split()[:3]
+    r, g, b = floats(" ".join(rgb), 3, frames.where) if rgb else (0.0, 0.0, 0.0)
+    return shape, sizes.get(shape, [x, y, z]), pose, hex_colour((r, g, b)) if rgb else ""
+
+
+def _boxes(body: Body, link: str | None = None) -> Iterator[dict[str, Any]]:
+    """Yield the boxes around the parts of a body, all of them or those of a link."""
+    for number, part in enumerate(body.parts):
+        surface = body.surface[body.part_of_surface == number]
+        if link not in (None, part.name.rpartition("::")[0]) or not len(surface):
+            continue
+        pose = np.eye(4)
+        pose[:3, 3] = (surface.min(axis=0) + surface.max(axis=0)) / 2
+        yield _part("box", np.ptp(surface, axis=0).tolist(), pose, "", wheel=part.drives)
+
+
+def _refuse_unplaced(**numbers: float) -> None:
+    for name, number in numbers.items():
+        if not abs(number) <= _FAR:  # nor if it is not a number
+            raise ParameterError(name, f"{number} is no place near the map")
+
+
+@call_of_host
+def pose(  # noqa: PLR0913  # each is named by the page
+    host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
+) -> dict[str, Any]:
+    """Return how a robot rests that is put down level at x, y with a heading; also beside the map.
+
+    One that does not stand is where it was put: level, on the highest block below it.
+    """
+    _refuse_unplaced(x=x, y=y, heading=heading)
+    *_, field = _map(host, doc, index)
+    body = _robot(host, robot).body
+    ground = PaddedGround.of(field, reach_of(body))
+    found = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
+    stands, clearance = bool(found.stands[0]), float(found.clearance[0])
+    names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
+    if stands:
+        at = {name: float(getattr(found, name)[0]) for name in names}
+    else:  # held level, so high that it touches the highest block below it
+        c, s = np.cos(heading), np.sin(heading)
+        along, across, up = body.points.T
+        below = ground.below(x + c * along - s * across, y + s * along + c * across)
+        at = dict(zip(names, (x, y, float((below - up).max()), 0.0, 0.0, heading, 0.0), strict=True))
+    turn = rotation(at["roll"], at["pitch"], at["yaw"])
+    corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)] if stands else np.empty((0, 3))
+    # The corners of the hull of the contacts as they are seen from above, counterclockwise.
+    polygon = [corners[np.hypot(*(corners[:, :2] - at_corner).T).argmin()] for at_corner in hull(corners[:, :2])]
+    return {
+        "stands": stands,
+        "holds": bool(found.holds[0]),
+        "pushes": bool(found.pushes[0]),
+        "reason": REASONS[int(found.reason[0])],
+        **at,
+        "centre": (np.array([at["x"], at["y"], at["z"]]) + turn @ body.centre).tolist(),
+        "margin": float(found.tip_angle[0]),
+        "clearance": clearance if isfinite(clearance) else None,
+        "contacts": found.contacts[0].tolist() if stands else [],
+        "polygon": [corner.tolist() for corner in polygon],
+    }
+
+
+_PER_BLOCK, _MOST = 3, 5000
+"""Poses along the side of a block, and on a map at most: a page waits two seconds for them."""
+
+_AT_ONCE = 500
+"""Poses between two looks whether they are still wanted: a fifth of a second, and no slower than all at once."""
+
+
+@call_of_host
+def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dict[str, Any]:
+    """Return how a robot of one heading rests on a grid of places all over a map."""
+    _refuse_unplaced(heading=heading)
+    with host.opened(doc).newest_turn("tilt") as watch:
+        *_, field = _map(host, doc, index)
+        (along_x, along_y), body = field.extent, _robot(host, robot).body
+        step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
+        counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
+        x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
+        every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
+        ground = PaddedGround.of(field, reach_of(body))
+        tilt, margin = np.full((2, len(every_x)), np.nan)
+        reason = np.full(len(every_x), len(REASONS) - 1)
+        for first in range(0, len(every_x), _AT_ONCE):
+            watch(first / len(every_x))
+            some = slice(first, first + _AT_ONCE)
+            rest = settle(ground, body, every_x[some], every_y[some], np.full(len(every_x[some]), heading))
+            # A robot that tips over, as a small one does in most places, has nothing else to be measured.
+            (standing,) = np.nonzero(has_stood(rest))
+            found, at = of_settled(ground, body, rest.some(standing)), first + standing
+            tilt[at], margin[at], reason[at] = found.tilt, found.tip_angle, found.reason
+    return {
+        "shape": counts,
+        "low": [float(x[0]), float(y[0])],
+        "step": step,
+        "tilt": base64_of(tilt, "<f4"),
+        "margin": base64_of(margin, "<f4"),
+        "reason": base64_of(reason, "u1"),
+        "reasons": list(REASONS),
+    }
+
+
+@call_of_host
+def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
+    """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
+    with host.opened(doc).newest_turn("reach") as watch:
+        _, recipe, field = _map(host, doc, index)
+        body = _robot(host, robot).body
+        found = reached(field, body, watch)
+        spots: Sequence[Spot] = ()
+        with suppress(ParameterError):  # there are none
+            spots = spots_on_map(field, body, 2, spot_generator(recipe.seed))
+    crossings = {"west to east": found.west_east, "south to north": found.south_north}
+    across = [name for name, way in crossings.items() if way.crosses]
+    nowhere = f"does not cross; largest area {found.coverage:.0%} of the map"
+    return {
+        "text": f"crosses {' and '.join(across)}" if across else nowhere,
+        "region": base64_of(found.region, "u1"),
+        "ways": list(_ways(field, body, crossings)),
+        "spots": [
+            {"x": spot.x, "y": spot.y, "z": spot.z, "yaw": spot.yaw, "name": name}
+            for name, spot in zip(("S", "G"), spots, strict=False)
+        ],
+    }
+
+
+def _ways(field: StepField, body: Body, crossings: Mapping[str, Way]) -> Iterator[dict[str, Any]]:
+    """Yield the ways across on the blocks; if there is none, the one that `drive --route way` tries."""
+    ways = {name: way.points for name, way in crossings.items() if way.crosses}
+    for name, points in (ways or {"tried": followed(field, body, crossings["west to east"]).points}).items():
+        yield {"points": draped(field, points).tolist(), "name": name, "crosses": name != "tried"}
+
+
+@call_of_host
+def way(  # noqa: PLR0913  # each is named by the page
+    host: Host,
+    *,
+    doc: str,
+    index: int,
+    robot: str,
+    start: tuple[float, float],
+    goal: tuple[float, float],
+    best: Literal["length", "tilt", "margin"] = "length",
+) -> dict[str, Any]:
+    """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
+    for place in (start, goal):
+        _refuse_unplaced(x=place[0], y=place[1])
+    with host.opened(doc).newest_turn("way") as watch:
+        opened, recipe, field = _map(host, doc, index)
+        body = _robot(host, robot).body
+        # A lattice takes seconds, and answers for every start and goal on the map.
+        lattice = kept(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
+        lattice.watch = watch
+        found = lattice.between(start, goal)
+    if found is None:
+        none = {"found": False, "text": f"no way for {robot} between these places", "poses": [], "events": []}
+        return none | {"length": 0.0, "worst_tilt": 0.0, "least_margin": 0.0}
+    poses = found.poses
+    worst, least = float(poses.tilt.max()), float(poses.tip_angle.min())
+    events = [(at, "falls") for at in found.drops] + [(at, "slides") for at in found.slips]
+    text = f"{found.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {degrees(least):.0f} from tipping over"
+    rows = np.stack([getattr(poses, name) for name in ("x", "y", "z", "roll", "pitch", "yaw")], axis=1)
+    return {
+        "found": True,
+        "text": text,
+        "poses": np.round(rows, 5).tolist(),
+        "events": [{"at": at, "text": words} for at, words in sorted(events)],
+        "length": found.length,
+        "worst_tilt": worst,
+        "least_margin": least,
+    }
+
+
+@call_of_host
+def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> dict[str, Any]:
+    """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
+    crosser = _robot(host, robot) if robot else None
+    with host.opened(doc).newest_turn("measure") as watch:
+        *_, field = _map(host, doc, index)
+        watched = crosser and crosser.watched(lambda _: watch())
+        entries = nested(metrics(field, watched)) | custom(field)
+    meanings = {key: {"m": "metres", "rad": "radians"}.get(unit, "") for key, unit in UNITS.items()}
+    meanings |= {key: f"{metric.unit} {metric.help}".strip() for key, metric in METRICS.items()}
+    rows = ([metric_title(key), _shown(value), meanings.get(key, ""), key] for key, value in flattened(entries))
+    return {"rows": [row for row in rows if row[1]]}
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.4g}" if isinstance(value, float) else "" if value is None else line_of(str(value))

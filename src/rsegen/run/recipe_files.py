@@ -1,0 +1,29 @@
+"""Write recipe files, and copies of the included ones: whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rsegen.recipe.codec import to_json
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import to_yaml
+from rsegen.run.store import write_file, write_paths
+
+
+def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bool = False) -> None:
+    """Write a recipe file, whole or not at all; an OutputError if it exists already.
+
+    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person was asked
+    """
+    path = Path(path)
+    text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
+    write_file([text.encode()], path, force=force, confirmed=confirmed)
+
+
+def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
+    """Write the included recipes into a folder, all or none of them; return their paths."""
+    copies = {folder / path.name: path.read_bytes() for path in EXAMPLES.values()}
+    write_paths(copies, force=force)
+    return list(copies)

@@ -1,0 +1,184 @@
+"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
+
+All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
+
+    x = (u - cx) z / fx,   y = (v - cy) z / fy,   z        (pinhole camera; x right, y down, z away from it)
+
+Nothing in a file is trusted: its size and number of points are bounded before it is read, and what a library says of a
+file that it cannot read becomes a FileError.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from rsegen.errors import FileError, ParameterError, UserError, said_by
+from rsegen.field.stepfield import Array
+from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
+from rsegen.npy_files import mapped
+from rsegen.params.extras import pip_install
+from rsegen.params.sorts import CENTIMETRES
+from rsegen.scanning import SCAN
+from rsegen.scanning.scan_options import CLOUDS
+
+MOST_POINTS = 20_000_000
+"""Points of a file at most: some 2 GB of memory while it is read."""
+
+_MOST_MIB = 1024
+"""The largest text that is read, MiB: some 20 million lines of three numbers."""
+
+_MOST_VALUES = 1000
+"""Values of a point in a PCD file at most: pypcd4 makes a name for each before it reads them."""
+
+_SAMPLED = 400_000
+"""Points on the surface of a mesh, spread evenly: 40 on each of 10,000 blocks; with fewer, blocks are not seen."""
+
+_NUMBER, _SEPARATOR = r"([-+]?(\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?|nan)", r"(\s*[,;]\s*|\s+)"
+_POINT = re.compile(rf"\s*{_NUMBER}{_SEPARATOR}{_NUMBER}{_SEPARATOR}{_NUMBER}({_SEPARATOR}|$)", re.IGNORECASE)
+"""The start of a line with a point, in which no two parts can match the same letters: hostile lines take no time."""
+
+Intrinsics = tuple[float, float, float, float]
+"""Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
+
+
+def is_cloud(path: Path) -> bool:
+    """Return whether a file is a point cloud, by its name."""
+    return path.suffix.lower() in CLOUDS
+
+
+def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: Intrinsics | None = None) -> Array:
+    """Return the points (n, 3) of all files together, metres, in the frame that they share.
+
+    values: the unit of their numbers (m, cm, mm, in, ft); default: m, but mm for depth images with whole numbers.
+    intrinsics: for depth images; x is right, y down and z away from the camera. A FileError if a file has no points.
+    """
+    with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
+        return np.concatenate([_read(path, values, intrinsics) for path in paths])
+
+
+def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Array:
+    if not is_cloud(path):
+        raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
+    numbers, usual = _READERS[CLOUDS[path.suffix.lower()]](path)
+    if numbers.ndim == 2 and numbers.shape[1] != 3:
+        points = _of_depth(path, numbers, intrinsics)
+    elif intrinsics is not None:
+        raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
+    else:
+        points = np.asarray(numbers.reshape(-1, 3), dtype=np.float64)
+    return points * (CENTIMETRES[values or usual] / 100)
+
+
+def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
+    """Return the points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
+    if intrinsics is None:
+        raise ParameterError("intrinsics", f"{path} is a depth image; give fx,fy,cx,cy of its camera in pixels")
+    fx, fy, cx, cy = intrinsics
+    if fx <= 0 or fy <= 0:
+        raise ParameterError("intrinsics", f"fx {fx:g} and fy {fy:g} have to be above 0")
+    v, u = np.indices(depth.shape)
+    z = depth.astype(np.float64)
+    z[~np.isfinite(z) | (z <= 0)] = np.nan
+    points = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z], axis=-1).reshape(-1, 3)
+    return np.asarray(points[np.isfinite(points[:, 2])])
+
+
+def _array(path: Path) -> tuple[Array, str]:
+    array = mapped(path)
+    if array.dtype.kind not in "biuf" or not (array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)):
+        raise FileError(f"{path}: an array of shape {array.shape}; give points (n, 3) or depths (rows, columns)")
+    _refuse_many(path, array.size // 3)
+    return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
+
+
+def _image(path: Path) -> tuple[Array, str]:
+    with opened_image(path) as image:
+        _refuse_many(path, image.width * image.height)
+        if image.mode not in ("I", "I;16", "I;16B", "L", "F"):
+            raise FileError(f"{path}: a {image.mode} image; give a depth image of one channel (16 bit, millimetres)")
+        return np.array(image, dtype=np.float64), "m" if image.mode == "F" else "mm"
+
+
+def _text(path: Path) -> tuple[Array, str]:
+    """Return the points of lines of x, y, z and perhaps more, by blanks, commas or semicolons, below any titles."""
+    lines = text_of(path, _MOST_MIB, "a cloud; write it as PLY or PCD").splitlines()
+    first = next((at for at, line in enumerate(lines) if _POINT.match(line)), None)
+    if first is None:
+        raise FileError(f"{path}: no line has three numbers x, y, z")
+    _refuse_many(path, len(lines) - first)
+    separator = next((mark for mark in ",;" if mark in lines[first]), None)
+    try:
+        return np.loadtxt(lines[first:], delimiter=separator, usecols=(0, 1, 2), ndmin=2, comments=("#", "//")), "m"
+    except ValueError as error:
+        raise FileError(f"{path}: {said_by(error)}") from None
+
+
+def _mesh(path: Path) -> tuple[Array, str]:
+    """Return the points of a cloud, or of a mesh's surface, which trimesh reads."""
+
+    def read() -> Array:
+        import trimesh
+
+        with open_regular(path) as file:
+            loaded = trimesh.load(file, file_type=path.suffix[1:].lower())
+        if isinstance(loaded, trimesh.Scene):
+            loaded = loaded.to_geometry()
+        if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
+            return np.asarray(trimesh.sample.sample_surface(loaded, _SAMPLED, seed=0)[0])
+        return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
+
+    return _by_library(path, read), "m"
+
+
+def _pcd(path: Path) -> tuple[Array, str]:
+    """Return the points of a file of the Point Cloud Library, which pypcd4 reads."""
+
+    def read() -> Array:
+        from pypcd4.pypcd4 import MetaData, PointCloud
+
+        with open_regular(path) as file:
+            header = MetaData.parse_header(list(_header_lines(file)))
+            _refuse_many(path, header.points)
+            if sum(header.count) > _MOST_VALUES:
+                raise FileError(f"{path}: {sum(header.count):,} values per point; give up to {_MOST_VALUES:,}")
+            file.seek(0)
+            return np.asarray(PointCloud.from_fileobj(file).numpy(("x", "y", "z")), dtype=np.float64)
+
+    return _by_library(path, read), "m"
+
+
+def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
+    """Yield the lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
+    lines = (line.decode().strip() for line in file)
+    for line in islice((line for line in lines if line and not line.startswith("#")), 10):
+        yield line
+        if line.startswith("DATA"):
+            return
+
+
+def _by_library(path: Path, read: Callable[[], Array]) -> Array:
+    try:
+        points = read_by_library(path, read)
+    except ImportError as error:
+        raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+        raise FileError(f"{path}: has no points")
+    _refuse_many(path, len(points))
+    return points
+
+
+def _refuse_many(path: Path, points: int) -> None:
+    if points > MOST_POINTS:
+        raise FileError(f"{path}: {points:,} points; give up to {MOST_POINTS:,}")
+
+
+_READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
+    {"text": _text, "mesh": _mesh, "pcd": _pcd, "array": _array, "image": _image}
+)
+"""Readers of files: of points (n, 3), or depths (rows, columns), and their usual unit."""

@@ -1,0 +1,284 @@
+"""The commands that read clouds: scan, which writes a world of one, and compare."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.cli.flags import (
+    add_recipe_flags,
+    add_target_recipe_flags,
+    map_of_flags,
+    which_map,
+    with_flags,
+)
+from rsegen.cli.generate import add_output_flags, produce
+from rsegen.cli.parameters import Force
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
+from rsegen.errors import ParameterError
+from rsegen.params.command import Shell, add_flags, given
+from rsegen.params.numbers import Lengths, decimal, lengths_in
+from rsegen.params.sorts import FilePath, parameters
+from rsegen.pictures.flags import PictureName, picture_of
+from rsegen.recipe.recipe import Recipe
+from rsegen.scanning.scan_options import CLOUDS, ScanOptions
+
+if TYPE_CHECKING:
+    from rsegen.field.stepfield import Mask
+    from rsegen.scanning.comparison import Comparison
+    from rsegen.scanning.scan import Scan
+    from rsegen.scanning.scans import ComparedMap, ScannedMap
+
+
+_SHOWN = 8
+"""Cells that a warning names."""
+
+
+_MOST_PALLETS = 30
+"""Of a build sheet that is written unasked: a field of 11 x 10 blocks has 110 square chunks of a single block."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Fit:
+    """Write the world, recipe and build sheet of a field that stands somewhere, from a point cloud or a depth image."""
+
+    fit: Annotated[
+        str | None,
+        FilePath("a picture", help="draw the grid, levels and residuals that were found"),
+        Shell(metavar="PICTURE", default="DIR/NAME_fit.png"),
+    ] = None
+
+
+def add_scan(command: Parser) -> None:
+    """Add the flags of `rsegen scan`."""
+    epilog = "The cloud has some floor around the field; ground, grid and the level of every block are found. "
+    epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
+    command.explain(_Fit.__doc__, epilog)
+    command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {', '.join('*' + name for name in CLOUDS)}")
+    group = command.add_argument_group("reading", "what is not given is found from the cloud")
+    add_flags(group, ScanOptions, without=parameters(Recipe))
+    add_output_flags(command)
+    add_flags(command, _Fit)
+    add_recipe_flags(command, over="CLOUD")
+
+
+def run_scan(arguments: argparse.Namespace) -> Report:
+    """Find the field, write the picture of the fit and the world, and say what was found."""
+    from rsegen.scanning.scans import scan
+
+    options = ScanOptions(**given(ScanOptions, arguments, arguments.units))
+    fit = picture_of(arguments.fit, force=arguments.force)
+    scanned = scan(arguments.clouds, options)
+    recipe = with_flags(scanned.recipe, arguments)
+    scanned = replace(scanned, recipe=recipe)  # its picture has the units of the flags
+    name = f"{recipe.name}_fit.png"
+    pallets = recipe.chunks[0] * recipe.chunks[1]
+    arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS
+    report = produce(recipe, arguments, {} if fit else {name: scanned.picture})
+    if fit:
+        fit.write(scanned.picture)
+    where = fit.path if fit else f"{arguments.folder}/{name}"
+    lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {where}"]
+    if not arguments.sheet:
+        lines.append(f"no build sheet: it would have a page for each of {pallets} chunks; --sheet writes it")
+    return replace(report, notes=lines)
+
+
+def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iterator[str]:
+    import numpy as np
+
+    from rsegen.scanning.scan import SURE
+
+    scan = scanned.scan
+    n_x, n_y = scan.blocks.shape
+    high, unit, width = (written.said(metres, 3) for metres in (scan.frame_height, scan.unit, scan.block_width))
+    frames = "no frames" if scan.boundary == "none" else f"{scan.boundary} frames {high} high"
+    yield (
+        f"{len(scanned.points):,} points: {n_x} x {n_y} blocks {width} wide "
+        f"({written.measured(scan.measured_width)} measured), unit {unit} "
+        f"({written.measured(scan.measured_unit)} measured), {frames}"
+    )
+    # Then what was assumed and what is doubtful, each with the flag that settles it.
+    if options.block_width_cm is None:
+        yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
+    if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
+        yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
+    yield from _board(scan, options, written)
+    if options.size is None:
+        for side, (raised, cells) in scan.sparse_edges.items():
+            yield (
+                f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
+                "give --size, or cut them out of the cloud"
+            )
+    for side in scan.open_sides:
+        yield (
+            f"warning: hardly a cell next to the {side} side was seen: if the field goes on there, give --size, "
+            "or a scan that shows the floor next to it"
+        )
+    errors = np.abs(scan.errors[scan.seen])
+    mean, most = (written.said(float(error)) for error in (errors.mean(), errors.max()))
+    yield f"tops are {mean} from their levels in the mean, {most} at most"
+    if not scan.seen.all():
+        level = "are filled from their neighbours" if scanned.recipe.obstacles[1:] else "get level 0"
+        yield f"warning: not seen: {_cells(scanned, ~scan.seen)}; blocks among them {level}"
+    unsure = scan.seen & (scan.confidence < SURE)
+    if unsure.any():
+        yield f"warning: less than {SURE:.0%} sure: {_cells(scanned, unsure)}"
+
+
+def _board(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
+    """Yield a line if blocks stand on a board that was found, or may stand on one."""
+    if options.base_cm is not None:
+        return
+    if scan.base:
+        board = written.measured(scan.base)
+        yield (
+            f"assumed: a board of {board} {written.unit} below the blocks, as all tops are that much above whole units "
+            "(--base-cm 0 if there is none)"
+        )
+    elif not (scan.blocks == 0).any():
+        yield "assumed: no board below the blocks, though no block is at level 0 (--base-cm if there is one)"
+
+
+def _assumed(what: str, taken: float, measured: float, flag: str) -> Iterator[str]:
+    """Yield a line if a length was taken for that of lumber in inches, or could be."""
+    from rsegen.params.lumber import alternatives, dressed_inches
+
+    def named(metres: float) -> str:
+        name = f"{decimal(metres * 100)} cm"
+        inches = lengths_in("in").tape(round(metres * 1e9))
+        return f"{name} ({inches} in of lumber)" if dressed_inches(metres) else name
+
+    others = list(alternatives(measured, taken))
+    if dressed_inches(taken) or others:
+        instead = "".join(
+            f"; {named(other)} is {abs(other / measured - 1):.1%} off ({flag} {decimal(other * 100)})"
+            for other in others
+        )
+        yield f"assumed: {what} of {named(taken)}, {abs(taken / measured - 1):.1%} off the measured length{instead}"
+
+
+def _cells(scanned: ScannedMap, chosen: Mask) -> str:
+    """Return the number of cells, and the first of them as recipes count them."""
+    import numpy as np
+
+    cells = [tuple(cell) for cell in np.argwhere(chosen & ~scanned.scan.frame).tolist()]
+    numbers_x, numbers_y = (scanned.scan.field.numbered(axis) for axis in (0, 1))
+    names = ", ".join(f"x {numbers_x[x]} y {numbers_y[y]}" for x, y in cells[:_SHOWN])
+    more = f" and {len(cells) - _SHOWN} more" if len(cells) > _SHOWN else ""
+    return f"{int(chosen.sum())} of {chosen.size} cells" + (f" ({names}{more})" if names else "")
+
+
+_OF_THE_MAP = frozenset({*parameters(Recipe), "size", "fill_holes"})
+"""Options of a scan that the map decides."""
+
+
+_NAMED = 20
+"""Blocks that a report names."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Drawing:
+    """Print, and draw, which blocks of a real field or of a map differ from those of MAP."""
+
+    output: Annotated[PictureName, Shell(help="draw what to change: png, svg or pdf, by its ending")] = None
+    force: Force = False
+
+
+def add_compare(command: Parser) -> None:
+    """Add the flags of `rsegen compare`."""
+    epilog = "A scan may be turned and moved. Exit code 0: all blocks are right; 1: some differ, or were not seen."
+    command.explain(_Drawing.__doc__, epilog)
+    command.add_argument(
+        "paths",
+        nargs="+",
+        metavar="SCAN-or-MAP",
+        help="point clouds or depth images of one field, as for rsegen scan, or a map; MAP, the last, is what should "
+        "stand: a recipe, an example, the folder of a map",
+    )
+    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
+    add_flags(command.add_argument_group("output"), _Drawing)
+    add_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_OF_THE_MAP)
+    add_target_recipe_flags(command)
+
+
+def run_compare(arguments: argparse.Namespace) -> Report:
+    """Compare and draw; the exit code is 1 if anything differs or was not seen."""
+    from rsegen.run.resources import refuse_too_large
+    from rsegen.scanning.pictures import summary
+
+    *stands, wanted = arguments.paths
+    if not stands:
+        raise ParameterError("MAP", f"only {wanted} is given; give a scan or a map, and then the map that should stand")
+    picture = picture_of(arguments.output, force=arguments.force)
+    arguments.target = wanted
+    _, recipe, index = map_of_flags(arguments)
+    refuse_too_large(recipe)
+    compared = _compared(stands, arguments, recipe.alone(index))
+    if picture:
+        picture.write(compared.picture)
+    comparison = compared.comparison
+    lines = [summary(comparison), *_lines(comparison, lengths_in(recipe.units))]
+    notes = [line for path in dict.fromkeys(arguments.paths) for line in which_map(path, arguments.map)]
+    return Report(lines=lines, content=_content(comparison), notes=notes, code=0 if comparison.is_equal else 1)
+
+
+def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
+    from rsegen.run.resources import refuse_too_large
+    from rsegen.run.targets import chosen_map
+    from rsegen.scanning.clouds import is_cloud
+    from rsegen.scanning.scans import compare
+
+    clouds = [path for path in stands if is_cloud(Path(path))]
+    if clouds and len(clouds) == len(stands):
+        said = given(ScanOptions, arguments, arguments.units)
+        options = {name: value for name, value in said.items() if name not in _OF_THE_MAP}
+        return compare(clouds, recipe, ScanOptions(**options))
+    if len(stands) > 1:
+        raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
+    _, other, index = chosen_map(stands[0], arguments.map, "--map")
+    refuse_too_large(other)
+    return compare(other.alone(index), recipe)
+
+
+def _lines(comparison: Comparison, written: Lengths) -> Iterator[str]:
+    changes = list(comparison.changes())
+    if changes:
+        yield "x and y count the blocks of MAP from its south-west corner without frames, as on its build sheet"
+    for x, y, height, wanted in changes[:_NAMED]:
+        way = "too high" if height > wanted else "too low"
+        stands, right = (written.said(metres, 1) for metres in (height, wanted))
+        i, j = _numbers(comparison, x, y)
+        cell = f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
+        yield f"  {cell}: {stands}, should be {right} ({way})"
+    if len(changes) > _NAMED:
+        yield f"  and {len(changes) - _NAMED} more"
+
+
+def _numbers(comparison: Comparison, x: int, y: int) -> tuple[int, int] | tuple[None, None]:
+    """Return the numbers of a block as recipes and build sheets count them; of a frame there are none."""
+    field = comparison.wanted
+    return (None, None) if field.frame[x, y] else (int(field.numbered(0)[x]), int(field.numbered(1)[y]))
+
+
+def _content(comparison: Comparison) -> dict[str, object]:
+    """Return the comparison for programs; lengths in metres.
+
+    x, y: as the text has them, of blocks in MAP, none for a frame; cell: of all cells of MAP, frames counted; turns:
+    quarter turns counterclockwise that lay what stands on MAP.
+    """
+    return {
+        "cells": comparison.wrong.size,
+        "wrong": int(comparison.wrong.sum()),
+        "not_seen": int((~comparison.seen).sum()),
+        "turns": comparison.turns,
+        "differences": [
+            dict(zip("xy", _numbers(comparison, x, y), strict=True))
+            | {"cell": [x, y], "height_m": round(height, 4), "wanted_m": wanted}
+            for x, y, height, wanted in comparison.changes()
+        ],
+    }

@@ -1,0 +1,80 @@
+"""The options of a scan: how clouds are read, and what is known of the field in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, ListOf, Size2D, parameters, validate
+from rsegen.recipe.map_design import MapDesign
+
+if TYPE_CHECKING:
+    from rsegen.scanning.scan import ScanSettings
+
+CLOUDS: Mapping[str, str] = MappingProxyType(
+    {
+        **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), "text"),
+        **dict.fromkeys((".ply", ".obj", ".stl", ".glb"), "mesh"),
+        ".pcd": "pcd",
+        ".npy": "array",
+        **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), "image"),
+    }
+)
+"""How files of clouds are read, by the suffixes of their names."""
+
+_UPWARDS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "-x": (-1, 0, 0), "-y": (0, -1, 0), "-z": (0, 0, -1)}
+_DESIGN = parameters(MapDesign)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ScanOptions:
+    """Options of reading clouds, and known values of the field in them; what is not given is found."""
+
+    values: Annotated[
+        str | None,
+        Choice(tuple(CENTIMETRES), help="unit of the cloud's numbers; default: m, and mm for depth images of integers"),
+    ] = None
+    intrinsics: Annotated[
+        tuple[float, float, float, float] | None,
+        ListOf(Float(-1e6, 1e6), 4, help="fx,fy,cx,cy of a depth image's camera, in pixels"),
+    ] = None
+    up: Annotated[
+        str | None, Choice(tuple(_UPWARDS), help="axis of the cloud that is nearly up, as --up=-y; default: found")
+    ] = None
+    size: Annotated[
+        Cell | None,
+        Size2D(
+            help="blocks of the field along x and y, frames not counted; default: the rectangle of all that is raised"
+        ),
+    ] = None
+    base_cm: Annotated[
+        float | None, Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: found")
+    ] = None
+    fill_holes: Annotated[
+        bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")
+    ] = False
+    block_width_cm: Annotated[float | None, _DESIGN["block_width_cm"]] = None
+    unit_cm: Annotated[float | None, _DESIGN["unit_cm"]] = None
+    boundary: Annotated[str | None, _DESIGN["boundary"]] = None
+    chunk_size: Annotated[int | None, _DESIGN["chunk_size"]] = None
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def settings(self) -> ScanSettings:
+        """The known values of the field, in metres."""
+        from rsegen.scanning.scan import ScanSettings
+
+        return ScanSettings(
+            block_width=self.block_width_cm / 100 if self.block_width_cm else None,
+            unit=self.unit_cm / 100 if self.unit_cm else None,
+            blocks=self.size,
+            boundary=self.boundary,
+            chunk_size=self.chunk_size,
+            up=_UPWARDS[self.up] if self.up else None,
+            eye=(0, 0, 0) if self.intrinsics else None,
+            base=None if self.base_cm is None else self.base_cm / 100,
+        )

@@ -1,0 +1,143 @@
+"""Scans of real fields: `rsegen.scan` gives the map that was built, `rsegen.compare` what is built wrong.
+
+clouds --read_clouds--> points --find_field--> Scan --> Recipe of one matrix, or a Comparison with a map
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.field.stepfield import Array, StepField
+from rsegen.heights.base import Heights, filled, recipe_of
+from rsegen.recipe.building import build
+from rsegen.recipe.recipe import Recipe
+from rsegen.scanning.clouds import read_clouds
+from rsegen.scanning.comparison import Comparison, compared
+from rsegen.scanning.finding import find_field
+from rsegen.scanning.pictures import comparison_plot, scan_plot
+from rsegen.scanning.scan import Scan
+from rsegen.scanning.scan_options import ScanOptions
+
+Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
+"""Files of one scan, or points (n, 3) [m]."""
+
+_MOST_UNSEEN = 0.5
+"""Share of blocks that may be filled by their neighbours: with more, the map would be made up rather than scanned."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScannedMap:
+    """The result of `scan`: the field as a Scan and as a recipe of one map, and the points that it was read from.
+
+    points: (n, 3), metres, in the frame of the clouds.
+    """
+
+    scan: Scan
+    recipe: Recipe
+    points: Array
+
+    @cached_property
+    def field(self) -> StepField:
+        """The field that the recipe makes."""
+        return build(self.recipe, self.recipe.first_map)
+
+    def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+        """Return the points from above with the grid that was found, and how far each top is from its level."""
+        return scan_plot(self.scan, self.points, format, self.recipe.units)
+
+    def _repr_png_(self) -> bytes:
+        return self.picture()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparedMap:
+    """The result of `compare`: the differences between a map and a built field, and the scan of that, if any.
+
+    units: of lengths in the picture, as in recipes: those of the map.
+    """
+
+    comparison: Comparison
+    scan: Scan | None = None
+    units: str = "cm"
+
+    def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+        """Return the plan with every block that is wrong, for the person with the mallet."""
+        return comparison_plot(self.comparison, format, self.units)
+
+    def _repr_png_(self) -> bytes:
+        return self.picture()
+
+
+def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
+    """The step field that stands in a point cloud, as a recipe: `rsegen.scan("pallet.ply").recipe`.
+
+    clouds: files in one common frame (XYZ, CSV, PLY, PCD, meshes, arrays, depth images), or points (n, 3) [m]
+    Errors: FileError for a file that cannot be read, ScanError if there is no field in the cloud.
+    """
+    options = options or ScanOptions()
+    points, name = _points(clouds, options)
+    field = find_field(points, options.settings)
+    return ScannedMap(scan=field, recipe=_recipe(field, name, fill_holes=options.fill_holes), points=points)
+
+
+def compare(
+    stands: Recipe | StepField | Clouds, wanted: Recipe | StepField, options: ScanOptions | None = None
+) -> ComparedMap:
+    """Compare what stands with a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
+
+    stands: a recipe (its first map), a field, or clouds as for `scan`; a scan is turned and moved to where the map fits
+    best, and has the map's block width and unit; wanted: a recipe (its first map) or a field
+    Errors: ParameterError if two maps have different cells, ScanError if a scan shows another map.
+    """
+    field = _field(wanted)
+    units = wanted.units if isinstance(wanted, Recipe) else "cm"
+    if isinstance(stands, (Recipe, StepField)):
+        return ComparedMap(comparison=compared(_field(stands), field), units=units)
+    options = options or ScanOptions()
+    points, _ = _points(stands, options)
+    built = find_field(points, options.settings, known=field)
+    stretch = built.unit / built.measured_unit
+    comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
+    return ComparedMap(comparison=comparison, scan=built, units=units)
+
+
+def _field(shown: Recipe | StepField) -> StepField:
+    return build(shown, shown.first_map) if isinstance(shown, Recipe) else shown
+
+
+def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
+    """Return the points [m], and a name for what they show."""
+    if isinstance(clouds, np.ndarray):
+        return clouds, "scan"
+    paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
+    if not paths:
+        raise FileError("no cloud is given")
+    return read_clouds(paths, options.values, options.intrinsics), paths[0].stem
+
+
+def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:
+    """Return the field as a recipe of one matrix, and of another one for blocks that were not seen but filled."""
+    levels = scan.blocks
+    holes = levels < 0
+    fill_holes = fill_holes and 0 < holes.mean() <= _MOST_UNSEEN
+    if fill_holes:
+        levels = np.rint(filled(np.maximum(levels, 0).astype(float), holes)).astype(np.int64)
+    heights = Heights(
+        levels=levels,
+        unit_cm=round(scan.unit * 100, 6),
+        recipe_values={
+            "boundary": scan.boundary,
+            "block_width_cm": round(scan.block_width * 100, 6),
+            **({"frame_height_cm": round(scan.frame_height * 100, 6)} if scan.boundary != "none" else {}),
+        },
+        holes=holes if fill_holes else None,
+    )
+    recipe = recipe_of(Path(name), heights, scan.chunk_size)
+    return replace(recipe, description=f"scan of {name}"[:500])

@@ -1,0 +1,85 @@
+"""Settings for buying and cutting timber, of a build sheet, in the units of a workshop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from rsegen.errors import ParameterError
+from rsegen.params.numbers import decimal
+from rsegen.params.sorts import Float, validate
+
+
+def nanometres(length_cm: float) -> int:
+    """Return a length in centimetres as whole nanometres."""
+    return round(length_cm * 1e7)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CutSettings:
+    """Settings for buying and cutting timber: the saw, the stock and its ends, play in frames, weight and prices."""
+
+    kerf_mm: Annotated[
+        float,
+        Float(0, 100, unit="mm", help="width of material that the saw removes with every cut; 1/8 in with units in"),
+    ] = 3.0
+    stock_cm: Annotated[
+        float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy; 8 ft with units in")
+    ] = 240.0
+    trim_cm: Annotated[
+        float, Float(0, 1000, unit="cm", help="cut off at each end of a piece of stock; 1/2 in with units in")
+    ] = 1.0
+    tolerance_mm: Annotated[
+        float, Float(0, 100, unit="mm", help="by how much a part may be cut too long; 1/32 in with units in")
+    ] = 0.5
+    play_mm: Annotated[float, Float(0, 1000, unit="mm", help="clearance of a row of blocks in its frame")] = 0.0
+    density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="density of the timber; pine: about 500")] = 500.0
+    price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for blocks; default: no cost")] = None
+    frame_price: Annotated[
+        float | None,
+        Float(
+            0, 1e9, help="price of a piece of stock for frames; default: as for blocks, if they are cut from the same"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.usable <= 0:
+            raise ParameterError("trim_cm", f"nothing is left of {decimal(self.stock_cm)} cm of stock; give less")
+
+    @classmethod
+    def default(cls, units: str) -> CutSettings:
+        """Return the settings that are usual in a recipe's units: metric, or inches and feet."""
+        return cls(stock_cm=243.84, kerf_mm=3.175, trim_cm=1.27, tolerance_mm=0.79375) if units == "in" else cls()
+
+    @property
+    def kerf(self) -> int:
+        """Length that a cut costs in nanometres: the kerf and the tolerance."""
+        return round((self.kerf_mm + self.tolerance_mm) * 1e6)
+
+    @property
+    def stock(self) -> int:
+        """The stock length in nanometres."""
+        return nanometres(self.stock_cm)
+
+    @property
+    def trim(self) -> int:
+        """Length that both ends of a piece of stock lose together, in nanometres."""
+        return 2 * nanometres(self.trim_cm)
+
+    @property
+    def usable(self) -> int:
+        """The length of a piece of stock without its ends, in nanometres."""
+        return self.stock - self.trim
+
+    @property
+    def play(self) -> int:
+        """The play in nanometres."""
+        return round(self.play_mm * 1e6)
+
+    def check(self, length_cm: float, what: str = "the longest block") -> None:
+        """Raise a ParameterError if the stock is too short for a length."""
+        if nanometres(length_cm) > self.usable:
+            given, longest = decimal(self.stock_cm), decimal(length_cm)
+            least = decimal(round(length_cm + self.trim / 1e7, 7))
+            raise ParameterError("stock_cm", f"{given} is shorter than {what}, {longest} cm; give {least} or more")

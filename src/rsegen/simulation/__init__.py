@@ -1,1 +1,0 @@
-"""Robots and simulators: worlds opened, maps spawned, robots driven and measured."""

@@ -1,0 +1,21 @@
+"""The simulators that can open worlds; each is one file of this folder, which is imported automatically."""
+
+from rsegen.params.capabilities import Capability, Command
+
+CAPABILITY = Capability(
+    summary="worlds in Gazebo: servers, windows, transports",
+    needs=("robots",),
+    commands=(
+        Command("open", "simulation", "open a world in Gazebo", "rsegen.simulators.commands", "open"),
+        Command(
+            "sim",
+            "information",
+            "list the simulators with version and path, or how to install them",
+            "rsegen.simulators.commands",
+        ),
+    ),
+    public={"rsegen.simulators.commands": ("open",), "rsegen.simulators.open_world": ("OpenResult",)},
+    doctor="rsegen.simulators.installed:finding",
+    words={"simulator": "rsegen.simulators.base:SIMULATORS"},
+    manual="gazebo",
+)

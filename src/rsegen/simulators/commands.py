@@ -1,0 +1,120 @@
+"""The commands `rsegen open` and `rsegen sim`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
+from rsegen.cli.parameters import MapReference
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report, call
+from rsegen.errors import printable
+from rsegen.params.command import Shell, add_flags, command, flags_in_errors
+from rsegen.params.sorts import Flag, Float
+from rsegen.simulators.parameters import SimulatorName, Timeout
+
+if TYPE_CHECKING:
+    from rsegen.run.target_worlds import Target
+    from rsegen.simulators.open_world import OpenedWorld, OpenResult
+
+
+@command
+def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
+    target: Target,
+    *,
+    map: MapReference = None,  # noqa: A002  # the flag's name
+    simulator: SimulatorName = None,
+    headless: Annotated[bool, Flag(help="run only the server, without a window")] = False,
+    seconds: Annotated[
+        float | None,
+        Float(0, 1e9, unit="s", help="end so long after the world has loaded"),
+        Shell(metavar="N", default="never"),
+    ] = None,
+    shared: Annotated[bool, Flag(help="use the default address, so that other programs can connect")] = False,
+    timeout: Timeout = 20.0,
+    on_start: Callable[[OpenedWorld], None] = lambda _: None,
+    on_error: Callable[[str], None] = lambda _: None,
+) -> OpenResult:
+    """Open a world in the newest installed Gazebo that supports it, and wait; Ctrl-C or closing the window ends it.
+
+    target: a world file, the folder of a map or of maps, a recipe (a temporary world is made) or a scene. on_start:
+    called once before the simulator runs; on_error: with each of its error lines, of lines that differ in numbers alone
+    with the first at once, and in the end with their count. SimulatorFailed if the simulator says that it did not
+    load the world, if it has not for `timeout` seconds without progress when `seconds` are given, or if a server
+    without a window ends by itself or prints errors.
+    """
+    from rsegen.run.target_worlds import world_of
+    from rsegen.simulators.open_world import open_until_end
+
+    return open_until_end(
+        world_of(target, map),
+        simulator,
+        headless=headless,
+        seconds=seconds,
+        shared=shared,
+        timeout=timeout,
+        on_start=on_start,
+        on_error=on_error,
+    )
+
+
+_OWN = ("simulator",)
+
+
+_WORLD = "WORLD-or-DIR-or-RECIPE"
+
+
+def add_open(command: Parser) -> None:
+    """Add the flags of `rsegen open`."""
+    epilog = "rsegen sim lists the installed simulators. Error lines of the simulator go to stderr."
+    command.explain(open.__doc__, epilog)
+    where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
+    add_input(command, where, name="target", metavar=_WORLD)
+    group = command.add_argument_group("open")
+    add_flags(group, open)
+    group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
+    add_target_recipe_flags(command, _OWN)
+
+
+def run_open(arguments: argparse.Namespace) -> Report:
+    """Open a world, and wait until it ends."""
+    from rsegen.run.target_worlds import world_of
+    from rsegen.simulators.open_world import launch_command
+
+    with flags_in_errors(open):
+        target = target_of(arguments, _OWN)
+        if arguments.print:
+            here, shared = world_of(target, arguments.map), bool(arguments.shared)
+            headless = bool(arguments.headless)
+            launch = launch_command(here, str(target), arguments.simulator, headless=headless, shared=shared)
+            return Report(lines=[launch.shell_line], content={"command": launch.shell_line})
+
+    def started(world: OpenedWorld) -> None:
+        address = " ".join(f"{name}={value}" for name, value in world.address)
+        if not (arguments.quiet or arguments.json):
+            line = f"{world.simulator}: {world.file}" + (f", at {address}" if address else "")
+            print(line, *which_map(arguments.target, arguments.map), sep="\n", flush=True)
+
+    def failed(line: str) -> None:
+        print(printable(line), file=sys.stderr, flush=True)
+
+    result = call(open, arguments, target, on_start=started, on_error=failed)
+    opened = {"simulator": result.world.simulator, "world": str(result.world.file)}
+    ended = {"address": dict(result.world.address), "exit_code": result.exit_code, "errors": list(result.errors)}
+    return Report(lines=[], content=opened | ended)
+
+
+def add_sim(command: Parser) -> None:
+    """Say what `rsegen sim` is."""
+    command.explain("List the simulators in which rsegen can open worlds: version and path, or how to install them.")
+
+
+def run_sim(_: argparse.Namespace) -> Report:
+    """Look for simulators."""
+    from rsegen.simulators.installed import describe, installed
+
+    simulators = installed()
+    return Report(lines=describe(simulators), content=simulators)

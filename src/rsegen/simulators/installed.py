@@ -1,0 +1,61 @@
+"""The simulators that are on this machine, for `rsegen sim` and `rsegen doctor`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from rsegen.errors import RsegenError, line_of
+from rsegen.params.capabilities import Finding
+
+if TYPE_CHECKING:
+    from rsegen.simulators.base import Installation, Simulator
+
+
+def installed() -> list[dict[str, Any]]:
+    """Ask every simulator at the same time whether it is installed; return what is known of each, for JSON."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from rsegen.simulators.base import SIMULATORS
+
+    with ThreadPoolExecutor() as pool:
+        return list(pool.map(_simulator, SIMULATORS.values()))
+
+
+def _simulator(simulator: Simulator) -> dict[str, Any]:
+    """Return what is known of a simulator: a plug-in's may raise anything, and one that is there may not answer."""
+    here: Installation | None = None
+    problem = ""
+    try:
+        here = simulator.installation()
+    except Exception as error:  # a report about a machine in disorder is wanted most
+        problem = line_of(str(error) if isinstance(error, RsegenError) else f"{type(error).__name__}: {error}")
+    return {
+        "name": simulator.name,
+        "title": simulator.title,
+        "version": here.version if here else None,
+        "commands": {name: str(path) for name, path in here.commands.items()} if here else {},
+        "problem": problem,
+        "how_to_get": list(simulator.how_to_install),
+    }
+
+
+def describe(simulators: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    for known in simulators:
+        yield f"{known['name']:<9}{known['title']} {known['version'] or known['problem'] or 'is not installed'}"
+        rows = [f"{name}: {path}" for name, path in known["commands"].items()] or known["how_to_get"]
+        yield from (f"{'':<9}  {row}" for row in rows if not known["problem"])
+
+
+def finding() -> Finding:
+    """Return what `rsegen doctor` says of simulators."""
+    simulators = installed()
+    lines, missing = list[str](), list[tuple[str, str]]()
+    for known in simulators:
+        version = f" {known['version']}"
+        problem = f": {known['problem'] or 'not installed'}"
+        lines.append(f"{known['title']}{problem if known['version'] is None else version}")
+        lines += (f"  {name}: {path}" for name, path in known["commands"].items())
+        if known["version"] is None:
+            missing.append((f"{known['title']}: worlds cannot be opened in it", known["how_to_get"][0]))
+    return Finding("simulators", "Simulators", simulators, lines, missing)

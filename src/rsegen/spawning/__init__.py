@@ -1,0 +1,36 @@
+"""Maps and robots in a simulation that runs: spawn, replace, remove."""
+
+from rsegen.params.capabilities import Capability, Command
+
+CAPABILITY = Capability(
+    summary="maps and robots in a running simulation",
+    needs=("robots", "simulators", "standing"),
+    commands=(
+        Command(
+            "spawn",
+            "simulation",
+            "spawn a map or a robot in the running simulation",
+            "rsegen.spawning.commands",
+            "spawn",
+        ),
+        Command(
+            "respawn",
+            "simulation",
+            "replace the map of the running simulation by the next one",
+            "rsegen.spawning.commands",
+            "respawn",
+        ),
+        Command(
+            "remove",
+            "simulation",
+            "delete models from the running simulation",
+            "rsegen.spawning.commands",
+            "remove",
+        ),
+    ),
+    public={
+        "rsegen.spawning.commands": ("remove", "respawn", "spawn"),
+        "rsegen.spawning.spawning": ("RemoveResult", "RespawnResult", "SpawnResult"),
+    },
+    manual="gazebo",
+)

@@ -1,0 +1,554 @@
+"""`rsegen.spawn`, `respawn` and `remove`: maps and robots put into the running simulation, none of them into a block.
+
+A new map or robot gets the free place nearest to the origin, unless a place is given; a robot is put on top of the maps
+under it. A map is known by its recipe.json, in the folder of its mesh or in a folder of its name; of other models only
+the origin is known. The map to replace is the one of the same recipes, else the only one whose recipe is known; the new
+one is the next in the folder, or the next index of the recipe. It comes before the old one goes, while the world is
+paused, and models on it are put upright on top of the blocks under them, as high above these as before. Maps are models
+in folders that stay, as the simulator reads their meshes as long as it runs. What breaks it: a map whose recipe is not
+found, whose blocks are taken for flat ground, and a map that is not upright.
+"""
+
+from __future__ import annotations
+
+import os
+import os.path
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain, count, product
+from math import cos, floor, hypot, sin
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+from rsegen.errors import OutputError, ParameterError, RsegenError, UnknownName, shown
+from rsegen.field.stepfield import StepField
+from rsegen.gazebo.sdf import numbers
+from rsegen.input_files import text_of
+from rsegen.params.streams import generator
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import load
+from rsegen.robots.base import ROBOTS, Robot
+from rsegen.robots.links import rotation
+from rsegen.robots.lookup import DrivableRobot, robot_of
+from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
+from rsegen.run.target_worlds import Target, chosen, scene_of, write_world
+from rsegen.run.targets import recipe_files, recipe_in
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.connecting import connected
+from rsegen.simulators.live_world import DROP_HEIGHT, LiveWorld, Pose
+from rsegen.standing.resting import poses as resting_poses
+from rsegen.standing.spots import spots_on_map
+
+_ROUNDING = 1e-3
+"""Slack of a gap, metres: positions on the grid are rounded to millimetres."""
+
+GAP = 0.5
+"""Gap, metres, between a new model and those that are there: a small robot passes between them."""
+
+
+class Area(NamedTuple):
+    """An axis-aligned rectangle of ground: its centre, and half of its length and width, metres."""
+
+    x: float
+    y: float
+    half_x: float = 0.0
+    half_y: float = 0.0
+
+    def is_clear_of(self, other: Area) -> bool:
+        """Return whether there is a gap between both."""
+        return (
+            abs(self.x - other.x) > self.half_x + other.half_x + GAP - _ROUNDING
+            or abs(self.y - other.y) > self.half_y + other.half_y + GAP - _ROUNDING
+        )
+
+
+def free_area(half_x: float, half_y: float, occupied: Sequence[Area]) -> Area:
+    """Return the area nearest to the origin, on a grid around it, that is clear of all occupied ones."""
+    candidates = (
+        Area(round(i * (2 * half_x + GAP), 3), round(j * (2 * half_y + GAP), 3), half_x, half_y)
+        for i, j in chain.from_iterable(map(_ring, count()))
+    )
+    return next(place for place in candidates if all(map(place.is_clear_of, occupied)))
+
+
+def _ring(away: int) -> Iterator[tuple[int, int]]:
+    """Yield the cells of a square ring around the origin, the nearest first; east and north before west and south."""
+    line = range(-away, away + 1)
+    cells = (cell for cell in product(line, line) if max(map(abs, cell)) == away)
+    return iter(sorted(cells, key=lambda cell: (hypot(*cell), -cell[0], -cell[1])))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SpawnedMap:
+    """A map under its name in the simulation, and the pose of its centre; it is upright."""
+
+    name: str
+    field: StepField
+    at: Pose
+
+    @property
+    def area(self) -> Area:
+        """The smallest axis-aligned rectangle around it."""
+        (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
+        return Area(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
+
+    def covers(self, at: Pose, reach: float) -> bool:
+        """Return whether a model at a pose, with this radius, is above the map."""
+        return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
+
+    def top(self, at: Pose, reach: float = 0.0) -> float:
+        """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
+        window = []
+        for x, along in zip(self._seen(at), self.field.extent, strict=True):
+            first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-reach, reach))
+            window.append(slice(max(first, 0), max(last + 1, 0)))
+        return self.at.z + float(self.field.heights[tuple(window)].max(initial=0.0))
+
+    def outside(self, x: float, y: float) -> tuple[float, float]:
+        """Return the place in the world of one in the map's own axes, from its middle."""
+        c, s = cos(self.at.yaw), sin(self.at.yaw)
+        return self.at.x + x * c - y * s, self.at.y + x * s + y * c
+
+    def _seen(self, at: Pose) -> tuple[float, float]:
+        """Return a place in the map's own axes, from its middle."""
+        x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
+        return x * c + y * s, y * c - x * s
+
+
+GROUND = "ground_plane"
+"""The name of the ground in Gazebo's worlds, on which everything may be placed."""
+
+RADIUS = 0.3
+"""The assumed radius, metres, of a model that is not one of rsegen's robots: that of a robot of a Jackal's class.
+
+A larger model may be put into a block; a smaller one is only put higher than need be, and falls.
+"""
+
+
+def occupied(poses: Mapping[str, Pose], maps: Sequence[SpawnedMap]) -> list[Area]:
+    """Return the rectangles that models occupy; of a model that is not one of these maps, only the origin is known."""
+    known = {spawned.name: spawned.area for spawned in maps}
+    return [known.get(name) or Area(at.x, at.y) for name, at in poses.items() if name != GROUND]
+
+
+def spawn_map(live: LiveWorld, sdf: str, new: SpawnedMap, old: SpawnedMap | None = None) -> tuple[str, ...]:
+    """Spawn a map and delete the old one, if given, while the world is paused; gives the models put on top of it."""
+    was_paused = live.clock().paused
+    if not was_paused:
+        live.pause()
+    try:
+        live.spawn(sdf, new.at)
+        moved = _raise_models(live, new, old)
+        if old:
+            live.delete(old.name)
+    finally:
+        if not was_paused:
+            live.unpause()
+    return moved
+
+
+def model_radius(name: str) -> float:
+    """Return the radius, metres, of a model; rsegen's robots are known by the beginning of their names."""
+    kind = next((robot for kind, robot in ROBOTS.items() if name.startswith(kind)), None)
+    return hypot(*kind.size[:2]) / 2 if kind else RADIUS
+
+
+def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> tuple[str, ...]:
+    """Put movable models above a map upright on top of the blocks under them, as high above these as before."""
+    movable = live.movable() - {new.name, old.name if old else ""}
+    models = {
+        name: at
+        for name, at in live.poses().items()
+        if name in movable and any(spawned.covers(at, model_radius(name)) for spawned in (new, old) if spawned)
+    }
+    for name, at in models.items():
+        above = max(at.z - (old.top(at) if old else new.at.z), 0.0)
+        live.move(name, Pose(x=at.x, y=at.y, z=new.top(at, model_radius(name)) + above + DROP_HEIGHT, yaw=at.yaw))
+    return tuple(models)
+
+
+_MOST_MIB = 512
+"""The largest model that is read, MiB, and sent to the simulator as one message."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapModel:
+    """The recipe of one map alone, its folder, which need not exist yet, and its scene if a caller gave one."""
+
+    recipe: Recipe
+    folder: Path
+    made_of: Scene | None = None
+
+    @property
+    def name(self) -> str:
+        """The map's name."""
+        return self.folder.name
+
+    @property
+    def field(self) -> StepField:
+        """The map's blocks."""
+        return self.scene.field
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The map's scene; TooLarge if it does not fit into memory."""
+        return self.made_of or scene_of(self.recipe)
+
+    def check_spawnable(self) -> None:
+        """Raise a ParameterError if this cannot be spawned as one model."""
+        if self.recipe.mesh_type != "single":
+            problem = f"{self.recipe.mesh_type} makes a map of many models; only single can be spawned"
+            raise ParameterError("mesh_type", problem)
+
+    def sdf(self, name: str) -> str:
+        """Return its model file under a name, with absolute paths of meshes; the map is written first if need be."""
+        if not self.folder.is_dir():
+            write_world(self.scene, self.folder.parent)
+        text = text_of(self.folder / "model.sdf", _MOST_MIB, "a model")
+        renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
+        return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
+
+
+def map_model(recipe: Recipe, output: Path, scene: Scene | None = None) -> MapModel:
+    """Return the map of a recipe in an output folder; OutputError if a different map of its name exists there."""
+    model = MapModel(recipe=recipe, folder=output / recipe.map_name(recipe.first_map), made_of=scene)
+    if model.folder.exists() and _recipe_in(model.folder) != model.recipe:
+        advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
+        raise OutputError(f"{model.folder}: exists already and is a different map; {advice}")
+    return model
+
+
+def map_of(target: Target, which: int | str | None, output: Path) -> MapModel:
+    """Return the map of a target, by index or name, by default the first; a recipe's goes into the output folder."""
+    recipe, folder, scene = chosen(target, which)
+    return MapModel(recipe=recipe, folder=folder) if folder else map_model(recipe, output, scene)
+
+
+def known_recipes(live: LiveWorld, poses: Mapping[str, Pose], homes: Iterable[Path]) -> dict[str, Recipe]:
+    """Return the known recipes of the maps in a simulation, by their names.
+
+    A recipe is known if it is in the folder of the mesh, or in a folder of the map's name in one of `homes`.
+    """
+    meshes, homes = live.mesh_files(), list(homes)
+    recipes = {}
+    for name in poses:
+        mesh = Path(meshes.get(name, ""))
+        folders = [mesh.parents[1]] if mesh.is_absolute() and len(mesh.parts) > 3 else []
+        folders += [home / name for home in homes if _is_map_name(name)]
+        if recipe := next(filter(None, map(_recipe_in, folders)), None):
+            recipes[name] = recipe
+    return recipes
+
+
+def unknown_map_notes(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) -> Iterator[str]:
+    """Yield a warning for each model that is called like a map and is none of these: its heights are unknown."""
+    names = {spawned.name for spawned in known}
+    for name in poses:
+        if _is_map_name(name) and name not in names:
+            advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
+            yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
+
+
+def _is_map_name(name: str) -> bool:
+    return re.fullmatch(r"[\w-]+_\d{4,}", name) is not None
+
+
+def _recipe_in(folder: Path) -> Recipe | None:
+    try:
+        return load(folder / "recipe.json")
+    except RsegenError:
+        return None
+
+
+_TRIES = 10
+"""Spots that are tried until one is free; if ten are taken, the robot is put next to the map."""
+
+_Spawnable: TypeAlias = DrivableRobot | MapModel
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SpawnResult:
+    """The result of `rsegen.spawn`: the names of model and simulator, the pose, and the models put on top of the map.
+
+    on: the map under the robot, if it was to be put on one; notes: a sentence each on what could not be known, or was
+    spawned too
+    """
+
+    name: str
+    simulator: str
+    at: Pose
+    put_on_top: tuple[str, ...] = ()
+    on: str | None = None
+    notes: tuple[str, ...] = ()
+
+
+def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
+    target: Target | DrivableRobot,
+    which: int | str | None,
+    name: str | None,
+    at: Sequence[float] | None,
+    robot: str | os.PathLike[str] | DrivableRobot | None,
+    pose: Sequence[float] | None,
+    output: Path,
+    simulator: str | None,
+    timeout: float,
+) -> SpawnResult:
+    """Spawn a map, by its index or name if the target has several, or a robot; see `rsegen.spawn`."""
+    place = list(at or [])
+    what = _robot_or_map(target, which, output)
+    rider = _rider(what, robot, pose)
+    if name is None:
+        name = rider.kind if rider else what.name if isinstance(what, MapModel) else what.kind
+    with connected(simulator, timeout) as (running, live):
+        poses = live.poses()
+        if name in poses:
+            raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
+        homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
+        maps = [
+            SpawnedMap(name=known, field=compose(recipe, recipe.first_map).field, at=poses[known])
+            for known, recipe in known_recipes(live, poses, homes).items()
+        ]
+        # Three cases: a robot alone, a map alone, and a robot on a map, which is spawned first if it is not there.
+        if not isinstance(what, MapModel):
+            spot = None if place else _on_map(what, name, maps, poses)
+            start = spot or _on_top(what, occupied(poses, maps), maps, place)
+            live.spawn(what.file(name, live.backend), start)
+            notes = list(unknown_map_notes(poses, maps)) if not spot and len(place) <= 2 else []
+            return SpawnResult(name=name, simulator=running.name, at=start, notes=(*notes, *_own_notes(what, live)))
+        if rider is None:
+            new, moved = _spawned(live, what, name, place, poses, maps)
+            return SpawnResult(name=name, simulator=running.name, at=new.at, put_on_top=moved)
+        rest = _at_rest(what.field, rider, pose) if pose else None
+        ground, moved, notes = _there(what, poses, maps, place), (), []
+        if ground is None:
+            ground, moved = _spawned(live, what, what.name, place, poses, maps)
+            notes, maps = [f"{ground.name} was not in the simulation, and was spawned too"], [*maps, ground]
+            poses = live.poses()
+        if rest:
+            start = _in_world(rest, rider, ground)
+        else:
+            start = _on_map(rider, name, [ground], poses) or _on_top(rider, occupied(poses, maps), maps, [])
+        live.spawn(rider.file(name, live.backend), start)
+        notes += _own_notes(rider, live)
+        on = ground.name if ground.covers(start, 0.0) else None
+        return SpawnResult(name=name, simulator=running.name, at=start, put_on_top=moved, on=on, notes=tuple(notes))
+
+
+def _rider(
+    what: _Spawnable, robot: str | os.PathLike[str] | DrivableRobot | None, pose: object
+) -> DrivableRobot | None:
+    """Return the robot that is to be put on a map, if one is; a ParameterError for one without a map."""
+    if robot is None:
+        if pose is not None:
+            raise ParameterError("pose", "is the place of a robot on a map; give robot too")
+        return None
+    if not isinstance(what, MapModel):
+        raise ParameterError("robot", f"{what.kind} is a robot already; give the map that this one is put on")
+    return robot_of(robot, "robot")
+
+
+def _spawned(
+    live: LiveWorld, what: MapModel, name: str, place: list[float], poses: Mapping[str, Pose], maps: list[SpawnedMap]
+) -> tuple[SpawnedMap, tuple[str, ...]]:
+    """Spawn a map at a place, or at a free one, and return it with the names of the models put on top of it."""
+    what.check_spawnable()
+    new = SpawnedMap(name=name, field=what.field, at=_pose(place or [0, 0]))
+    if not place:
+        new = replace(new, at=_pose(free_area(*new.area[2:], occupied(poses, maps))[:2]))
+    return new, spawn_map(live, what.sdf(name), new)
+
+
+def _there(
+    what: MapModel, poses: Mapping[str, Pose], maps: Sequence[SpawnedMap], place: list[float]
+) -> SpawnedMap | None:
+    """Return a map as it is in the simulation, None if it is not there.
+
+    A ParameterError if it has other blocks there, or if a place is given to it.
+    """
+    if what.name not in poses:
+        return None
+    running = next((spawned for spawned in maps if spawned.name == what.name), None)
+    if running is None or running.field != what.field:
+        raise ParameterError("", f"{what.name} in the simulation has other blocks; remove it first, or respawn it")
+    if place:
+        raise ParameterError("at", f"{what.name} is in the simulation already; leave the place out, or remove it first")
+    return running
+
+
+def _at_rest(field: StepField, robot: DrivableRobot, place: Sequence[float]) -> Pose:
+    """Return the pose of a robot at rest on a map; a ParameterError if it does not stand there."""
+    try:
+        rest = resting_poses(field, robot.body_or_box, *place)
+    except ParameterError as error:  # of x, y or the robot
+        where = {"x": "pose[0]", "y": "pose[1]"}.get(error.where, error.where)
+        raise ParameterError(where, error.problem) from None
+    if not rest.stands[0]:
+        raise ParameterError("pose", f"{robot.kind} tips over at {numbers(place)}; give a place where it stands")
+    x, y, z, roll, pitch, yaw = (float(of[0]) for of in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
+    return Pose(x=x, y=y, z=z + DROP_HEIGHT, roll=roll, pitch=pitch, yaw=yaw)
+
+
+def _in_world(rest: Pose, robot: DrivableRobot, ground: SpawnedMap) -> Pose:
+    """Return the pose of a robot's model in the world, from that of its body on a map: its origin is `lift` above."""
+    up = robot.lift * rotation(rest.roll, rest.pitch, rest.yaw)[:, 2]
+    x, y = ground.outside(rest.x + float(up[0]), rest.y + float(up[1]))
+    return replace(rest, x=x, y=y, z=ground.at.z + rest.z + float(up[2]), yaw=ground.at.yaw + rest.yaw)
+
+
+def _own_notes(robot: DrivableRobot, live: LiveWorld) -> list[str]:
+    return list(robot.spawn_notes(live.backend)) if isinstance(robot, SdfRobot) else []
+
+
+def _on_top(robot: DrivableRobot, taken: list[Area], maps: list[SpawnedMap], at: list[float]) -> Pose:
+    """Return the pose of a robot on top of the maps under it, unless z is given."""
+    radius = hypot(*robot.size[:2]) / 2
+    x, y = at[:2] if at else free_area(radius, radius, taken)[:2]
+    ground = max((spawned.top(Pose(x=x, y=y, z=0), radius) for spawned in maps), default=0.0)
+    return _pose([x, y, ground + robot.lift + DROP_HEIGHT] if len(at) <= 2 else at)
+
+
+def _on_map(robot: DrivableRobot, name: str, maps: list[SpawnedMap], poses: Mapping[str, Pose]) -> Pose | None:
+    """Return the pose at a free spot of the first map that has one."""
+    radius, body = hypot(*robot.size[:2]) / 2, robot.body_or_box
+    for spawned in maps:
+        others = [
+            at for other, at in poses.items() if other not in (spawned.name, GROUND) and spawned.covers(at, radius)
+        ]
+        with suppress(ParameterError):  # no spot is left
+            for seed in range(_TRIES):
+                (spot,) = spots_on_map(spawned.field, body, 1, generator(seed, 0, name))
+                start = _in_world(Pose.above(spot), robot, spawned)
+                if all(hypot(at.x - start.x, at.y - start.y) > radius + RADIUS for at in others):
+                    return start
+    return None
+
+
+def _robot_or_map(target: Target | DrivableRobot, which: int | str | None, output: Path) -> _Spawnable:
+    if isinstance(target, str) and target in ROBOTS:
+        target = ROBOTS[target]
+    elif isinstance(target, str | os.PathLike) and is_robot_file(os.fspath(target)):
+        target = from_file(target)
+    if isinstance(target, Robot | SdfRobot):
+        if which is not None:
+            raise ParameterError("map", f"{target.kind} is a robot and has no maps")
+        return target
+    # A bare word that names nothing may be a robot's, so both are listed.
+    if (
+        isinstance(target, str)
+        and target not in EXAMPLES
+        and not (os.path.exists(target) or Path(target).suffix or os.sep in target or "#" in target)
+    ):
+        raise UnknownName.among("", "folder, recipe, example or robot", target, [*ROBOTS, *EXAMPLES])
+    return map_of(target, which, output)
+
+
+def _pose(at: Sequence[float]) -> Pose:
+    x, y, z, yaw = [*at, 0.0, 0.0, 0.0][:4]
+    return Pose(x=x, y=y, z=z, yaw=yaw)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RespawnResult:
+    """The result of `rsegen.respawn`: names of the new and the old map, simulator, pose, and models put on top."""
+
+    name: str
+    instead_of: str
+    simulator: str
+    at: Pose
+    put_on_top: tuple[str, ...] = ()
+
+
+def replace_map(  # as `rsegen.respawn`
+    target: Target, which: int | str | None, name: str | None, output: Path, simulator: str | None, timeout: float
+) -> RespawnResult:
+    """Replace the map in the simulation by another one, by default the next; see `rsegen.respawn`."""
+    recipes, homes = _recipes(target), [output]
+    if not isinstance(target, Scene | Recipe) and os.path.isdir(target):
+        homes += [Path(target), Path(target).parent]
+    with connected(simulator, timeout) as (running, live):
+        poses = live.poses()
+        known = known_recipes(live, poses, homes)
+        current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
+        new = _given_or_next(target, which, output, current)
+        new.check_spawnable()
+        if new.name in poses:
+            what = f"{shown(new.name)} exists already; give another"
+            if which is None and new.name == current:
+                what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
+            raise ParameterError("" if which is None else "map", what)
+        # The blocks of a map whose folder is unknown are those that the recipe gives for its index.
+        recipe = known.get(current) or recipes[0].alone(_index(recipes[0], current) or recipes[0].first_map)
+        old = SpawnedMap(name=current, field=compose(recipe, recipe.first_map).field, at=poses[current])
+        moved = spawn_map(live, new.sdf(new.name), SpawnedMap(name=new.name, field=new.field, at=old.at), old)
+    return RespawnResult(name=new.name, instead_of=current, simulator=running.name, at=old.at, put_on_top=moved)
+
+
+def _recipes(target: Target) -> list[Recipe]:
+    if isinstance(target, Scene):
+        return [target.recipe]
+    if isinstance(target, Recipe):
+        return [target]
+    return [recipe_in(file) for file in recipe_files(os.fspath(target))]
+
+
+def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str], given: str | None) -> str:
+    """Return the name of the map that is to be replaced: one of the same recipes, else any other map that is known."""
+    models = ", ".join(sorted(poses))
+    if given is not None:
+        if given not in poses:
+            raise ParameterError("name", f"no model {shown(given)} in the simulation (models: {models})")
+        return given
+    pattern = "|".join(rf"{re.escape(stem)}_\d{{4,}}" for stem in sorted(stems))
+    candidates = sorted(name for name in poses if re.fullmatch(pattern, name)) or sorted(known)
+    if not candidates:
+        what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
+        raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
+    if len(candidates) > 1:
+        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(candidates)}")
+    return candidates[0]
+
+
+def _given_or_next(target: Target, which: int | str | None, output: Path, current: str) -> MapModel:
+    """Return the given map, else the one after the current map, in the folder or by its index."""
+    if which is not None or isinstance(target, Scene):
+        return map_of(target, which, output)
+    if not isinstance(target, Recipe) and os.path.isdir(target):
+        maps = [MapModel(recipe=recipe_in(file), folder=file.parent) for file in recipe_files(os.fspath(target))]
+        names = [model.name for model in maps]
+        return maps[(names.index(current) + 1) % len(maps)] if current in names else maps[0]
+    (recipe,) = _recipes(target)
+    index = _index(recipe, current)
+    return map_model(recipe.alone(recipe.first_map if index is None else index + 1), output)
+
+
+def _index(recipe: Recipe, name: str) -> int | None:
+    """Return the index of the map of this name."""
+    digits = name.removeprefix(f"{recipe.name}_")
+    return int(digits) if digits.isdecimal() and recipe.map_name(int(digits)) == name else None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RemoveResult:
+    """The result of `rsegen.remove`: the names of the deleted models, and the simulator's."""
+
+    removed: tuple[str, ...]
+    simulator: str
+
+
+def remove_models(names: Sequence[str], simulator: str | None, timeout: float) -> RemoveResult:
+    """Delete models, or none of them if one does not exist; see `rsegen.remove`."""
+    if not names:
+        raise ParameterError("names", "nothing is given; give the names of models in the simulation")
+    unique = tuple(dict.fromkeys(names))
+    with connected(simulator, timeout) as (running, live):
+        models = live.poses()
+        for name in unique:
+            if name not in models:
+                raise UnknownName.among("", "model", name, models)
+        for name in unique:
+            live.delete(name)
+    return RemoveResult(removed=unique, simulator=running.name)

@@ -1,0 +1,65 @@
+"""`rsegen.drive` refuses wrong values before anything is started, and names the parameter."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rsegen
+from rsegen.errors import FileError, NoSimulator, ParameterError
+from rsegen.robots.lookup import robot
+from tests.simulators.standins import PROGRAMS, put
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
+RECIPE = rsegen.Recipe(name="course", seed=1, chunk_size=2)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"robot": "burgr"}, "robot: unknown robot 'burgr'; did you mean 'burger'"),
+        ({"robots": 0}, "robots: 0 is outside 1..100"),
+        ({"duration": 0}, r"duration: 0 is outside 0\.1\.\."),
+        ({"route": "strait"}, "route: 'strait' is not one of straight, random"),
+        ({"seed": -1}, r"seed: -1 is outside 0\.\."),
+        ({"map": 7}, "map: there is no map 7 in the recipe; give an index or name, course_0000"),
+        ({"speed": 1}, "speed: is for the robot of a file; 'burger' has its own"),
+        ({"robot": robot("jackal"), "turn": 1}, "turn: is for the robot of a file; 'jackal' has its own"),
+        ({"picture": True}, "picture: needs a folder"),
+        ({"picture": True, "output": "out"}, "picture: Gazebo's camera needs a screen"),
+    ],
+)
+def test_wrong_values_name_the_parameter(given: dict[str, Any], message: str, programs: Path) -> None:
+    with pytest.raises(ParameterError, match=f"^{message}"):
+        rsegen.drive(RECIPE, **given)
+
+
+def test_a_world_without_a_recipe_is_refused(programs: Path, tmp_path: Path) -> None:
+    put(programs, PROGRAMS["classic"])
+    world = tmp_path / "other.world"
+    world.write_text("<sdf version='1.6'><world name='other'/></sdf>")
+    with pytest.raises(FileError, match=r"other\.world: no recipe\.json next to it"):
+        rsegen.drive(world)
+
+
+@pytest.mark.parametrize(("output", "said"), [("out", "nothing was changed in out"), (None, "")])
+def test_a_drive_that_is_stopped_changes_nothing(
+    output: str | None, said: str, programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    put(programs, PROGRAMS["classic"])
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("rsegen.driving.recording.record_drive", stopped)
+    with pytest.raises(KeyboardInterrupt, match=f"^{said}$"):
+        rsegen.drive(RECIPE, output=output)
+    assert not any(tmp_path.joinpath("out").glob("**"))
+
+
+def test_without_gazebo_classic_the_script_says_how_to_install_it(programs: Path) -> None:
+    with pytest.raises(NoSimulator, match="Gazebo Classic is not installed; to install it: "):
+        rsegen.drive(RECIPE)

@@ -1,0 +1,144 @@
+"""A robot that hardly moves is noted where no block can be the reason, and nobody else is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import inf, nan, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.driving.drive import DriveResult, draw_trajectories, drive_notes, driven_robot
+from rsegen.driving.drive_metrics import Trajectory
+from rsegen.driving.recording import DriveRecording, RobotRun, send_commands
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.routes import STOP
+from rsegen.robots.lookup import DrivableRobot, robot
+from rsegen.robots.sdf_file import from_file
+from rsegen.scene.scene import compose
+from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.live_world import Pose
+
+SCENE = compose(rsegen.Recipe(name="course", seed=1, boundary="none", obstacles=(rsegen.Random(levels=2),)))
+CLASSIC = Installation(simulator=SIMULATORS["classic"], version="11.1.0", commands={})
+T = np.arange(0, 10.01, 0.05)
+BURGER = robot("burger")
+
+
+def run_of(route: str, model: DrivableRobot = BURGER) -> RobotRun:
+    return robot_runs(SCENE.field, model, route, count=1, seed=1)[0]
+
+
+def driven(run: RobotRun, along: Callable[[np.ndarray], np.ndarray], roll: float = 0.0) -> Trajectory:
+    """A robot that comes from its start as far as `along` says."""
+    columns = np.broadcast_arrays(T, run.start.x + along(T), run.start.y, run.start.z, roll, 0.0, run.start.yaw)
+    return Trajectory(rows=np.stack(columns, axis=1).astype(float))
+
+
+def notes(run: RobotRun, track: Trajectory, route: str, attempts: int = 1) -> Sequence[str]:
+    recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[], attempts=attempts)
+    return list(drive_notes(CLASSIC, [run], recording, route, contacts=False, picture=False))
+
+
+@pytest.mark.parametrize("route", ["straight", "way"])
+def test_a_robot_that_hardly_moves_before_it_reaches_the_map_is_noted(route: str) -> None:
+    run = run_of(route)
+    said = "burger_0 moved 0.04 m in 10 s, 2.0% of what was commanded, on the level ground before the map: perhaps "
+    (note,) = notes(run, driven(run, lambda t: 0.02 * 0.22 * t), route)
+    assert note.startswith(said)
+    assert "left_axle, right_axle" in note
+    (spinning,) = notes(run, driven(run, lambda t: 0.001 * (np.arange(len(t)) % 2)), route)
+    assert "moved 0.00 m" in spinning
+
+
+@pytest.mark.parametrize("route", ["straight", "way"])
+def test_a_robot_that_is_stuck_on_blocks_is_not_accused(route: str) -> None:
+    run = run_of(route)
+    for metres in (0.15, 0.1, 0.09, 0.06):  # it has reached the blocks, or stands with its front at them
+        assert notes(run, driven(run, lambda t, far=metres: np.minimum(0.22 * t, far)), route) == []  # type: ignore[misc]
+    assert notes(run, driven(run, lambda t: 0.22 * t), route) == []
+    assert notes(run, driven(run, np.zeros_like, roll=pi / 2), route) == []
+
+
+def test_a_short_drive_is_no_reason_for_a_note() -> None:
+    run = run_of("straight")
+    track = driven(run, np.zeros_like)
+    assert notes(run, Trajectory(rows=track.rows[:19]), "straight") == []
+
+
+def test_on_a_random_route_a_robot_may_be_stuck_where_it_started() -> None:
+    run = run_of("random")
+    (note,) = notes(run, driven(run, lambda t: 0.002 * t), "random")
+    assert "0.9% of what was commanded: it is stuck where it started, or perhaps" in note
+    assert notes(run, driven(run, lambda t: 0.1 * np.sin(t)), "random") == []
+
+
+def test_the_joints_of_a_file_s_robot_are_named(tmp_path: Path) -> None:
+    (tmp_path / "mine.sdf").write_text(robot("jackal").file("mine", "classic"))
+    run = run_of("straight", from_file(tmp_path / "mine.sdf"))
+    note = notes(run, driven(run, np.zeros_like), "straight")[-1]
+    assert "perhaps front_left_axle, rear_left_axle, front_right_axle" in note
+
+
+def test_a_server_that_was_started_again_is_noted() -> None:
+    run = run_of("straight")
+    assert notes(run, driven(run, lambda t: 0.2 * t), "straight", attempts=3) == [
+        "Gazebo Classic 11.1.0 failed and was started again; this is attempt 3"
+    ]
+
+
+def result_of(run: RobotRun, track: Trajectory) -> DriveResult:
+    recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[])
+    return DriveResult(
+        scene=SCENE,
+        simulator=str(CLASSIC),
+        route="straight",
+        seed=1,
+        robots=(driven_robot(run, SCENE, recording, "straight"),),
+        errors=(),
+        contact_samples=(),
+    )
+
+
+def test_incidents_are_in_the_printed_line_and_in_the_json() -> None:
+    run = run_of("straight")
+    track = driven(run, lambda t: 0.22 * t + 15 * np.maximum(t - 0.3, 0))
+    found = result_of(run, track)
+    _, line = found.report()
+    what = "impossible after 0.35 s: up to 15.22 m in 1 s, at a commanded 0.22 m/s"
+    assert line == f"  burger_0: 0.07 m in 0.3 s, did not cross the map, stuck 0 s; {what}"
+    content = json.loads(json.dumps(found.as_json()))
+    assert content == found.as_json()
+    (told,) = content["robots"]
+    assert [{**each, "seconds": 0} for each in told["incidents"]] == [
+        {"kind": "impossible", "seconds": 0, "reason": "up to 15.22 m in 1 s, at a commanded 0.22 m/s"}
+    ]
+
+
+def test_a_robot_beside_the_map_does_not_cross_it() -> None:
+    run = replace(run_of("straight"), start=Pose(x=-1.2, y=3.0, z=0.0))
+    _, line = result_of(run, driven(run, lambda t: 0.3 * t)).report()
+    assert "did not cross the map" in line
+    assert line.endswith("s: north of it")
+
+
+@pytest.mark.slow
+def test_poses_that_are_no_numbers_are_drawn_and_answered_by_a_stop() -> None:
+    run = run_of("way")
+    track = driven(run, lambda t: np.where(t > 3, nan, 0.2 * t))
+    assert draw_trajectories(SCENE, {"burger_0": track})[:4] == b"\x89PNG"
+    assert draw_trajectories(SCENE, {"burger_0": driven(run, lambda t: nan * t)})[:4] == b"\x89PNG"
+    sent: list[object] = []
+
+    class World:
+        backend = "classic"
+        send_command = staticmethod(sent.append)
+
+    for strange in (nan, inf):
+        pose = replace(run.start, yaw=strange, x=strange)
+        send_commands(World(), [run], {run.name: run.route()}, {run.name: pose})  # type: ignore[arg-type]  # as much of it
+    assert sent == [BURGER.command(run.name, *STOP, "classic")] * 2

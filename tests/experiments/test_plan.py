@@ -1,0 +1,185 @@
+"""Plans: those that come along, mixed fairly, and refused with their place where they are wrong."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rsegen import build
+from rsegen.errors import ParameterError, UserError
+from rsegen.experiments.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
+from rsegen.experiments.report import FIGURES, PublishedRow
+from rsegen.experiments.run import _robot_files
+from rsegen.experiments.trial import _runs, refuse_undrivable
+from rsegen.field.steps import steps
+from rsegen.robots.lookup import robot
+from rsegen.scene.scene import compose
+
+ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
+
+
+@pytest.mark.parametrize("name", sorted(PLANS))
+def test_every_plan_that_comes_along_is_whole(name: str) -> None:
+    plan = load_plan(name)
+    assert plan.name == name
+    for cell in plan.cells:
+        recipe = plan.rows[cell.row].map_of(cell.size, plan.seed)
+        assert recipe.grid.shape == (max(cell.size, 10),) * 2
+        assert recipe.boundary == "none"
+
+
+def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
+    plan = load_plan("paper")
+    rows = {PublishedRow(row.robot, row.robots, row.unit_cm, row.levels): row for row in plan.rows}
+    assert rows.keys() == FIGURES.keys()
+    for published, row in rows.items():
+        assert {0, *row.sizes} == {0, *FIGURES[published]}
+    assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "burger"} == {(3, 1)}
+    assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "crawler"} == {(1, 10)}
+
+
+def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_any_trial() -> None:
+    rows = [{"sizes": [0, 10]}, {"robot": "crawler", "robots": 9, "sizes": [0, 80, 20]}]
+    with pytest.raises(ParameterError, match=r"^rows\[1\].robots: found spots for \d of 9"):
+        refuse_undrivable(read_plan("crowd", {"rows": rows}))
+    refuse_undrivable(read_plan("alone", {"rows": [{"robot": "crawler", "robots": 1, "sizes": [0, 10]}]}))
+
+
+@pytest.mark.parametrize("rows", [load_plan("driven").rows, load_plan("quick").rows, (TableRow(),)])
+def test_no_step_of_the_default_plans_and_rows_is_too_high_for_their_robots(rows: tuple[TableRow, ...]) -> None:
+    for row in rows:
+        found = steps(build(row.map_of(80, seed=1)))
+        assert found.share_above(robot(row.robot).climbs) == 0
+
+
+def test_half_of_the_steps_of_the_paper_s_plan_are_too_high() -> None:
+    paper = steps(build(load_plan("paper").rows[0].map_of(80, seed=1)))
+    assert paper.share_above(0.01) == pytest.approx(12 / 25, abs=0.02)
+
+
+def test_trials_are_mixed_and_each_cell_comes_once_in_every_repeat() -> None:
+    plan = ExperimentPlan(name="p", rows=(TableRow(), TableRow(robot="jackal")), repeats=4)
+    order = list(plan.order())
+    assert Counter(cell for cell, _ in order) == dict.fromkeys(plan.cells, 4)
+    assert [repeat for _, repeat in order] == sorted(repeat for _, repeat in order)
+    firsts = {order[repeat * len(plan.cells)][0] for repeat in range(4)}
+    assert len(firsts) > 1
+    assert list(plan.order()) == order
+
+
+def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
+    field = build(TableRow(levels=10, unit_cm=10).map_of(40, seed=3))
+    assert sorted(field.level_counts()) == list(range(10))
+    assert field.unit == 0.1
+    assert not build(TableRow().map_of(0, seed=3)).levels.any()
+
+
+@pytest.fixture
+def jackal_file(tmp_path: Path) -> str:
+    file = tmp_path / "my, own.sdf"
+    file.write_text(robot("jackal").file("mine", "classic"))
+    return str(file)
+
+
+def test_a_row_may_name_the_file_of_any_robot(jackal_file: str) -> None:
+    rows = [{"robot": jackal_file, "robots": 1, "sizes": [0, 10], "speed": 0.3, "size": [0.5, 0.45, 0.3]}]
+    plan = read_plan("mine", {"rows": rows})
+    assert plan.rows[0].label == "1 my, own.sdf, unit 0.3 cm, 3 levels"
+    assert plan.rows[0].model.kind == "mine"
+    assert (plan.rows[0].model.speed, plan.rows[0].model.size) == (0.3, (0.5, 0.45, 0.3))
+    refuse_undrivable(plan)
+    (driven,) = _runs(plan.rows[0], compose(plan.rows[0].map_of(10, 1)), 1)
+    assert driven.name == "mine_0"
+    again = read_plan("mine", json.loads(json.dumps(asdict(plan))))
+    assert again == plan
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ({"robot": "gone.sdf"}, "gone.sdf: "),
+        ({"robot": "burger", "speed": 0.2}, "rows[0].speed: is for the robot of a file; 'burger' has its own"),
+        ({"robot": "FILE", "wheels": "left,right"}, "left"),
+    ],
+)
+def test_a_robot_that_cannot_be_driven_is_refused_before_any_trial(
+    row: dict[str, Any], said: str, jackal_file: str
+) -> None:
+    row = {**row, "robot": jackal_file if row["robot"] == "FILE" else row["robot"]}
+    with pytest.raises(UserError) as refused:
+        refuse_undrivable(read_plan("mine", {"rows": [row]}))
+    assert said in str(refused.value)
+
+
+def test_a_changed_file_of_a_robot_is_another_plan(jackal_file: str) -> None:
+    plan = read_plan("mine", {"rows": [{"robot": jackal_file}, {}]})
+    before = _robot_files(plan)
+    Path(jackal_file).write_text(robot("jackal").file("other", "classic"))
+    assert before.keys() == {"robot_files"}
+    assert before != _robot_files(plan)
+    assert _robot_files(load_plan("paper")) == {}
+
+
+def test_a_row_names_its_obstacles_by_their_kinds() -> None:
+    row = TableRow(
+        recipe={"obstacles": [{"kind": "peak", "levels": 3}, {"kind": "random", "levels": 3}], "mesh": "blocks"}
+    )
+    assert row.label == "3 burger, unit 0.3 cm, 3 levels, obstacles peak and random, mesh blocks"
+
+
+def test_a_plan_in_two_simulators_has_each_row_in_both_and_a_table_of_both() -> None:
+    plan = ExperimentPlan(name="p", rows=(TableRow(), TableRow(robot="jackal", simulator="classic"), TableRow()))
+    both = plan.in_simulators(["sim", "classic"])
+    assert [(row.robot, row.simulator) for row in both.rows] == [
+        ("burger", "sim"),
+        ("burger", "classic"),
+        ("jackal", "classic"),
+        ("burger", "sim"),
+        ("burger", "classic"),
+    ]
+    assert both.tables == [[0, 1], [2], [3, 4]]
+    assert both.in_simulators(["sim"]) == both
+
+
+def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(ROWS, "utf-8")
+    assert load_plan(str(tmp_path / "mine.yaml")).name == "mine"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[]", "not a plan of an experiment"),
+        ("rows: 3", "not a plan of an experiment"),
+        ("rows: []", "rows: is empty; give a row"),
+        ("rows: [3]", "rows[0]: 3 is not a row"),
+        (ROWS + "secnds: 3", "unknown key 'secnds'; did you mean 'seconds'?"),
+        (ROWS + "paces: [fast]", "paces[0]: 'fast' is not one of real, free"),
+        (ROWS + "repeats: 0", "repeats: 0 is outside 1..1000"),
+        (
+            "rows: [{robot: burgr}]",
+            "rows[0].robot: 'burgr' is not one of burger, crawler, jackal, or an SDF, URDF or Xacro file",
+        ),
+        ("rows: [{robot: 7}]", "rows[0].robot: 7 is not one of burger, crawler, jackal, or an SDF, URDF or Xacro file"),
+        ("rows: [{robot: a.sdf, speed: -1}]", "rows[0].speed: -1 is outside 0.001..100 m/s"),
+        ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
+        ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of such"),
+        ("rows: [{colour: red}]", "rows[0]: unknown key of a row 'colour'"),
+        ("rows: [{recipe: {mesh_type: mutli}}]", "rows[0].recipe.mesh_type: 'mutli' is not one of"),
+    ],
+)
+def test_a_wrong_plan_is_refused_with_its_place(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "wrong.yaml").write_text(text, "utf-8")
+    with pytest.raises(UserError) as refused:
+        load_plan(str(tmp_path / "wrong.yaml"))
+    assert str(refused.value).startswith(f"{tmp_path / 'wrong.yaml'}: {said}")
+
+
+def test_an_unknown_plan_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(UserError, match="unknown plan 'papr'; did you mean 'paper'"):
+        load_plan("papr")

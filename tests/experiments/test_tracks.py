@@ -1,0 +1,47 @@
+"""The tracks of an experiment: a file per trial, and a picture per cell."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rsegen.driving.drive_metrics import Trajectory
+from rsegen.experiments.plan import Cell, ExperimentPlan, TableRow
+from rsegen.experiments.run import track_files, track_names
+from rsegen.experiments.trial import Outcome, Trial
+from rsegen.scene.scene import compose
+
+PLAN = ExperimentPlan(name="p", rows=(TableRow(sizes=(10,)),), paces=("free",), repeats=2)
+CELL = Cell(row=0, size=10, pace="free")
+
+
+@pytest.fixture
+def trial() -> Trial:
+    outcome = Outcome(load=1, memory=1, cpu=None, speed=1, rtf_min=None, rtf=None, rtf_max=None)
+    rows = np.array([[0, 0.1, 0, 0, 0, 0, 0], [1, 0.3, 0, 0, 0, 0, 0]])
+    tracks = {name: Trajectory(rows=rows) for name in ("burger_0", "burger_1")}
+    return Trial(outcome=outcome, scene=compose(PLAN.rows[0].map_of(10, 1)), trajectories=tracks)
+
+
+def test_every_trial_has_a_csv_file_and_every_cell_a_picture_of_the_last(trial: Trial) -> None:
+    first, last = (track_files(PLAN, CELL, repeat, trial) for repeat in (0, 1))
+    assert list(first) == ["tracks/row1-10-free-0.csv"]
+    assert list(last) == ["tracks/row1-10-free-1.csv", "tracks/row1-10-free.png"]
+    assert {*first, *last} == {*track_names(PLAN)}
+    assert b"".join(first["tracks/row1-10-free-0.csv"]).decode().splitlines() == [
+        "robot,t,x,y,z,roll,pitch,yaw",
+        "burger_0,0,0.1,0,0,0,0,0",
+        "burger_0,1,0.3,0,0,0,0,0",
+        "burger_1,0,0.1,0,0,0,0,0",
+        "burger_1,1,0.3,0,0,0,0,0",
+    ]
+    with Image.open(BytesIO(b"".join(last["tracks/row1-10-free.png"]))) as picture:
+        assert picture.size == (800, 800)
+
+
+def test_without_robots_no_tracks_are_written(trial: Trial) -> None:
+    assert track_files(PLAN, CELL, 1, replace(trial, trajectories={})) == {}

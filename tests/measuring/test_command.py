@@ -1,0 +1,188 @@
+"""`rsegen metrics`, as people and programs use it; what they do wrong is in tests/bad_input."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import rsegen
+from rsegen import StepLimits
+from rsegen.cli.edge import main
+from rsegen.field.traversability import traversability
+from rsegen.measuring.plots import path_plot
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.robots.base import ROBOTS
+
+PALLET = EXAMPLES["red-diagonal-pallet"]
+TEN = ["--climb-cm", "10"]
+
+
+@pytest.fixture
+def maps(tmp_path: Path) -> Path:
+    """A folder of three maps."""
+    flags = ["--maps", "3", "--seed", "7", "--obstacle", "random levels=3"]
+    assert main(["generate", *flags, "-o", str(tmp_path / "maps")]) == 0
+    return tmp_path / "maps"
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """What a command that succeeds prints; it says nothing on stderr."""
+    capsys.readouterr()
+    assert main(["metrics", *map(str, arguments)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture[str]) -> None:
+    page = printed(capsys, PALLET, *TEN)
+    for words in ("mean 19.6 cm", "0.568 of the mean", "rms 13.02 cm", "Hurst exponent 0.17; weak, of 5 lags"):
+        assert words in page
+    for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "96.0%"):
+        assert words in page
+    assert "climb    that is needed to cross for its width: 10 cm west to east" in page
+    assert max(map(len, page.splitlines())) <= 120
+
+
+def test_a_page_stays_short_for_any_steps(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "many.yaml"
+    path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, levels: 500}\n")
+    page = printed(capsys, path)
+    assert "sizes, which --json lists" in page
+    assert len(page.splitlines()) < 15
+
+
+def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:
+    page = printed(capsys, PALLET, *TEN)
+    for name in ("coverability", "crossability"):
+        assert page.count(name) == page.count(f"analogue of {name}") == 1
+
+
+def test_a_folder_of_maps_is_a_table_with_a_line_for_each(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    lines = printed(capsys, maps).splitlines()
+    assert [line.split()[0] for line in lines[2:5]] == ["rse_0000", "rse_0001", "rse_0002"]
+    assert len({len(line) for line in lines[:5]}) == 1 > len(lines[0]) // 120
+    assert lines[1].split() == [*["cm"] * 7, "x"]
+    heads, units, *_ = printed(capsys, maps, *TEN).splitlines()
+    assert heads.split()[-5:] == ["region", "way", "w-e", "way", "s-n"]
+    assert units.split()[-3:] == ["%", "x", "x"]
+
+
+def test_below_a_table_its_heads_are_explained(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    table, _, legend = printed(capsys, maps, *TEN).partition("\n\n")
+    explained = legend.replace(",", "").replace(":", "").split()
+    assert [word for word in table.splitlines()[0].split()[1:] if word not in explained] == []
+    assert "terrain ruggedness index" in legend
+
+
+def test_in_a_table_a_map_without_a_way_has_empty_cells(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "walls.yaml"
+    path.write_text("{maps: 2, seed: 7, obstacles: [{kind: random, levels: 9}]}")
+    heads, _, row, *_ = printed(capsys, path, "--climb-cm", "1").splitlines()
+    assert row[heads.index("way w-e") :].strip() == ""
+    assert "none" not in row
+
+
+def test_one_of_many_is_a_page(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    page = printed(capsys, maps, "--map", "1")
+    assert page.startswith("rse_0001, seed 7: ")
+    assert page == printed(capsys, maps / "rse_0001")
+
+
+def test_a_recipe_and_its_maps_have_the_same_metrics(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    recipe = maps.parent / "three.yaml"
+    recipe.write_text("maps: 3\nseed: 7\nobstacles:\n  - {kind: random, levels: 3}\n")
+    assert printed(capsys, recipe, "--csv", *TEN) == printed(capsys, maps, "--csv", *TEN)
+
+
+def test_json_and_csv_equal_the_values_of_python(capsys: pytest.CaptureFixture[str], maps: Path) -> None:
+    expected = rsegen.metrics(
+        rsegen.compose(rsegen.load(maps / "rse_0002" / "recipe.json"), 2).field, StepLimits(climb_cm=10)
+    )
+    told = json.loads(printed(capsys, maps, "--json", *TEN))
+    rows = list(csv.DictReader(io.StringIO(printed(capsys, maps, "--csv", *TEN))))
+    assert [one["map"] for one in told] == [one["map"] for one in rows] == ["rse_0000", "rse_0001", "rse_0002"]
+    assert told[2]["steps"]["mean"] == float(rows[2]["steps.mean"]) == pytest.approx(expected.steps.mean)
+    assert expected.reach is not None
+    assert told[2]["reach"]["coverage"] == float(rows[2]["reach.coverage"]) == pytest.approx(expected.reach.coverage)
+    assert {
+        int(level): count for level, count in told[2]["spread"]["level_counts"].items()
+    } == expected.spread.level_counts
+
+
+@pytest.mark.slow
+def test_a_robot_is_measured_by_its_poses_whether_it_is_a_kind_or_a_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "jackal.sdf"
+    file.write_text(ROBOTS["jackal"].file("jackal"))
+    path = tmp_path / "small.yaml"
+    path.write_text("{chunk_size: 6, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 4}]}")
+    found = rsegen.metrics(rsegen.build(rsegen.load(path)), ROBOTS["jackal"]).reach
+    assert max(map(len, printed(capsys, path, "--robot", "jackal").splitlines())) <= 120
+    for robot in ("jackal", file):
+        reach = json.loads(printed(capsys, path, "--json", "--robot", robot))[0]["reach"]
+        assert reach["coverage"] == pytest.approx(found.coverage, abs=0.05)  # it rocks on two of its four wheels
+        assert reach["west_east"]["crosses"] == found.west_east.crosses
+
+
+@pytest.mark.long(reason="tests/standing/test_pose_plots.py draws poses")
+def test_poses_at_a_heading_are_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "poses.png"
+    printed(capsys, PALLET, "--robot", "jackal", "--heading", "45", "-o", path)
+    with Image.open(path) as picture:
+        assert picture.size[0] > 1000
+    for flags, message in (
+        (("--climb-cm", "5", "-o", path, "--force"), "--heading: limits of steps have no poses; give --robot"),
+        (("--robot", "jackal"), "--heading: is for a picture; give -o too"),
+    ):
+        assert main(["metrics", str(PALLET), "--heading", "45", *map(str, flags)]) == 2
+        assert message in capsys.readouterr().err
+
+
+def test_limits_of_steps_are_no_robot(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["metrics", str(PALLET), "--robot", "burger", "--climb-cm", "10"]) == 2
+    assert "--climb-cm: limits of steps are measured without --robot" in capsys.readouterr().err
+
+
+def test_without_a_robot_the_report_names_none(capsys: pytest.CaptureFixture[str]) -> None:
+    (told,) = json.loads(printed(capsys, PALLET, "--json"))
+    assert set(told) == {"map", "seed", "spread", "steps", "plane", "scale", "spectrum", "ruggedness", "opening"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_a_picture_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"ways.{suffix}"
+    printed(capsys, PALLET, *TEN, "-o", path)
+    assert path.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("climb_cm", [0, 10, 1000])
+def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
+    """A robot that gets nowhere has a picture too."""
+    scene = rsegen.compose(rsegen.load(PALLET))
+    found = traversability(scene.field, StepLimits(climb_cm=climb_cm))
+    pixels = Image.open(io.BytesIO(path_plot(scene, found, "a path"))).convert("RGB")
+    assert pixels.size == (1400, 700)
+    heat = pixels.crop((700, 100, 1300, 600)).getcolors(2**24)
+    assert heat is not None
+    coloured = sum(count for count, colour in heat if isinstance(colour, tuple) and math.dist(colour, (68, 1, 84)) < 60)
+    assert (coloured > 1000) == found.west_east.crosses
+
+
+@pytest.mark.slow
+def test_the_search_of_a_robot_has_progress(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "small.yaml"
+    path.write_text("{chunk_size: 5, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 3}]}")
+    assert main(["metrics", str(path), "--robot", "jackal", "--progress", "json"]) == 0
+    said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    done = [each["done"] for each in said]
+    assert done == sorted(done)
+    assert (done[0], done[-1], said[-1]["total"], said[-1]["unit"]) == (0, 100, 100, "%")

@@ -1,0 +1,158 @@
+"""Clouds in files that others wrote: the same points come back; what is no cloud is one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+from pypcd4.pypcd4 import Encoding, PointCloud
+
+from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.field.stepfield import Array
+from rsegen.scanning import clouds
+from rsegen.scanning.clouds import read_clouds
+
+POINTS = np.round(np.random.default_rng(3).random((800, 3)) * 4 - 2, 4)
+
+
+def text(path: Path, **options: Any) -> None:
+    np.savetxt(path, POINTS, fmt="%.6f", **options)
+
+
+def titled(path: Path) -> None:
+    coloured = np.column_stack([POINTS, np.full((len(POINTS), 3), 255)])
+    np.savetxt(path, coloured, fmt="%.6f", delimiter=";", header="x;y;z;r;g;b", comments="")
+
+
+def counted(path: Path) -> None:
+    np.savetxt(path, POINTS, fmt="%.6f", header=str(len(POINTS)), comments="")
+
+
+def pcd(encoding: Encoding) -> Callable[[Path], None]:
+    return lambda path: PointCloud.from_xyz_points(POINTS.astype("f4")).save(path, encoding=encoding)
+
+
+def ply(encoding: str) -> Callable[[Path], Any]:
+    return lambda path: path.write_bytes(trimesh.PointCloud(POINTS).export(file_type="ply", encoding=encoding))
+
+
+WRITERS: Mapping[str, Callable[[Path], Any]] = {
+    "a.xyz": text,
+    "b.txt": lambda path: text(path, delimiter=", "),
+    "c.csv": titled,
+    "d.pts": counted,
+    "e.asc": lambda path: text(path, delimiter="\t", header="points of a room"),
+    "f.npy": lambda path: np.save(path, POINTS),
+    "g.pcd": pcd(Encoding.ASCII),
+    "h.pcd": pcd(Encoding.BINARY),
+    "i.pcd": pcd(Encoding.BINARY_COMPRESSED),
+    "j.ply": ply("binary"),
+    "k.ply": ply("ascii"),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_the_points_of_a_file_come_back(name: str, tmp_path: Path) -> None:
+    WRITERS[name](tmp_path / name)
+    assert np.abs(read_clouds([tmp_path / name]) - POINTS).max() < 1e-5
+
+
+def test_several_files_are_one_cloud_in_the_unit_that_is_given(tmp_path: Path) -> None:
+    text(tmp_path / "a.xyz")
+    np.save(tmp_path / "b.npy", POINTS)
+    found = read_clouds([tmp_path / "a.xyz", tmp_path / "b.npy"], values="mm")
+    assert np.allclose(found, np.concatenate([POINTS, POINTS]) / 1000)
+
+
+def test_a_mesh_is_sampled_on_its_surface(tmp_path: Path) -> None:
+    trimesh.creation.box((2, 1, 0.5)).export(tmp_path / "box.stl")
+    found = read_clouds([tmp_path / "box.stl"])
+    assert len(found) > 100_000
+    on_a_side = np.isclose(np.abs(found), (1, 0.5, 0.25)).any(axis=1)
+    assert on_a_side.all()
+
+
+def depths(shape: tuple[int, int] = (6, 8)) -> Array:
+    return np.arange(1000.0, 1000 + 10 * shape[0] * shape[1], 10).reshape(shape)
+
+
+@pytest.mark.parametrize("name", ["depth.png", "depth.tif", "depth.npy"])
+def test_a_depth_image_is_seen_through_its_camera(name: str, tmp_path: Path) -> None:
+    depth = depths().astype(np.uint16)
+    depth[0, 0] = 0  # a hole
+    if name.endswith("npy"):
+        np.save(tmp_path / name, depth)
+    else:
+        Image.fromarray(depth).save(tmp_path / name)
+    found = read_clouds([tmp_path / name], intrinsics=(4.0, 5.0, 3.5, 2.5))
+    v, u = np.indices(depth.shape).reshape(2, -1)[:, 1:]
+    z = depth.reshape(-1)[1:] / 1000
+    assert np.allclose(found, np.column_stack([(u - 3.5) / 4 * z, (v - 2.5) / 5 * z, z]))
+
+
+def damaged(content: bytes) -> Callable[[Path], Any]:
+    return lambda path: path.write_bytes(content)
+
+
+PCD = b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n"
+NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
+    "a.las": (damaged(b"LASF"), "clouds are read from files named"),
+    "b.xyz": (damaged(b"no numbers\nat all"), "no line has three numbers"),
+    "c.xyz": (damaged(b"1 2 3\n4 5\n"), "c.xyz: "),
+    "d.xyz": (damaged(b"1 2 3\n4 five 6\n"), "d.xyz: "),
+    "e.xyz": (damaged(b"\xff\xfe\x00"), "not a text in UTF-8"),
+    "f.ply": (damaged(b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n"), "f.ply: "),
+    "g.ply": (damaged(b"no ply"), "not a PLY file"),
+    "h.pcd": (damaged(b"VERSION .7\nFIELDS x y\n"), "not a PCD file"),
+    "i.pcd": (damaged(bytes(200)), "not a PCD file"),
+    "p.pcd": (damaged(PCD.replace(b"COUNT 1 1 1", b"COUNT 1 4294967296 1")), "4,294,967,298 values per point"),
+    "q.pcd": (damaged(PCD.replace(b"POINTS 1", b"POINTS 99999999999")), "99,999,999,999 points"),
+    "j.npy": (lambda path: np.save(path, np.ones((2, 3, 4))), "give points (n, 3)"),
+    "k.npy": (lambda path: np.save(path, np.array(["a", "b"])), "k.npy: "),
+    "l.png": (damaged(b"no image"), "not an image"),
+    "m.png": (lambda path: Image.new("RGB", (4, 4)).save(path), "give a depth image of one channel"),
+    "n.stl": (damaged(b""), "n.stl: "),
+    "o.xyz": (lambda path: path.mkdir(), "o.xyz: "),
+}
+
+
+@pytest.mark.parametrize("name", NO_CLOUDS)
+def test_an_invalid_cloud_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
+    write, said = NO_CLOUDS[name]
+    write(tmp_path / name)
+    with pytest.raises(FileError) as refused:
+        read_clouds([tmp_path / name], intrinsics=None)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_depth_image_wants_its_camera_and_points_want_none(tmp_path: Path) -> None:
+    np.save(tmp_path / "depth.npy", depths())
+    text(tmp_path / "points.xyz")
+    with pytest.raises(ParameterError, match="give fx,fy,cx,cy"):
+        read_clouds([tmp_path / "depth.npy"])
+    with pytest.raises(ParameterError, match="have to be above 0"):
+        read_clouds([tmp_path / "depth.npy"], intrinsics=(0, 1, 1, 1))
+    with pytest.raises(ParameterError, match="has points, not the depths"):
+        read_clouds([tmp_path / "points.xyz"], intrinsics=(1, 1, 1, 1))
+
+
+def test_too_many_points_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clouds, "MOST_POINTS", 100)
+    for name in ("a.xyz", "f.npy", "g.pcd", "j.ply"):
+        WRITERS[name](tmp_path / name)
+        with pytest.raises(FileError, match="800 points; give up to 100"):
+            read_clouds([tmp_path / name])
+
+
+def test_a_missing_library_is_named_with_its_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    WRITERS["g.pcd"](tmp_path / "g.pcd")
+    monkeypatch.setitem(__import__("sys").modules, "pypcd4", None)
+    monkeypatch.setitem(__import__("sys").modules, "pypcd4.pypcd4", None)
+    with pytest.raises(UserError, match=r"needs pypcd4.*, which is not installed; .* -m pip install 'pypcd4>="):
+        read_clouds([tmp_path / "g.pcd"])

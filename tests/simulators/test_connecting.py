@@ -1,0 +1,122 @@
+"""The connection to a running simulation that a program keeps, with a simulator that notes who connects."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from rsegen.errors import NothingRuns, ParameterError, SimulatorFailed
+from rsegen.simulators import connecting
+from rsegen.simulators.connecting import connected
+from rsegen.simulators.patience import Patience
+
+
+class Noted:
+    """A simulator whose connections are noted, in the order in which they are made and ended."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.runs = True
+        self.signs: list[float] = []
+        self.made: list[SimpleNamespace] = []
+        self.ended: list[SimpleNamespace] = []
+
+    @contextmanager
+    def connect(self, environment: Mapping[str, str], patience: Patience) -> Iterator[Any]:
+        self.signs.append(patience.sign)
+        if not self.runs:
+            raise NothingRuns(f"{self.name}: nobody")
+        self.made.append(SimpleNamespace(is_current=True, seconds=patience.seconds))
+        yield self.made[-1]
+        self.ended.append(self.made[-1])
+
+
+@pytest.fixture
+def simulators(monkeypatch: pytest.MonkeyPatch) -> tuple[Noted, Noted]:
+    """Two simulators, of which both run, and no connection that is kept."""
+    both = Noted("newer"), Noted("older")
+    monkeypatch.setattr(connecting, "SIMULATORS", {simulator.name: simulator for simulator in both})
+    monkeypatch.setattr(connecting, "_kept", {})
+    return both
+
+
+def use(timeout: float = 20.0) -> Any:
+    with connected(None, timeout) as (_, live):
+        return live
+
+
+def test_a_connection_is_kept_and_ended_with_the_program(simulators: tuple[Noted, Noted]) -> None:
+    assert use() is use() is use()
+    newer, _ = simulators
+    assert (len(newer.made), newer.ended) == (1, [])
+    connecting._close_all()
+    assert newer.ended == newer.made
+    assert use() is newer.made[1]
+
+
+@pytest.mark.parametrize("why", ["the server has ended", "another address", "another timeout", "it failed", "stopped"])
+def test_another_one_is_made(why: str, simulators: tuple[Noted, Noted], monkeypatch: pytest.MonkeyPatch) -> None:
+    first = use()
+    if why == "the server has ended":
+        first.is_current = False
+    elif why == "another address":
+        monkeypatch.setenv("GZ_PARTITION", "elsewhere")
+    elif why in ("it failed", "stopped"):
+        error = SimulatorFailed("lost") if why == "it failed" else KeyboardInterrupt()
+        with pytest.raises(type(error)), connected(None, 20.0):
+            raise error
+        assert simulators[0].ended == [first]
+    second = use(5.0 if why == "another timeout" else 20.0)
+    assert second is not first
+    assert simulators[0].ended == [first]
+
+
+def test_a_mistake_of_the_user_ends_nothing(simulators: tuple[Noted, Noted]) -> None:
+    first = use()
+    with pytest.raises(ParameterError), connected(None, 20.0):
+        raise ParameterError("name", "exists already")
+    assert use() is first
+
+
+def test_a_copy_in_another_process_is_left_alone(
+    simulators: tuple[Noted, Noted], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, other = use(), os.getpid() + 1
+    monkeypatch.setattr(os, "getpid", lambda: other)
+    assert use() is not first
+    assert simulators[0].ended == []
+
+
+def test_each_is_asked_for_a_moment_and_then_for_a_tenth_of_the_timeout(simulators: tuple[Noted, Noted]) -> None:
+    for simulator in simulators:
+        simulator.runs = False
+    with pytest.raises(NothingRuns, match=r"^no simulation runs \(newer: nobody; older: nobody\); start one"):
+        use(timeout=60)
+    assert [simulator.signs for simulator in simulators] == [[0.3, 6.0], [0.3, 6.0]]
+    simulators[1].runs = True
+    assert use() is simulators[1].made[0]
+
+
+def test_threads_use_it_one_after_the_other(simulators: tuple[Noted, Noted]) -> None:
+    inside: list[int] = []
+
+    def look() -> None:
+        with connected(None, 20.0):
+            inside.append(1)
+            inside.append(-1)
+
+    threads = [threading.Thread(target=look) for _ in range(8)]
+    with connected(None, 20.0):
+        for thread in threads:
+            thread.start()
+        assert inside == []
+    for thread in threads:
+        thread.join()
+    assert inside == [1, -1] * 8
+    assert len(simulators[0].made) == 1

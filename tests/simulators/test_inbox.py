@@ -1,0 +1,48 @@
+"""Messages that are kept, and decoded when somebody looks at them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import pytest
+
+from rsegen.errors import SimulatorFailed
+from rsegen.simulators.inbox import Inbox
+from rsegen.simulators.patience import Patience
+from rsegen.simulators.wire import SIM
+
+SHORT = Patience(seconds=0.05)
+CLOCK = {"iterations": 3}
+
+
+def decoding(name: str, content: bytes) -> Callable[[], dict[str, Any]]:
+    return partial(SIM.decode, name, content)
+
+
+def test_a_message_of_zeros_alone_is_a_message_and_one_that_is_none_is_passed_over() -> None:
+    inbox = Inbox("Gazebo Sim", SHORT)
+    for content in (SIM.encode("WorldStatistics", CLOCK), b"", b"\xff"):
+        inbox.add("stats", decoding("WorldStatistics", content))
+    assert inbox.kept("stats") == [CLOCK, {}]
+    assert inbox.last("stats") == {}
+    assert inbox.wait_for_message("stats", lambda clock: clock["iterations"] > 1) == CLOCK
+    assert inbox.wait_for_message("stats", lambda _: True) == {}
+
+
+def test_nobody_decodes_what_nobody_looks_at() -> None:
+    inbox = Inbox("Gazebo Sim", SHORT)
+    inbox.add("poses", lambda: pytest.fail("was decoded"))
+    inbox.add("stats", decoding("WorldStatistics", b""))
+    assert inbox.kept("stats") == [{}]
+
+
+def test_waiting_ends_with_patience_or_with_the_server() -> None:
+    inbox = Inbox("Gazebo Sim", SHORT)
+    with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: no message on stats within 0.05 s$"):
+        inbox.wait_for_message("stats", lambda _: True)
+    inbox.fail("the server has ended")
+    inbox.patience = Patience()
+    with pytest.raises(SimulatorFailed, match=r"^Gazebo Sim: the server has ended$"):
+        inbox.wait_for_message("stats", lambda _: True)
