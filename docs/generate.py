@@ -288,7 +288,7 @@ def _page(scene: Scene, number: int) -> bytes:
 _DRAWN: Mapping[Path, Callable[[Scene], bytes]] = {
     WAYS: _ways,
     POSE_MAPS: _pose_maps,
-    SETTLED: partial(preview, robot=ROBOTS["jackal"].body, at=(-0.9, 0.3, radians(200))),
+    SETTLED: partial(preview, robot=ROBOTS["jackal"], at=(-0.9, 0.3, radians(200))),
     SHEET: partial(_page, number=0),
     SHEET_OF_A_PALLET: partial(_page, number=1),
 }
@@ -447,7 +447,15 @@ def _stub() -> Iterator[str]:
     yield '"""Made by `make docs` from the declarations of the core and the capabilities, for type checkers."""\n'
     for module, name in sorted((module, name) for name, module in public_names().items()):
         yield f"from {module} import {name} as {name}"
-    yield "\n__version__: str"
+    yield "\n__version__: str\n"
+    yield "__all__ = ["
+    yield from (f'    "{name}",' for name in sorted(["__version__", *public_names()], key=_constants_classes_functions))
+    yield "]"
+
+
+def _constants_classes_functions(name: str) -> tuple[int, str]:
+    """Return the key by which ruff has public names sorted."""
+    return 2 - name[:1].isupper() - name.isupper(), name
 
 
 def _capabilities() -> Iterator[str]:

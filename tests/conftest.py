@@ -13,12 +13,14 @@ files are in memory, if there is enough of it for them.
 import os
 import signal
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from tests.support.complaints import Refused, exit_code, snapshot, the_line
 from tests.support.patience import limit_cpu_of_tests
 
 TESTS = Path(__file__).parent
@@ -65,3 +67,21 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """A test that never ends fails, however busy the machine is."""
     with limit_cpu_of_tests():
         return (yield)
+
+
+@pytest.fixture
+def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Inside `tmp_path`: exit code 2, quickly; one line on stderr and none on stdout; and everything is as it was."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str | Path) -> str:
+        capsys.readouterr()
+        before, start = snapshot(tmp_path), time.process_time()
+        assert exit_code(*arguments) == 2
+        assert time.process_time() - start < 10
+        assert snapshot(tmp_path) == before
+        out, err = capsys.readouterr()
+        assert out == ""
+        return the_line(err)
+
+    return run

@@ -37,7 +37,7 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
 
 
 def test_public_names_are_all_there() -> None:
-    public = vars(rsegen)["__all__"]
+    public = rsegen.__all__
     assert all(hasattr(rsegen, name) for name in public)
     assert set(public) <= set(dir(rsegen))
 
@@ -45,7 +45,7 @@ def test_public_names_are_all_there() -> None:
 def test_no_public_name_is_hidden_by_a_module() -> None:
     """Importing any module of rsegen leaves `rsegen.build` and the like what they are: functions and classes."""
     modules = {module.name for module in pkgutil.iter_modules(rsegen.__path__)}
-    assert not modules & set(vars(rsegen)["__all__"])
+    assert not modules & set(rsegen.__all__)
 
 
 def test_every_obstacle_class_is_public_by_name() -> None:

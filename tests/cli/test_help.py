@@ -109,7 +109,7 @@ def test_completion_prints_what_the_shell_reads(shell: str, capsys: pytest.Captu
 
 UNUSED = [
     *("multiprocessing", "matplotlib", "yaml", "rsegen.recipe.constraints", "rsegen.recipe.difficulty"),
-    *("rsegen.simulation", "rsegen.datasets.making", "rsegen.sheets", "rsegen.pictures"),
+    *("rsegen.simulators.base", "rsegen.datasets.making", "rsegen.sheets.document", "rsegen.pictures.preview"),
 ]
 
 

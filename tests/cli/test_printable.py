@@ -83,7 +83,7 @@ def test_our_warnings_are_printable_and_warnings_of_libraries_are_hidden(
         warnings.warn("of ours \x1b[31m", PluginWarning, stacklevel=1)
         warnings.warn("of a library", UserWarning, stacklevel=1)
 
-    monkeypatch.setattr("rsegen.cli.information.run_schema", warn)
+    monkeypatch.setattr("rsegen.cli.reference.run_schema", warn)
     monkeypatch.setattr(sys, "warnoptions", [])
     with warnings.catch_warnings():
         warnings.simplefilter("always")

@@ -80,8 +80,8 @@ def plugin(folder: Path, *lines: str) -> None:
     """Let `examples` do something else."""
     run = "".join(f"    {line}\n" for line in lines)
     (folder / "plugin.py").write_text(
-        "import signal, time\nfrom rsegen.cli import information\n"
-        f"def run(arguments):\n{run}information.run_examples = run\n"
+        "import signal, time\nfrom rsegen.cli import reference\n"
+        f"def run(arguments):\n{run}reference.run_examples = run\n"
     )
 
 
@@ -156,6 +156,6 @@ def test_an_import_that_a_signal_breaks_is_a_stop(
                 signal.raise_signal(signal.SIGINT)
         raise ImportError("PyCapsule_Import could not import module")
 
-    monkeypatch.setattr("rsegen.cli.information.run_examples", importing)
+    monkeypatch.setattr("rsegen.cli.reference.run_examples", importing)
     assert main(["examples"]) == code
     assert capsys.readouterr().err.startswith(said)

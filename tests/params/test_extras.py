@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.params import extras
 from rsegen.params.capabilities import all_extras
 from rsegen.params.extras import pip_install, requirements
 
@@ -43,5 +42,5 @@ def test_without_an_installation_it_is_the_folder_that_rsegen_runs_from(monkeypa
     def not_installed(_: str) -> list[str]:
         raise PackageNotFoundError
 
-    monkeypatch.setattr(extras, "requires", not_installed)
+    monkeypatch.setattr("importlib.metadata.requires", not_installed)
     assert shlex.split(pip_install(["mesh", "usd"])) == [sys.executable, "-m", "pip", "install", f"{ROOT}[mesh,usd]"]

@@ -10,7 +10,7 @@ import pytest
 
 from rsegen.errors import PluginError, UnknownName
 from rsegen.params import registry
-from rsegen.params.entry_points import EntryPoint
+from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.plugins import Source
 from rsegen.params.registry import Contract, Registry
 
@@ -81,7 +81,7 @@ def test_a_failed_import_is_reported_on_every_use(monkeypatch: pytest.MonkeyPatc
 
 def test_only_the_file_that_is_called_like_a_format_is_imported() -> None:
     code = (
-        "import sys; from rsegen.formats import FORMATS; FORMATS['stl'];"
+        "import sys; from rsegen.formats.base import FORMATS; FORMATS['stl'];"
         "home = 'rsegen.formats.'; print(home + 'stl' in sys.modules, home + 'usd' in sys.modules)"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -107,7 +107,7 @@ FORMAT = '''
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from rsegen.formats import Format
+from rsegen.formats.base import Format
 from rsegen.params.sorts import Flag, Integer
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
@@ -12,6 +11,7 @@ import pytest
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.process import command_output
 from tests.simulators.conftest import classic_world, programs, pytest_itemcollected, sim_address, world
+from tests.support.missing import missing
 from tests.support.screen import xvfb
 
 __all__ = ["classic_world", "programs", "pytest_itemcollected", "sim_address", "world"]
@@ -72,9 +72,3 @@ def print_sdf(sdf_checker: Sequence[str]) -> Callable[[Path], str]:
 def missing_sim() -> NoReturn:
     """Skip, in CI too: no system that it runs on has packages of it."""
     pytest.skip("no Gazebo Sim: scripts/gazebo-sim says how to install one")
-
-
-def missing(why: str) -> NoReturn:
-    if os.environ.get("CI") == "true":
-        pytest.fail(why)
-    pytest.skip(why)

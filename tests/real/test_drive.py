@@ -26,8 +26,8 @@ from rsegen.experiments.plan import ExperimentPlan, TableRow
 from rsegen.experiments.trial import run_trial
 from rsegen.robots.base import ROBOTS
 from rsegen.simulators.base import Installation
-from tests.real.conftest import missing
 from tests.support.long import long_unless
+from tests.support.missing import missing
 
 HILL = Matrix.of(np.array([[1, 2, 2, 1]] * 12).T)
 """Four cells deep from west to east, and as wide as the map: steps of one unit up and down."""

@@ -18,9 +18,9 @@ from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
 from rsegen.simulators.live_world import Pose
 from tests.real.bodies import body, furnished, tilt
-from tests.real.conftest import missing
 from tests.real.falling import falling, judge
 from tests.real.maps import examples, generated, lanes, map_name, slippery, variants
+from tests.support.missing import missing
 
 pytestmark = pytest.mark.long(reason="a package of 1.7 GB, scripts/gazebo-engine")
 

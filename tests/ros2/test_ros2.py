@@ -26,9 +26,9 @@ from rsegen.heights.image import OccupancyImage
 from rsegen.ros2.ros2 import Ros2, package_name
 from tests.formats.maps import RECIPES, SCENES
 from tests.formats.maps import made as made_files
-from tests.real.conftest import missing
 from tests.real.maps import slippery
 from tests.support.complaints import exit_code, the_line
+from tests.support.missing import missing
 from tests.support.runs import contents
 
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))

@@ -40,7 +40,7 @@ SCRIPTS = (POLITE, STUBBORN, A_GROUP_OF_ITS_OWN, A_CHILD_LEFT_BEHIND)
 OUTER = """
 import sys, time
 from pathlib import Path
-from rsegen.simulators import LaunchCommand
+from rsegen.run.programs import LaunchCommand
 from rsegen.run.programs import running
 launch = LaunchCommand(command=("/bin/sh", "-c", sys.argv[1]), environment={}, folder=Path(sys.argv[2]))
 with running(launch, sys.stderr):

@@ -14,7 +14,7 @@ import pytest
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import Patience
-from tests.real.conftest import missing
+from tests.support.missing import missing
 
 PROGRAM = Path.home() / ".cache/rsegen/gazebo-engine/gazebo-transport"
 PATIENCE = 30.0

@@ -32,7 +32,7 @@ def run_doctor(_: argparse.Namespace) -> Report:
 
 
 def _environment(findings: Sequence[Finding]) -> dict[str, Any]:
-    """Return versions, extras, plug-ins and what capabilities find; the version of a library or package that is missing is None."""
+    """Return versions, extras, plug-ins and findings; the version of a library or package that is missing is None."""
     import platform
     from importlib.metadata import PackageNotFoundError, version
 

@@ -301,7 +301,7 @@ def path_caps(field: StepField, limits: StepLimits, axis: int) -> Ints | None:
     if needed <= least or (needed <= most and crossing(field, limits, axis).crosses):
         return None
     # Any of the cheapest: another would be another map.
-    path = crossing(field, StepLimits.of(step, limits.width), axis, shortest=False).path
+    path = crossing(field, type(limits).of(step, limits.width), axis, shortest=False).path
     aside = cells_to_each_side(field, limits.width)
     caps = np.full(field.shape, NO_CAP)
     for (i, j), top in zip(path, _tops(field, limits, axis, path), strict=True):

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 
 COLUMNS = ("pallet", "order", "x", "y", "height_cm")
-"""Columns of the rows of a build sheet (`sheets/listing.py`); x and y count the block cells of the map; a cell without a block has no order.
+"""Columns of the rows of a build sheet (`sheets/listing.py`).
+
+x and y count the block cells of the map; a cell without a block has no order.
 
 In sheets in inches the last one is height_in.
 """

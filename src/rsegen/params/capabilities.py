@@ -5,7 +5,7 @@ A capability declares itself in the `__init__.py` of its folder, in names alone,
     CAPABILITY = Capability(
         summary="a field found in a point cloud",
         needs=("heights", "pictures"),
-        commands=(Command("scan", "worlds", "write the world of a real field from a point cloud", "rsegen.scanning.commands"),),
+        commands=(Command("scan", "worlds", "write the world of a real field", "rsegen.scanning.commands"),),
         public={"rsegen.scanning.scans": ("scan", "ScannedMap")},
     )
 
@@ -25,7 +25,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rsegen.errors import PluginError, PluginWarning
-from rsegen.params.entry_points import entry_points
+from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.extras import Extra
 
 CORE = ("params", "field", "recipe", "geometry", "scene", "gazebo", "run", "cli")
@@ -104,19 +104,25 @@ def capabilities() -> Mapping[str, Capability]:
     for folder in folders:
         if folder not in CORE:
             found[folder] = import_module(f"rsegen.{folder}").CAPABILITY
-    for offer in entry_points():
-        if offer.group == "rsegen.capabilities":
-            try:
-                found.setdefault(offer.name, _checked(offer.load(), found))
-            except PluginError as error:
-                warnings.warn(f"{error}; it is left out", PluginWarning, stacklevel=1)
+    for offer in entry_points("rsegen.capabilities"):
+        if capability := _loaded(offer, found):
+            found.setdefault(offer.name, capability)
     return MappingProxyType(found)
+
+
+def _loaded(offer: EntryPoint, known: Mapping[str, Capability]) -> Capability | None:
+    """Return the capability of another package; None, with a warning, if it cannot be added to those that are known."""
+    try:
+        return _checked(offer.load(), known)
+    except PluginError as error:
+        warnings.warn(f"{offer}: {error}; it is left out", PluginWarning, stacklevel=1)
+        return None
 
 
 def _checked(offered: object, known: Mapping[str, Capability]) -> Capability:
     """Return what a package offers if it is a capability that can be added; else raise a PluginError."""
     if not isinstance(offered, Capability):
-        raise PluginError(f"{offered!r} is no rsegen.params.capabilities.Capability")
+        raise PluginError(f"{offered!r} is not a rsegen.params.capabilities.Capability")
     taken = {command.name for capability in known.values() for command in capability.commands}
     for command in offered.commands:
         if command.name in taken:

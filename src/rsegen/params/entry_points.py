@@ -45,8 +45,8 @@ class EntryPoint(NamedTuple):
 
 
 @cache
-def entry_points() -> tuple[EntryPoint, ...]:
-    """Return the entry points of all installed packages for rsegen, sorted by their names.
+def entry_points(group: str = "rsegen.") -> tuple[EntryPoint, ...]:
+    """Return the entry points of all installed packages for groups that begin so, sorted by their names.
 
     Of two folders of metadata of one package the first on the path counts.
     """
@@ -54,7 +54,7 @@ def entry_points() -> tuple[EntryPoint, ...]:
     for place in dict.fromkeys(sys.path):
         for folder in _metadata(place or "."):
             package = re.sub(r"[-_.]+", "-", folder.stem.partition("-")[0]).lower()
-            offers += _offers_of(folder) if package not in seen else ()
+            offers += _offers_of(folder, group) if package not in seen else ()
             seen.add(package)
     return tuple(sorted(offers, key=lambda offer: (offer.group, offer.name, str(offer.source))))
 
@@ -68,10 +68,10 @@ def _metadata(place: str) -> list[Path]:
     return [Path(place, name) for name in names if name.endswith((".dist-info", ".egg-info"))]
 
 
-def _offers_of(folder: Path) -> Iterator[EntryPoint]:
-    """Yield what a package offers to rsegen; `importlib.metadata` is imported only if its file names rsegen."""
+def _offers_of(folder: Path, group: str) -> Iterator[EntryPoint]:
+    """Yield what a package offers; `importlib.metadata` is imported only if its file names such a group."""
     try:
-        if b"[rsegen." not in (folder / "entry_points.txt").read_bytes():
+        if f"[{group}".encode() not in (folder / "entry_points.txt").read_bytes():
             return
     except OSError:
         return
@@ -80,5 +80,5 @@ def _offers_of(folder: Path) -> Iterator[EntryPoint]:
     package = Distribution.at(folder)
     source = Source(name=package.metadata["Name"] or folder.name.partition("-")[0], version=package.version or "0")
     for entry in package.entry_points:
-        if entry.group.startswith("rsegen."):
+        if entry.group.startswith(group):
             yield EntryPoint(group=entry.group, name=entry.name, value=entry.value, source=source)

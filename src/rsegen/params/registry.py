@@ -10,7 +10,6 @@ left out of lists with a warning.
 from __future__ import annotations
 
 import inspect
-import pkgutil
 import re
 import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -198,8 +197,8 @@ class Registry(Mapping[str, Thing]):
     def _import_all_own(self) -> None:
         if self._own_imported:
             return
-        for module in pkgutil.iter_modules(import_module(self._package).__path__):
-            import_module(f"{self._package}.{module.name}")
+        for name in _registering_files(self._package):
+            import_module(f"{self._package}.{name}")
         for name in offered_modules(self._group).values():
             import_module(name)
         self._own_imported = True
@@ -258,15 +257,19 @@ def _is_own(thing: object) -> bool:
 
 
 def offered_names(package: str, group: str) -> list[str]:
-    """Return the names of files of a package that register something, and of what other capabilities and plug-ins offer.
+    """Return the names of all that a registry has: rsegen's own, those of other capabilities, and of plug-ins.
 
     None is imported. For helps, which are to come at once; a file is called like what it registers.
     """
-    files = Path(__file__).parents[2].joinpath(*package.split(".")).glob("*.py")
-    registers = re.compile(r"^@register$|= register\($", re.MULTILINE)
-    own = {path.stem for path in files if registers.search(path.read_text("utf-8"))}
     offered = (offer.name for offer in entry_points() if offer.group == group)
-    return sorted({*own, *offered_modules(group), *offered})
+    return sorted({*_registering_files(package), *offered_modules(group), *offered})
+
+
+def _registering_files(package: str) -> list[str]:
+    """Return the names of the modules of a package that register something; the others of its folder do not matter."""
+    registers = re.compile(r"^@register$|= register\($", re.MULTILINE)
+    files = Path(__file__).parents[2].joinpath(*package.split(".")).glob("*.py")
+    return sorted(path.stem for path in files if registers.search(path.read_text("utf-8")))
 
 
 def summary(cls: type) -> str:

@@ -78,9 +78,7 @@ def run_preview(arguments: argparse.Namespace) -> Report:
     scene = scene_of(arguments)
     try:
         at = x, y, radians(heading)
-        picture.write(
-            partial(preview, scene, outlines=drawing.outlines, robot=robot and robot.body, at=at, paper=drawing.paper)
-        )
+        picture.write(partial(preview, scene, outlines=drawing.outlines, robot=robot, at=at, paper=drawing.paper))
     except ParameterError as error:  # of x or y
         raise ParameterError("--at" if error.where in ("x", "y") else f"--{error.where}", error.problem) from None
     content = {"file": str(picture.path), "map": scene.name, "seed": scene.recipe.seed}

@@ -59,7 +59,7 @@ class DrawnRobot(Protocol):
 
 
 class Drawn(Protocol):
-    """Whatever can be drawn at rest on a field: the `body` of a robot."""
+    """Whatever can be drawn at rest on a field: a robot."""
 
     def drawn_at(self, field: StepField, x: float, y: float, heading: float) -> DrawnRobot:
         """Return it where it settles."""
@@ -272,7 +272,7 @@ def preview(
     """Return the plan and a 3D view of a field or a scene as the bytes of an image file: png, svg, pdf, jpg or webp.
 
     outlines: draw the outline of every obstacle on the plan; a field has none. The file of a scene carries its recipe.
-    robot: drawn where it settles after it was put down at x, y [m] with a heading [rad]: `rsegen.robot_of(KIND).body`.
+    robot: drawn where it settles after it was put down at x, y [m] with a heading [rad]: `rsegen.robot_of(KIND)`.
     ParameterError if that is outside the map, or the robot longer than it.
     paper: as wide as a column of a paper, without a title, 300 pixels per inch
     """

@@ -51,7 +51,7 @@ class Sidecar(ABC):
         """What is made in memory for the files of a map, by which the memory of a run is judged."""
         return ()
 
-    @classmethod
+    @classmethod  # noqa: B027  # most have nothing to add
     def explain(cls, command: Parser) -> None:
         """Add to the help of a command that writes worlds."""
 
@@ -60,7 +60,7 @@ class Sidecar(ABC):
         """What a user should know before the run, a line each."""
         return ()
 
-    def refuse(self, recipe: Recipe) -> None:
+    def refuse(self, recipe: Recipe) -> None:  # noqa: B027  # most can be made of all maps
         """Raise a UserError if the files cannot be made of a recipe's maps, or need what is not installed."""
 
     @abstractmethod

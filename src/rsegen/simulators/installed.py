@@ -41,6 +41,7 @@ def _simulator(simulator: Simulator) -> dict[str, Any]:
 
 
 def describe(simulators: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the lines of `rsegen sim`: each simulator with its version and commands, or how to get it."""
     for known in simulators:
         yield f"{known['name']:<9}{known['title']} {known['version'] or known['problem'] or 'is not installed'}"
         rows = [f"{name}: {path}" for name, path in known["commands"].items()] or known["how_to_get"]

@@ -11,15 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Array, Ints, Mask, StepField
-
-if TYPE_CHECKING:
-    from rsegen.standing.drawing import RobotDrawing
+from rsegen.field.stepfield import Array, Ints, Mask
 
 _SHARE, _LEAST, _MOST = 60, 0.0025, 0.012
 """Samples along a robot, and the least and largest distance between two of them, metres."""
@@ -200,13 +197,6 @@ class Body:
     def length(self) -> float:
         """Length of the body, metres."""
         return float(self.high[0] - self.low[0])
-
-    def drawn_at(self, field: StepField, x: float, y: float, heading: float) -> RobotDrawing:
-        """Return it where it settles after it was put down at x, y [m] with a heading [rad], to be drawn."""
-        from rsegen.standing.drawing import RobotDrawing
-        from rsegen.standing.resting import poses
-
-        return RobotDrawing(body=self, rests=poses(field, self, x, y, heading))
 
     @property
     def drives(self) -> Mask:

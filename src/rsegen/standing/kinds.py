@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.resting import PoseStatistics, pose_statistics
+from rsegen.standing.resting import PoseStatistics, pose_statistics, poses
 from rsegen.standing.ways import Reach, Watch, Way, crossing, events, reach
 
 if TYPE_CHECKING:
     from rsegen.scene.scene import Scene
+    from rsegen.standing.drawing import RobotDrawing
 
 DRIVING_SPEED = 0.4
 """Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
@@ -93,6 +94,12 @@ class RobotOnField(CrossingModel):
     def events(self, way: Way) -> list[str]:
         """Return the drops and slides on a way, in words."""
         return events(way)
+
+    def drawn_at(self, field: StepField, x: float, y: float, heading: float) -> RobotDrawing:
+        """Return it where it settles after it was put down at x, y [m] with a heading [rad], to be drawn."""
+        from rsegen.standing.drawing import RobotDrawing
+
+        return RobotDrawing(body=self.body, rests=poses(field, self.body, x, y, heading))
 
     def pose_maps(self, scene: Scene, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
         """Return maps of its tilt, margin and reason at a heading [rad], as an image file."""

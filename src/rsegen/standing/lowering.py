@@ -78,7 +78,7 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
 
 
 def lane_cells(field: StepField, body: Body) -> Mask:
-    """Return the cells of the straight lanes along x and y that a body drives, and one more to each side: (n_x, n_y)."""
+    """Return the cells of the straight lanes along x and y that a body drives, one more to each side, (n_x, n_y)."""
     lanes, aside = np.zeros(field.shape, bool), cells_to_each_side(field, body.width) + 1
     for axis in (0, 1):
         middle = straight_lane(field, body, axis)
