@@ -100,9 +100,9 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Geometry": (
         "geometry/mesh",
         "geometry/rectangles",
-        "geometry/surface",
-        "geometry/watertight",
-        "geometry/boxes",
+        "geometry/exposed_faces",
+        "geometry/watertight_mesh",
+        "geometry/box_merging",
         "geometry/texture",
         "exporters/formats/solid",
     ),

@@ -62,10 +62,10 @@ if TYPE_CHECKING:
     from rsegen.field.obstacles.stairs import Stairs as Stairs
     from rsegen.field.obstacles.stones import Stones as Stones
     from rsegen.field.stepfield import StepField as StepField
-    from rsegen.geometry.boxes import Boxes as Boxes
-    from rsegen.geometry.boxes import boxes as boxes
+    from rsegen.geometry.box_merging import Boxes as Boxes
+    from rsegen.geometry.box_merging import boxes as boxes
     from rsegen.geometry.mesh import Mesh as Mesh
-    from rsegen.geometry.meshes import mesh as mesh
+    from rsegen.geometry.mesh_kinds import mesh as mesh
     from rsegen.io.dataset.reading import Dataset as Dataset
     from rsegen.io.dataset.tiles import Tiles as Tiles
     from rsegen.io.importers import imported as imported
@@ -133,9 +133,9 @@ _HOMES = {
     "rsegen.field.obstacles.stones": ("Stones",),
     "rsegen.field.stepfield": ("StepField",),
     "rsegen.standing.spots": ("Spot",),
-    "rsegen.geometry.boxes": ("Boxes", "boxes"),
+    "rsegen.geometry.box_merging": ("Boxes", "boxes"),
     "rsegen.geometry.mesh": ("Mesh",),
-    "rsegen.geometry.meshes": ("mesh",),
+    "rsegen.geometry.mesh_kinds": ("mesh",),
     "rsegen.io.dataset.reading": ("Dataset",),
     "rsegen.io.dataset.tiles": ("Tiles",),
     "rsegen.io.importers": ("imported",),

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.exporters.formats.parts import columns
 from rsegen.exporters.scene import Scene
 from rsegen.field.stepfield import Array, Ints
-from rsegen.geometry.watertight import watertight
+from rsegen.geometry.watertight_mesh import watertight
 from rsegen.learning.blocks import BlockArrays
 
 SHAPES = ("boxes", "mesh")

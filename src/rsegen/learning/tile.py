@@ -16,7 +16,7 @@ import numpy as np
 from rsegen.errors import ParameterError, shown
 from rsegen.exporters.formats.parts import Column, columns
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.geometry.meshes import mesh
+from rsegen.geometry.mesh_kinds import mesh
 from rsegen.learning.arrays import extremes
 from rsegen.learning.ground import unframed
 from rsegen.params.streams import SEEDS
