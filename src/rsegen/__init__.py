@@ -170,10 +170,11 @@ if not TYPE_CHECKING:  # type checkers take what the block above imports, and kn
     __all__ = ["__version__", *sorted(_HOME_OF)]  # noqa: PLE0604  # they are texts
 
     def __getattr__(name: str) -> object:
-        """Import a public name when it is first used."""
+        """Import a public name when it is first used, and describe it as `help` shows it."""
         if name not in _HOME_OF:
             raise AttributeError(f"module 'rsegen' has no attribute {name!r}")
-        globals()[name] = value = getattr(import_module(_HOME_OF[name]), name)
+        value = getattr(import_module(_HOME_OF[name]), name)
+        globals()[name] = value = import_module("rsegen.params.docstrings").described(value)
         return value
 
     def __dir__() -> list[str]:

@@ -55,11 +55,30 @@ def generate(  # noqa: PLR0913  # each is a flag
 ) -> Generated:
     """Write the maps of a recipe as Gazebo worlds and models: folder/NAME_0000, folder/NAME_0001, ...
 
-    progress: called with each map that is done, in their order. beside: what makes the content of files next to the
-    maps, by their names; called once nothing refuses the run. With more than one worker a script needs
-    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError if a map's folder is taken or has
-    files that rsegen did not write, TooLarge if memory or disk space are too small, and a ParameterError if maps are
-    too large for build sheets.
+    With more than one worker a script needs `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The maps.
+    progress : callable, optional
+        Called with each map that is done, in their order.
+    beside : mapping of str to callable, optional
+        What makes the content of files next to the maps, by their names; called once nothing refuses the run.
+
+    Returns
+    -------
+    Generated
+        The maps on disk.
+
+    Raises
+    ------
+    OutputError
+        Before anything is written, if a map's folder is taken or has files that rsegen did not write.
+    TooLarge
+        Before anything is written, if memory or disk space are too small.
+    ParameterError
+        Before anything is written, if maps are too large for build sheets.
     """
     from rsegen.run.execute import Execution
     from rsegen.run.plan import OnExisting
@@ -98,9 +117,22 @@ def series(  # noqa: PLR0913  # each is a flag
 ) -> Series:
     """Write maps of evenly rising difficulty, a table of what they measure (series.csv) and a picture (series.png).
 
-    maps: their number, by default that of the recipe. by: the metric that rises evenly, by its name or as a function
-    StepField -> float, which is called in this process alone. progress: called with the row of each map that is done.
-    Table and picture come last, whole or not at all. The rest, and the errors, are as in `generate`.
+    Table and picture come last, whole or not at all. In Python `by` may be a function StepField -> float too, which is
+    called in this process alone. Errors are as in `generate`.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The maps.
+    maps : int, optional
+        Their number; by default that of the recipe.
+    progress : callable, optional
+        Called with the row of each map that is done.
+
+    Returns
+    -------
+    Series
+        The maps on disk, and what they measure.
     """
     from rsegen.run.execute import Execution
     from rsegen.run.plan import OnExisting
@@ -134,10 +166,29 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
 ) -> Dataset:
     """Write the maps of one or several recipes as a data set: block levels as arrays, metrics as tables, in shards.
 
-    Several recipes have different names, and maps of one size, unit, width of blocks and boundary. `force` replaces a
-    data set in one step once the new one is complete. With more than one worker a script needs
-    `if __name__ == "__main__":`. Raises a ParameterError if the recipes do not go together, an OutputError before
-    anything is written if the folder holds something else, and TooLarge if there is too little space.
+    `force` replaces a data set in one step once the new one is complete. With more than one worker a script needs
+    `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    recipe : Recipe or sequence of Recipe
+        The maps. Several recipes have different names, and maps of one size, unit, width of blocks and boundary.
+    progress : callable, optional
+        Called with the number of maps that are done since the last call, and whether they existed `already`.
+
+    Returns
+    -------
+    Dataset
+        The data set on disk.
+
+    Raises
+    ------
+    ParameterError
+        If the recipes do not go together.
+    OutputError
+        Before anything is written, if the folder holds something else.
+    TooLarge
+        If there is too little space.
     """
     from rsegen.io.dataset.layout import ShardLayout
     from rsegen.recipe.tiles import recipes_of
@@ -171,10 +222,28 @@ def export_maps(  # noqa: PLR0913  # each is a flag
     """Write maps in the formats of other programs: folder/NAME_0000, ..., with a folder for each format and the recipe.
 
     If a map is there already, as a world or exported before, the formats are added and all else stays; `resume` keeps
-    formats that are complete and have the same options. Gives the maps that were written. Raises an OutputError before
-    anything is written if a folder of that name holds something else, a format exists already, or two maps have one
-    name; TooLarge if memory or disk space are too small. A format that joins the maps, such as `ros2` with a `package`,
-    is alone, and writes them into one folder of that name: all of them or none. The rest is as in `generate`.
+    formats that are complete and have the same options. A format that joins the maps, such as `ros2` with a `package`,
+    is alone, and writes them into one folder of that name: all of them or none.
+
+    Parameters
+    ----------
+    recipes : sequence of Recipe
+        The maps.
+    progress : callable, optional
+        Called with each map that is written.
+
+    Returns
+    -------
+    tuple of ExportedMap
+        The maps that were written.
+
+    Raises
+    ------
+    OutputError
+        Before anything is written, if a folder of that name holds something else, a format exists already, or two maps
+        have one name.
+    TooLarge
+        Before anything is written, if memory or disk space are too small.
     """
     from rsegen.run.execute import Execution
     from rsegen.run.exports import export_joined, joining, plan_exports
@@ -201,9 +270,22 @@ def export(
 ) -> Exported:
     """Write one map in another format: `rsegen.export(recipe, "map.glb")`.
 
-    map: a scene, or a recipe, of which map `index` is written; in a folder the files are as in one of `export_maps`.
-    options: those of the format, as in `rsegen.export(recipe, "folder", "mjcf", shape="hfield")`. A UserError says what
-    is wrong before anything is written.
+    Parameters
+    ----------
+    map : Recipe or Scene
+        A scene, or a recipe, of which map `index` is written; in a folder the files are as in one of `export_maps`.
+    **options : Any
+        Options of the format, as in `rsegen.export(recipe, "folder", "mjcf", shape="hfield")`.
+
+    Returns
+    -------
+    Exported
+        What was written.
+
+    Raises
+    ------
+    UserError
+        Before anything is written, if a value is wrong or the path is taken.
     """
     from rsegen.run.exports import export_one
 

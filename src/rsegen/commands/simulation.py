@@ -58,11 +58,26 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
 ) -> OpenResult:
     """Open a world in the newest installed Gazebo that supports it, and wait; Ctrl-C or closing the window ends it.
 
-    target: a world file, the folder of a map or of maps, a recipe (a temporary world is made) or a scene. on_start:
-    called once before the simulator runs; on_error: with each of its error lines, of lines that differ in numbers alone
-    with the first at once, and in the end with their count. SimulatorFailed if the simulator says that it did not
-    load the world, if it has not for `timeout` seconds without progress when `seconds` are given, or if a server
-    without a window ends by itself or prints errors.
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        A world file, the folder of a map or of maps, a recipe (a temporary world is made) or a scene.
+    on_start : callable, optional
+        Called once before the simulator runs.
+    on_error : callable, optional
+        Called with each of its error lines; of lines that differ in numbers alone with the first at once, and in the
+        end with their count.
+
+    Returns
+    -------
+    OpenResult
+        The world, the exit code and the error lines.
+
+    Raises
+    ------
+    SimulatorFailed
+        If the simulator says that it did not load the world, if it has not for `timeout` seconds without progress when
+        `seconds` are given, or if a server without a window ends by itself or prints errors.
     """
     from rsegen.simulation.open_world import open_until_end
     from rsegen.simulation.worlds import world_of
@@ -153,8 +168,24 @@ def drive(  # noqa: PLR0913  # each is a flag
 ) -> DriveResult:
     """Drive robots over a map in a Gazebo server without a window, and report how far each got.
 
-    target: a world made by rsegen, its folder, a recipe or a scene. progress: called with the simulation time [s]. The
-    same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
+    The same seed and simulator give the same trajectories.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        A world made by rsegen, its folder, a recipe or a scene.
+    progress : callable, optional
+        Called with the simulation time in seconds.
+
+    Returns
+    -------
+    DriveResult
+        Trajectories, metrics and contacts.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong or no Gazebo is installed.
     """
     from rsegen.params.streams import fresh_seed
     from rsegen.run.dry import foresee
@@ -226,8 +257,22 @@ def spots(  # noqa: PLR0913  # each is a flag
 ) -> tuple[Spot, ...]:
     """Find spots on a map: a robot stands there level and firmly, on its wheels or tracks, and can drive away.
 
-    target: as for `rsegen.drive`. At the spots of a seed `rsegen.drive` starts as many robots on a random route.
-    UserError if there are too few.
+    At the spots of a seed `rsegen.drive` starts as many robots on a random route.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        As for `rsegen.drive`.
+
+    Returns
+    -------
+    tuple of Spot
+        The spots.
+
+    Raises
+    ------
+    UserError
+        If there are too few.
     """
     from math import radians
 
@@ -279,10 +324,25 @@ def spawn(  # noqa: PLR0913  # each is a flag
 ) -> SpawnResult:
     """Spawn a map, a robot, or a robot on a map in the running simulation, and give its name and pose there.
 
-    target: the folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot. With
-    `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher. Gazebo
-    Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. UserError if
-    a value is wrong; NothingRuns if no simulation runs.
+    With `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher.
+    Gazebo Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str, path or robot
+        The folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot.
+
+    Returns
+    -------
+    SpawnResult
+        Name and pose.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong.
+    NothingRuns
+        If no simulation runs.
     """
     from rsegen.simulation.spawning import spawn_model
 
@@ -301,8 +361,24 @@ def respawn(
 ) -> RespawnResult:
     """Replace the map of the running simulation by the next one of a recipe or folder, at the same pose.
 
-    target: the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first.
     Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        The recipe of the current map, or the folder of its maps; after the last map of a folder comes the first.
+
+    Returns
+    -------
+    RespawnResult
+        Names and pose.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong, or no map is there.
+    NothingRuns
+        If no simulation runs.
     """
     from rsegen.simulation.spawning import replace_map
 
@@ -313,7 +389,20 @@ def respawn(
 def remove(*names: str, simulator: RunningSimulator = None, timeout: Timeout = 20.0) -> RemoveResult:
     """Delete maps, robots and other models from the running simulation; none of them if one does not exist.
 
-    UnknownName lists the models if one does not exist.
+    Parameters
+    ----------
+    *names : str
+        Names of the models.
+
+    Returns
+    -------
+    RemoveResult
+        What was deleted.
+
+    Raises
+    ------
+    UnknownName
+        If one does not exist; the error lists the models.
     """
     from rsegen.simulation.spawning import remove_models
 
@@ -340,11 +429,29 @@ def experiment(  # noqa: PLR0913  # each is a flag
 ) -> ExperimentResult:
     """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
-    plan: the name of an included plan, a YAML file like these, or an ExperimentPlan. If the folder has outcomes of this
-    plan, only the missing trials are run; `force` begins anew, and what is there stays until the new is complete.
-    progress: called with the number of trials that are done and the next cell; watch: several times per second during a
-    trial; what they raise stops the experiment, and the same call continues it. UserError, before the first trial, if
-    the plan is wrong, a simulator is not installed, or the folder has other files of these names.
+    If the folder has outcomes of this plan, only the missing trials are run; `force` begins anew, and what is there
+    stays until the new is complete. What `progress` and `watch` raise stops the experiment, and the same call continues
+    it.
+
+    Parameters
+    ----------
+    plan : str, path or ExperimentPlan
+        The name of an included plan, a YAML file like these, or a plan.
+    progress : callable, optional
+        Called with the number of trials that are done, and the next cell.
+    watch : callable, optional
+        Called several times per second during a trial.
+
+    Returns
+    -------
+    ExperimentResult
+        Outcomes of every cell.
+
+    Raises
+    ------
+    UserError
+        Before the first trial, if the plan is wrong, a simulator is not installed, or the folder has other files of
+        these names.
     """
     from rsegen.simulation.experiment.run import run_experiment
 

@@ -44,7 +44,13 @@ _LONG = 100_000
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class View:
-    """A page that shows maps: in a notebook as it is, or saved as an HTML file."""
+    """A page that shows maps: in a notebook as it is, or saved as an HTML file.
+
+    Attributes
+    ----------
+    html : bytes
+        The page.
+    """
 
     html: bytes
 
@@ -61,10 +67,24 @@ class View:
 
 
 def view(shown: Recipe | Scene | StepField, index: int | None = None) -> View:
-    """A page that shows a map in three dimensions and as a plan: `rsegen.view(recipe).save("map.html")`.
+    """Return a page that shows a map in three dimensions and as a plan: `rsegen.view(recipe).save("map.html")`.
 
-    shown: a field, a scene, or a recipe, of which all maps are on the page, or map `index` alone. TooLarge if they are
-    more than a browser shows.
+    Parameters
+    ----------
+    shown : Recipe, Scene or StepField
+        What is shown: a field, a scene, or the maps of a recipe.
+    index : int, optional
+        Which map of a recipe; by default all are on the page.
+
+    Returns
+    -------
+    View
+        The page.
+
+    Raises
+    ------
+    TooLarge
+        If the maps are more than a browser shows.
     """
     match shown:
         case StepField():
@@ -135,9 +155,23 @@ def write_sheets(
 
 
 def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bool = False) -> None:
-    """Write a recipe file, whole or not at all; an OutputError if it exists already.
+    """Write a recipe file, whole or not at all.
 
-    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person was asked
+    Parameters
+    ----------
+    recipe : Recipe
+        The recipe.
+    path : str or Path
+        The file, YAML or JSON by its suffix.
+    force : bool, default False
+        Replace it if rsegen wrote it and it is unchanged.
+    confirmed : bool, default False
+        Replace it whoever wrote it, as a person was asked.
+
+    Raises
+    ------
+    OutputError
+        If it exists already and is not to be replaced.
     """
     path = Path(path)
     text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
