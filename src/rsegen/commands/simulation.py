@@ -53,8 +53,8 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     ] = None,
     shared: Annotated[bool, Flag(help="use the default address, so that other programs can connect")] = False,
     timeout: Timeout = 20.0,
-    on_start: Callable[[OpenedWorld], None] = lambda _: None,
-    on_error: Callable[[str], None] = lambda _: None,
+    on_start: Callable[[OpenedWorld], None] | None = None,
+    on_error: Callable[[str], None] | None = None,
 ) -> OpenResult:
     """Open a world in the newest installed Gazebo that supports it, and wait; Ctrl-C or closing the window ends it.
 
@@ -89,8 +89,8 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         seconds=seconds,
         shared=shared,
         timeout=timeout,
-        on_start=on_start,
-        on_error=on_error,
+        on_start=on_start or _ignore,
+        on_error=on_error or _ignore,
     )
 
 
@@ -164,7 +164,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     ] = False,
     force: Force = False,
     timeout: Timeout = 20.0,
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Callable[[float], None] | None = None,
 ) -> DriveResult:
     """Drive robots over a map in a Gazebo server without a window, and report how far each got.
 
@@ -218,7 +218,9 @@ def drive(  # noqa: PLR0913  # each is a flag
         foresee(Path(output), file_names(runs, picture=pictured), is_whole=True)
     with unchanged_if_stopped(output), world.on_disk() as file:
         extent = scene.field.extent if pictured else None
-        recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)
+        recording = record_drive(
+            here, file, runs, duration, progress or _ignore, contacts=contacts, camera_extent=extent
+        )
     result = DriveResult(
         scene=scene,
         simulator=str(here),
@@ -424,8 +426,8 @@ def experiment(  # noqa: PLR0913  # each is a flag
     ] = None,
     force: Force = False,
     timeout: Timeout = 20.0,
-    progress: Callable[[int, Cell], None] = lambda *_: None,
-    watch: Callable[[], None] = lambda: None,
+    progress: Callable[[int, Cell], None] | None = None,
+    watch: Callable[[], None] | None = None,
 ) -> ExperimentResult:
     """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
@@ -455,4 +457,16 @@ def experiment(  # noqa: PLR0913  # each is a flag
     """
     from rsegen.simulation.experiment.run import run_experiment
 
-    return run_experiment(plan, Path(output), simulator, force=force, timeout=timeout, progress=progress, watch=watch)
+    return run_experiment(
+        plan,
+        Path(output),
+        simulator,
+        force=force,
+        timeout=timeout,
+        progress=progress or _ignore,
+        watch=watch or _ignore,
+    )
+
+
+def _ignore(*_: object) -> None:
+    """Ignore what a caller did not ask to be told."""
