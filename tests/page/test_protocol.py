@@ -21,7 +21,7 @@ from rsegen.page.server import answer
 from tests.page.test_files import drive
 
 RECIPE = rsegen.Recipe(
-    name="field", chunk_size=6, boundary="divided", unit_cm=5, seed=3, obstacles=[rsegen.Random(levels=4)], maps=2
+    name="field", chunk_size=3, boundary="divided", unit_cm=5, seed=3, obstacles=[rsegen.Random(levels=4)], maps=2
 )
 OF_ROBOT = {"index": 0, "robot": "burger"}
 ASKED: Mapping[str, Mapping[str, Any]] = {
