@@ -1,5 +1,5 @@
 """The generated parts of the manual: schema, obstacle reference, parameter table, formats, figures of speed and of
-difficulty, pictures.
+difficulty, pictures; and the types that the page shares with its server.
 
 python -m docs.generate           makes them anew
 python -m docs.generate --check   exits with 1 where one of them is out of date, and names it
@@ -22,7 +22,7 @@ import rsegen
 from benchmarks import busy, crossings, datasets, learning, rests, scan, starts, training
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
-from docs import catalogue, difficulty, gallery, records, reliability
+from docs import catalogue, difficulty, gallery, protocol, records, reliability
 from rsegen import (
     FORMATS,
     KINDS,
@@ -102,9 +102,9 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     "Geometry": (
         "geometry/mesh",
         "geometry/rectangles",
-        "geometry/surface",
-        "geometry/watertight",
-        "geometry/boxes",
+        "geometry/exposed_faces",
+        "geometry/watertight_mesh",
+        "geometry/box_merging",
         "geometry/texture",
         "formats/solid",
     ),
@@ -183,6 +183,7 @@ def texts() -> dict[Path, str]:
         DOCS / "busy.md": busy.page(json.loads(busy.FILE.read_text("utf-8"))),
         DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),
         GAZEBO: filled(GAZEBO.read_text("utf-8"), _told_apart(contact)),
+        protocol.FILE: protocol.protocol(),
         DOCS / "recipe.schema.json": json.dumps(schema(), indent=2) + "\n",
         DOCS / "obstacles.md": "\n".join(_obstacles()) + "\n",
         DOCS / "algorithms.md": "\n".join(_algorithms()) + "\n",

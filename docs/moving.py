@@ -10,14 +10,14 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PIL import Image
 
 import rsegen
 from docs.page import PICTURES, drawing, open_page, served
 from rsegen import DiagonalBarrier, NormalRandom, Peak, Recipe
-from rsegen.driving.page import playback
+from rsegen.driving.page import Playback, playback
 from rsegen.page.host import Host
 from rsegen.robots.page import robot
 
@@ -71,7 +71,7 @@ def record(folder: Path) -> Path:
     return folder / "drive"
 
 
-def drawn(browser: Chrome, drive: dict[str, Any]) -> Iterator[Image.Image]:
+def drawn(browser: Chrome, drive: Playback) -> Iterator[Image.Image]:
     """Yield the pictures of a drive, from its beginning until the robot is across."""
     browser.execute_script(_SET, drive, robot(Host(folder=Path()), robot=ROBOT))
     for number in range(int((drive["duration"] - BEGINNING) / STEP)):

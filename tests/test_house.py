@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import pkgutil
 import subprocess
@@ -46,6 +47,17 @@ def test_no_public_name_is_hidden_by_a_module() -> None:
     """Importing any module of rsegen leaves `rsegen.build` and the like what they are: functions and classes."""
     modules = {module.name for module in pkgutil.iter_modules(rsegen.__path__)}
     assert not modules & set(rsegen.__all__)
+
+
+PACKAGES = sorted(path.parent for path in HOUSE.rglob("__init__.py"))
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.relative_to(HOUSE.parent).as_posix())
+def test_no_name_of_a_package_hides_its_module(package: Path) -> None:
+    """`from rsegen.geometry import boxes` gives a function whether or not a module was imported before."""
+    body = ast.walk(ast.parse((package / "__init__.py").read_text("utf-8")))
+    names = {name.asname or name.name for node in body if isinstance(node, ast.ImportFrom) for name in node.names}
+    assert not names & {module.name for module in pkgutil.iter_modules([str(package)])}
 
 
 def test_every_obstacle_class_is_public_by_name() -> None:

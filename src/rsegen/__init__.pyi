@@ -33,10 +33,10 @@ from rsegen.formats.commands import export as export
 from rsegen.formats.commands import export_maps as export_maps
 from rsegen.formats.exports import Exported as Exported
 from rsegen.formats.exports import ExportedMap as ExportedMap
-from rsegen.geometry.boxes import Boxes as Boxes
-from rsegen.geometry.boxes import boxes as boxes
+from rsegen.geometry.box_merging import Boxes as Boxes
+from rsegen.geometry.box_merging import boxes as boxes
 from rsegen.geometry.mesh import Mesh as Mesh
-from rsegen.geometry.meshes import mesh as mesh
+from rsegen.geometry.mesh_kinds import mesh as mesh
 from rsegen.heights.base import imported as imported
 from rsegen.learning.ground import Ground as Ground
 from rsegen.learning.ground import next_rows as next_rows

@@ -23,7 +23,7 @@ from rsegen.page import host as calls
 from rsegen.page.calls import Question
 from rsegen.page.host import MOST_DOCUMENTS, Host, Opened
 from rsegen.page.model.session import Session
-from rsegen.page.scenes import ghost, scene
+from rsegen.page.scenes import DocumentMap, ghost, scene
 from rsegen.recipe.building import build, owners
 
 PEAK = {"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}
@@ -41,7 +41,7 @@ def opened(host: Host) -> Opened:
     return host.opened(calls.open(host, what="course.yaml")["doc"])
 
 
-def act(opened: Opened, *actions: Mapping[str, Any], index: int = 0) -> dict[str, Any]:
+def act(opened: Opened, *actions: Mapping[str, Any], index: int = 0) -> calls.EditedState:
     return calls.edit(opened, actions=[dict(action) for action in actions], index=index)
 
 
@@ -60,8 +60,7 @@ def test_a_file_is_one_document_for_all_pages_that_open_it(host: Host, opened: O
 def test_switched_off_rows_and_comments_are_saved(host: Host, opened: Opened) -> None:
     state = act(opened, {"do": "enable", "row": 0, "enabled": False})
     assert (state["unsaved"], state["rows"][0]["enabled"]) == (True, False)
-    state = calls.save(host, doc=opened.id)
-    assert not state["unsaved"]
+    assert not calls.save(host, doc=opened.id)["unsaved"]
     saved = (host.folder / "course.yaml").read_text()
     assert saved.startswith("# mine\n")
     assert "enabled: false" in saved
@@ -171,6 +170,7 @@ def test_a_map_of_a_data_set_is_opened(host: Host) -> None:
 
 def test_an_invalid_draft_is_not_saved(host: Host, opened: Opened) -> None:
     state = act(opened, {"do": "set", "name": "unit_cm", "value": -1})
+    assert state["problem"]
     assert state["problem"]["where"] == "unit_cm"
     with pytest.raises(ParameterError):
         calls.save(host, doc=opened.id)
@@ -321,7 +321,7 @@ def test_ends_are_those_of_the_map_shown_and_are_fixed_there(opened: Opened) -> 
 # Scenes.
 
 
-def _owners(shown: dict[str, Any]) -> Any:
+def _owners(shown: DocumentMap) -> Any:
     return np.frombuffer(b64decode(shown["owners"]), dtype="<i2").reshape(shown["cells"])
 
 
@@ -357,7 +357,7 @@ def test_large_maps_are_shown_coarser(host: Host) -> None:
     opened = host.open(Session.of(Recipe(seed=1, chunk_size=900, obstacles=[Random(levels=3)])))
     shown = scene(opened)
     assert shown["factor"] == 3
-    assert shown["cells"] == [300, 300]
+    assert shown["cells"] == (300, 300)
     assert shown["block_width"] == pytest.approx(0.3)
     assert sum(each["count"] for each in shown["palette"] if each["level"] is not None) == 900 * 900
     assert _owners(shown).shape == (300, 300)

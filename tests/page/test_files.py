@@ -184,7 +184,7 @@ def test_variants_are_the_recipe_at_other_seeds(host: Host, tmp_path: Path) -> N
     own = scenes.maps(host, doc=doc, first=1, count=6)
     assert [(each["seed"], each["index"]) for each in own] == [(5, 1), (5, 2)]
     steps = rsegen.metrics(rsegen.build(recipe, 1)).steps.mean or 0
-    assert dict(map(tuple, own[0]["difficulty"]))["mean step"] == f"{100 * steps:.3g} cm"
+    assert dict(own[0]["difficulty"])["mean step"] == f"{100 * steps:.3g} cm"
     mean = {index: rsegen.metrics(rsegen.build(recipe, index)).steps.mean or 0 for index in recipe.indices}
     by_step = scenes.maps(host, doc=doc, first=0, count=6, by="steps.mean")
     assert by_step[0]["difficulty"][0][0] == "steps mean"

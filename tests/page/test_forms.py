@@ -84,7 +84,7 @@ def test_every_command_of_a_page_is_one_of_the_shell() -> None:
     assert all(command_form(name).help == all_commands()[name].help for name in COMMANDS)
 
 
-def _values(schema: dict[str, Any]) -> st.SearchStrategy[Any]:
+def _values(schema: Any) -> st.SearchStrategy[Any]:
     """Return a strategy for the values that a field's schema allows."""
     if "enum" in schema:
         return st.sampled_from(schema["enum"])

@@ -6,7 +6,7 @@ import json
 import threading
 from base64 import b64decode
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -79,7 +79,8 @@ def test_a_robot_that_tips_over_is_level_on_the_highest_block_below_it(host: Hos
 
 def test_beside_the_map_a_robot_stands_on_level_ground(host: Host, doc: str) -> None:
     told = robots.pose(host, doc=doc, index=0, robot="burger", x=5.0, y=0.0, heading=1.0)
-    assert (told["reason"], told["tilt"]) == ("", pytest.approx(0, abs=1e-6))
+    assert told["reason"] == ""
+    assert told["tilt"] == pytest.approx(0, abs=1e-6)
 
 
 def test_a_map_of_tilts_has_the_pose_of_each_point(host: Host, doc: str) -> None:
@@ -153,7 +154,9 @@ def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytes
 @pytest.mark.slow
 @pytest.mark.parametrize("of", ["reach", "tilt"])
 @pytest.mark.parametrize("by", ["a stop", "a newer request", "the end of its page"])
-def test_a_search_ends_soon_by(by: str, of: str, host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_search_ends_soon_by(
+    by: str, of: Literal["reach", "tilt"], host: Host, monkeypatch: pytest.MonkeyPatch
+) -> None:
     large = rsegen.Recipe(chunk_size=30, chunks=(2, 2), unit_cm=2, obstacles=[rsegen.Random(levels=4)])
     rsegen.save(large, host.folder / "large.yaml", force=True)
     doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
@@ -176,7 +179,7 @@ def test_a_search_ends_soon_by(by: str, of: str, host: Host, monkeypatch: pytest
     first.start()
     assert begun.wait(60)
     if by == "a stop":
-        robots.stop(host, doc=doc, of=of)  # type: ignore[arg-type]  # one of two words
+        robots.stop(host, doc=doc, of=of)
     elif by == "the end of its page":
         host.opened(doc).remove(listener)
     else:

@@ -74,7 +74,7 @@ def test_a_large_mesh_and_its_file_tell_how_far_they_are(tmp_path: Path) -> None
     told: list[tuple[str, float]] = []
     recipe = rsegen.Recipe(chunk_size=300, boundary="none", mesh="watertight", obstacles=[rsegen.Random(levels=5)])
     with watched(lambda what, share: told.append((what, share))), pytest.MonkeyPatch.context() as patch:
-        for module in ("rsegen.geometry.watertight", "rsegen.gazebo.obj"):
+        for module in ("rsegen.geometry.watertight_mesh", "rsegen.gazebo.obj"):
             patch.setattr(sys.modules[module], "LARGE", 1e5)
         rsegen.generate(recipe, tmp_path)
     for what in ("a closed mesh", "vertices of an OBJ file", "faces of an OBJ file"):

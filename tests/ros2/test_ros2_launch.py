@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import runpy
 import sys
@@ -17,12 +18,18 @@ import yaml
 import rsegen
 from rsegen import Recipe, compose, load
 from rsegen.input_files import JOURNAL
+from rsegen.ros2 import package as of_packages
+from rsegen.ros2.bridge import ROBOT
+from rsegen.ros2.package import PYTHON
 from rsegen.ros2.ros2 import Ros2
+from rsegen.ros2.rviz import NAMESPACE
 from tests.formats.maps import RECIPES
 from tests.formats.maps import made as made_files
 from tests.ros2.test_robot_files import leaves
 from tests.ros2.test_ros2 import NAMED, written
 from tests.support.runs import contents
+
+FILES = Path(of_packages.__file__).with_name("package_files")
 
 
 class Stand:
@@ -129,6 +136,25 @@ def _path(source: Stand) -> str:
 
 SIM = "ros_gz_sim/launch/gz_sim.launch.py"
 SERVER, CLIENT = (f"gazebo_ros/launch/{name}.launch.py" for name in ("gzserver", "gzclient"))
+
+
+@pytest.mark.parametrize("path", PYTHON)
+def test_a_file_of_a_package_is_the_one_in_the_sources_and_python_of_every_version(path: str, package: Path) -> None:
+    source = FILES / path
+    text = source.read_text("utf-8")
+    assert (package / path).read_text("utf-8") == text.replace("@ROBOT@", "none")
+    ast.parse(text, path, feature_version=(3, 10))  # that of Humble
+
+
+def test_every_file_in_the_folder_of_sources_is_in_packages() -> None:
+    assert {path.relative_to(FILES).as_posix() for path in FILES.rglob("*.py")} == set(PYTHON)
+
+
+def test_launch_files_name_the_robot_and_the_map_as_bridge_and_rviz_do(package: Path) -> None:
+    spawn, rviz = ((package / "launch" / f"{name}.launch.py").read_text("utf-8") for name in ("spawn_robot", "rviz"))
+    assert f"spawner(simulator, '{ROBOT}', ['-file'" in spawn
+    assert f"'robot_name', default_value='{ROBOT}'" in spawn
+    assert f"NAMESPACE = '{NAMESPACE}'\n" in rviz
 
 
 @pytest.fixture

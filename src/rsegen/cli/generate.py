@@ -40,11 +40,30 @@ def generate(  # noqa: PLR0913  # each is a flag
 ) -> Generated:
     """Write the maps of a recipe as Gazebo worlds and models: folder/NAME_0000, folder/NAME_0001, ...
 
-    progress: called with each map that is done, in their order. beside: what makes the content of files next to the
-    maps, by their names; called once nothing refuses the run. With more than one worker a script needs
-    `if __name__ == "__main__":`. Raises, before anything is written, an OutputError if a map's folder is taken or has
-    files that rsegen did not write, TooLarge if memory or disk space are too small, and a ParameterError if maps are
-    too large for build sheets.
+    With more than one worker a script needs `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The maps.
+    progress : callable, optional
+        Called with each map that is done, in their order.
+    beside : mapping of str to callable, optional
+        What makes the content of files next to the maps, by their names; called once nothing refuses the run.
+
+    Returns
+    -------
+    Generated
+        The maps on disk.
+
+    Raises
+    ------
+    OutputError
+        Before anything is written, if a map's folder is taken or has files that rsegen did not write.
+    TooLarge
+        Before anything is written, if memory or disk space are too small.
+    ParameterError
+        Before anything is written, if maps are too large for build sheets.
     """
     from rsegen.run.execute import Execution
     from rsegen.run.plan import OnExisting

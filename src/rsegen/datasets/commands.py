@@ -58,9 +58,22 @@ def series(  # noqa: PLR0913  # each is a flag
 ) -> Series:
     """Write maps of evenly rising difficulty, a table of what they measure (series.csv) and a picture (series.png).
 
-    maps: their number, by default that of the recipe. by: the metric that rises evenly, by its name or as a function
-    StepField -> float, which is called in this process alone. progress: called with the row of each map that is done.
-    Table and picture come last, whole or not at all. The rest, and the errors, are as in `generate`.
+    Table and picture come last, whole or not at all. In Python `by` may be a function StepField -> float too, which is
+    called in this process alone. Errors are as in `generate`.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The maps.
+    maps : int, optional
+        Their number; by default that of the recipe.
+    progress : callable, optional
+        Called with the row of each map that is done.
+
+    Returns
+    -------
+    Series
+        The maps on disk, and what they measure.
     """
     from rsegen.datasets.series import make_series, plan_series
     from rsegen.datasets.series_rows import SeriesPlan
@@ -94,10 +107,29 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
 ) -> Dataset:
     """Write the maps of one or several recipes as a data set: block levels as arrays, metrics as tables, in shards.
 
-    Several recipes have different names, and maps of one size, unit, width of blocks and boundary. `force` replaces a
-    data set in one step once the new one is complete. With more than one worker a script needs
-    `if __name__ == "__main__":`. Raises a ParameterError if the recipes do not go together, an OutputError before
-    anything is written if the folder holds something else, and TooLarge if there is too little space.
+    `force` replaces a data set in one step once the new one is complete. With more than one worker a script needs
+    `if __name__ == "__main__":`.
+
+    Parameters
+    ----------
+    recipe : Recipe or sequence of Recipe
+        The maps. Several recipes have different names, and maps of one size, unit, width of blocks and boundary.
+    progress : callable, optional
+        Called with the number of maps that are done since the last call, and whether they existed `already`.
+
+    Returns
+    -------
+    Dataset
+        The data set on disk.
+
+    Raises
+    ------
+    ParameterError
+        If the recipes do not go together.
+    OutputError
+        Before anything is written, if the folder holds something else.
+    TooLarge
+        If there is too little space.
     """
     from rsegen.datasets.difficulty_tiles import recipes_of
     from rsegen.datasets.layout import ShardLayout

@@ -159,8 +159,19 @@ class Dataset:
 
     The maps of the first recipe come first. `recipe_of(place)` is the recipe of one map. Of a single recipe,
     `recipe.indices[place]` is its index: the same number, unless there is a `first_map`. Its files are not trusted: no
-    name is taken from its manifest. Raises DatasetDamaged if a file has another size than the manifest says, FileError
-    if there is no data set.
+    name is taken from its manifest.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder of the data set.
+
+    Raises
+    ------
+    DatasetDamaged
+        If a file has another size than the manifest says.
+    FileError
+        If there is no data set.
     """
 
     def __init__(self, folder: str | Path) -> None:

@@ -43,7 +43,19 @@ TABLE, PICTURE = "series.csv", "series.png"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Series:
-    """A series on disk: a row for each map; `maps` are those that were made, the others existed already."""
+    """A series on disk.
+
+    Attributes
+    ----------
+    plan : SeriesPlan
+        What was to be made.
+    folder : Path
+        The folder that it is in.
+    rows : tuple of SeriesRow
+        What each map measures, in their order.
+    maps : tuple of GeneratedMap
+        Those that were made; the others existed already.
+    """
 
     plan: SeriesPlan
     folder: Path

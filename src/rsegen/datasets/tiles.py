@@ -34,12 +34,21 @@ SPACING = Choice(("value", "rank"))
 class Tiles(NamedTuple):
     """A terrain, as IsaacLab, mjlab and legged_gym lay theirs out: difficulty rises along x, from row to row.
 
-    levels: (rows, columns, n_x, n_y), block levels, frames left out
-    heights: (rows, columns, cells_x, cells_y), metres, frames counted
-    origins: (rows, columns, 3), metres: the middle of each tile, all together centred on x = y = 0; z is the height
-    of the highest cell that meets there, so that a robot does not start inside a block
-    places: (rows, columns), which map of the data set it is; difficulty: (rows, columns), its metric
-    size: metres of one tile along x and y, frames counted
+    Attributes
+    ----------
+    levels : ndarray, shape (rows, columns, n_x, n_y)
+        Block levels, frames left out.
+    heights : ndarray, shape (rows, columns, cells_x, cells_y)
+        Heights in metres, frames counted.
+    origins : ndarray, shape (rows, columns, 3)
+        The middle of each tile, metres, all together centred on x = y = 0; z is the height of the highest cell that
+        meets there, so that a robot does not start inside a block.
+    places : ndarray of int, shape (rows, columns)
+        Which map of the data set it is.
+    difficulty : ndarray of float32, shape (rows, columns)
+        Its metric.
+    size : tuple of float
+        Metres of one tile along x and y, frames counted.
     """
 
     levels: Ints

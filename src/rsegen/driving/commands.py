@@ -98,12 +98,28 @@ def drive(  # noqa: PLR0913  # each is a flag
     ] = False,
     force: Force = False,
     timeout: Timeout = 20.0,
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Callable[[float], None] | None = None,
 ) -> DriveResult:
     """Drive robots over a map in a Gazebo server without a window, and report how far each got.
 
-    target: a world made by rsegen, its folder, a recipe or a scene. progress: called with the simulation time [s]. The
-    same seed and simulator give the same trajectories. UserError if a value is wrong or no Gazebo is installed.
+    The same seed and simulator give the same trajectories.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        A world made by rsegen, its folder, a recipe or a scene.
+    progress : callable, optional
+        Called with the simulation time in seconds.
+
+    Returns
+    -------
+    DriveResult
+        Trajectories, metrics and contacts.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong or no Gazebo is installed.
     """
     from rsegen.driving.drive import (
         DriveResult,
@@ -136,7 +152,9 @@ def drive(  # noqa: PLR0913  # each is a flag
         foresee(Path(output), file_names(runs, picture=pictured), is_whole=True)
     with unchanged_if_stopped(output), world.on_disk() as file:
         extent = scene.field.extent if pictured else None
-        recording = record_drive(here, file, runs, duration, progress, contacts=contacts, camera_extent=extent)
+        recording = record_drive(
+            here, file, runs, duration, progress or _ignore, contacts=contacts, camera_extent=extent
+        )
     result = DriveResult(
         scene=scene,
         simulator=str(here),
@@ -152,6 +170,10 @@ def drive(  # noqa: PLR0913  # each is a flag
     if output is not None:
         result.write(output, force=force)
     return result
+
+
+def _ignore(*_: object) -> None:
+    """Ignore what a caller did not ask to be told."""
 
 
 _OWN = ("simulator",)

@@ -104,9 +104,28 @@ class DrivenRobot:
 class DriveResult:
     """The result of `rsegen.drive`.
 
-    scene: the map; simulator: title and version; errors: the simulator's error lines; notes: what it does not give;
-    contact_samples: simulated seconds and the contacts at that time; way: the one that the robots followed, on that
-    route; image: a JPEG of Gazebo's own camera, empty without `picture`.
+    Attributes
+    ----------
+    scene : Scene
+        The map.
+    simulator : str
+        Title and version.
+    route : str
+        How the robots were sent.
+    seed : int
+        Seed of start poses and routes.
+    robots : tuple of DrivenRobot
+        Each robot with its trajectory and what is measured on it.
+    errors : tuple of str
+        The simulator's error lines.
+    contact_samples : ContactSamples
+        Simulated seconds, and the contacts at that time.
+    notes : tuple of str
+        What the simulator does not give, a sentence each.
+    way : PlannedWay or None
+        The way that the robots followed, on that route.
+    image : bytes
+        A JPEG of Gazebo's own camera, empty without `picture`.
     """
 
     scene: Scene

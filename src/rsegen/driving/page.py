@@ -21,7 +21,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 
@@ -50,8 +50,35 @@ _FALL, _WITHIN = 0.03, 0.2
 """Metres by which a robot comes down within some seconds in a fall: on a slope of 30 degrees it takes twice as long."""
 
 
+class Mark(TypedDict):
+    """What happened to a robot."""
+
+    second: float
+    text: str
+    kind: Literal["contact", "trouble", "success"]
+
+
+class PlayedRobot(TypedDict):
+    """A robot of a drive, with what happened to it in order of time."""
+
+    name: str
+    robot: str
+    seconds: list[float]
+    poses: list[list[float]]  # x y z roll pitch yaw
+    events: list[Mark]
+
+
+class Playback(TypedDict):
+    """A drive that was recorded."""
+
+    title: str
+    simulator: str
+    robots: list[PlayedRobot]
+    duration: float
+
+
 @call_of_host
-def playback(host: Host, *, path: str) -> dict[str, Any]:
+def playback(host: Host, *, path: str) -> Playback:
     """Return the drive that a folder holds."""
     folder = host.places.inside(path)
     drive = _drive(folder)
@@ -81,13 +108,13 @@ def _drive(folder: Path) -> dict[str, Any]:
     return drive
 
 
-def _robot(folder: Path, robot: Mapping[str, Any]) -> dict[str, Any]:
+def _robot(folder: Path, robot: Mapping[str, Any]) -> PlayedRobot:
     name = robot["name"]
     trajectory = _trajectory(Places(folder).inside(f"{name}.csv"))
     touches = list(_touches(folder, robot))
     tips = ((float(trajectory.rows[at, 0]), "tips over") for at, _ in _runs(trajectory.tilt > TIPPED))
     outcome = [*_falls(trajectory), *_hang_ups(robot, trajectory, touches), *tips]
-    events = [
+    events: list[tuple[float, str, Literal["contact", "trouble", "success"]]] = [
         *((second, "has crossed the map", "success") for second in [_crossed(robot)] if second < inf),
         *((second, text, "trouble") for second, text in outcome),
         *((second, text, "contact") for second, text in _contacts(touches)),

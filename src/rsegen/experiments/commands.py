@@ -45,20 +45,50 @@ def experiment(  # noqa: PLR0913  # each is a flag
     ] = None,
     force: Force = False,
     timeout: Timeout = 20.0,
-    progress: Callable[[int, Cell], None] = lambda *_: None,
-    watch: Callable[[], None] = lambda: None,
+    progress: Callable[[int, Cell], None] | None = None,
+    watch: Callable[[], None] | None = None,
 ) -> ExperimentResult:
     """Measure what maps cost a simulator while robots drive on them, and write tables and a plot into a folder.
 
-    plan: the name of an included plan, a YAML file like these, or an ExperimentPlan. If the folder has outcomes of this
-    plan, only the missing trials are run; `force` begins anew, and what is there stays until the new is complete.
-    progress: called with the number of trials that are done and the next cell; watch: several times per second during a
-    trial; what they raise stops the experiment, and the same call continues it. UserError, before the first trial, if
-    the plan is wrong, a simulator is not installed, or the folder has other files of these names.
+    If the folder has outcomes of this plan, only the missing trials are run; `force` begins anew, and what is there
+    stays until the new is complete. What `progress` and `watch` raise stops the experiment, and the same call continues
+    it.
+
+    Parameters
+    ----------
+    plan : str, path or ExperimentPlan
+        The name of an included plan, a YAML file like these, or a plan.
+    progress : callable, optional
+        Called with the number of trials that are done, and the next cell.
+    watch : callable, optional
+        Called several times per second during a trial.
+
+    Returns
+    -------
+    ExperimentResult
+        Outcomes of every cell.
+
+    Raises
+    ------
+    UserError
+        Before the first trial, if the plan is wrong, a simulator is not installed, or the folder has other files of
+        these names.
     """
     from rsegen.experiments.run import run_experiment
 
-    return run_experiment(plan, Path(output), simulator, force=force, timeout=timeout, progress=progress, watch=watch)
+    return run_experiment(
+        plan,
+        Path(output),
+        simulator,
+        force=force,
+        timeout=timeout,
+        progress=progress or _ignore,
+        watch=watch or _ignore,
+    )
+
+
+def _ignore(*_: object) -> None:
+    """Ignore what a caller did not ask to be told."""
 
 
 def add_experiment(command: Parser) -> None:

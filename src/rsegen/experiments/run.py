@@ -51,9 +51,20 @@ REPORT_FILES = ("table.md", "trials.csv", "summary.json", "plot.png")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExperimentResult:
-    """The result of `rsegen.experiment`: the plan, every cell's outcomes, the machine, and the folder of the files.
+    """The result of `rsegen.experiment`.
 
-    command: the command line, or the call in Python, that gives them
+    Attributes
+    ----------
+    plan : ExperimentPlan
+        What was measured.
+    results : Results
+        Every cell's outcomes.
+    machine : dict of str
+        The machine that it ran on.
+    folder : Path
+        Folder of the files.
+    command : str
+        The command line, or the call in Python, that gives them.
     """
 
     plan: ExperimentPlan

@@ -36,8 +36,18 @@ CellWindow = tuple[slice, slice]
 class StepField:
     """The blocks and frames of one map, or of a part of it.
 
-    levels: (n_x, n_y), height of each block in units, 0 in frame cells; frame: (n_x, n_y), true for frame cells.
-    block_width, unit, frame_height: metres.
+    Parameters
+    ----------
+    levels : ndarray of int16, shape (n_x, n_y)
+        Height of each block in units, 0 in frame cells.
+    frame : ndarray of bool, shape (n_x, n_y)
+        True for frame cells.
+    block_width : float
+        Side of a block, metres.
+    unit : float
+        Height of a level, metres.
+    frame_height : float
+        Height of the frames, metres.
     """
 
     levels: Levels

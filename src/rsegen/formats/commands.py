@@ -48,10 +48,28 @@ def export_maps(  # noqa: PLR0913  # each is a flag
     """Write maps in the formats of other programs: folder/NAME_0000, ..., with a folder for each format and the recipe.
 
     If a map is there already, as a world or exported before, the formats are added and all else stays; `resume` keeps
-    formats that are complete and have the same options. Gives the maps that were written. Raises an OutputError before
-    anything is written if a folder of that name holds something else, a format exists already, or two maps have one
-    name; TooLarge if memory or disk space are too small. A format that joins the maps, such as `ros2` with a `package`,
-    is alone, and writes them into one folder of that name: all of them or none. The rest is as in `generate`.
+    formats that are complete and have the same options. A format that joins the maps, such as `ros2` with a `package`,
+    is alone, and writes them into one folder of that name: all of them or none.
+
+    Parameters
+    ----------
+    recipes : sequence of Recipe
+        The maps.
+    progress : callable, optional
+        Called with each map that is written.
+
+    Returns
+    -------
+    tuple of ExportedMap
+        The maps that were written.
+
+    Raises
+    ------
+    OutputError
+        Before anything is written, if a folder of that name holds something else, a format exists already, or two maps
+        have one name.
+    TooLarge
+        Before anything is written, if memory or disk space are too small.
     """
     from rsegen.formats.exports import export_joined, joining, plan_exports
     from rsegen.run.execute import Execution
@@ -78,9 +96,22 @@ def export(
 ) -> Exported:
     """Write one map in another format: `rsegen.export(recipe, "map.glb")`.
 
-    map: a scene, or a recipe, of which map `index` is written; in a folder the files are as in one of `export_maps`.
-    options: those of the format, as in `rsegen.export(recipe, "folder", "mjcf", shape="hfield")`. A UserError says what
-    is wrong before anything is written.
+    Parameters
+    ----------
+    map : Recipe or Scene
+        A scene, or a recipe, of which map `index` is written; in a folder the files are as in one of `export_maps`.
+    **options : Any
+        Options of the format, as in `rsegen.export(recipe, "folder", "mjcf", shape="hfield")`.
+
+    Returns
+    -------
+    Exported
+        What was written.
+
+    Raises
+    ------
+    UserError
+        Before anything is written, if a value is wrong or the path is taken.
     """
     from rsegen.formats.exports import export_one
 

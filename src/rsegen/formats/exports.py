@@ -56,7 +56,17 @@ _RECIPES = "recipes"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Exported:
-    """A map that was written in another format: the file or folder, the format's name, and every file."""
+    """A map that was written in another format.
+
+    Attributes
+    ----------
+    path : Path
+        The file or folder.
+    format : str
+        The format's name.
+    files : tuple of Path
+        Every file that was written.
+    """
 
     path: Path
     format: str
@@ -106,7 +116,15 @@ def _format(path: Path, name: str | None, options: Mapping[str, Any]) -> Format:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExportedMap:
-    """A map in other formats on disk: its folder, and the names of the files that were written into it."""
+    """A map in other formats on disk.
+
+    Attributes
+    ----------
+    folder : Path
+        Its folder.
+    names : tuple of str
+        Names of the files that were written into it.
+    """
 
     folder: Path
     names: tuple[str, ...]

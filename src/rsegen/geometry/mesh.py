@@ -26,10 +26,20 @@ NORMALS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0,
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Mesh:
-    """Faces (m, 4) or (m, 3) of vertex indices, counterclockwise seen from outside, sorted by material.
+    """Faces as indices of vertices, sorted by material.
 
-    lines: the distinct x, y and z coordinates of vertices, metres; places: (n, 3), the indices of each vertex in them.
-    normals: (m,) row of NORMALS of each face; materials: (m,) 0 for a frame, else the level of the block.
+    Attributes
+    ----------
+    lines : tuple of three ndarrays
+        The distinct x, y and z coordinates of vertices, metres.
+    places : ndarray of int32, shape (n, 3)
+        The indices of each vertex in `lines`.
+    faces : ndarray of int32, shape (m, 4) or (m, 3)
+        The vertices of each face, counterclockwise seen from outside.
+    normals : ndarray of int8, shape (m,)
+        Row of NORMALS of each face.
+    materials : ndarray of int16, shape (m,)
+        0 for a frame, else the level of the block.
     """
 
     lines: tuple[Array, Array, Array]

@@ -287,9 +287,22 @@ def importer_for(path: Path) -> type[Importer]:
 def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_size: int | None = None) -> Recipe:
     """Return the recipe of one map: the heights in a file as a matrix, without frames unless the file names them.
 
-    unit_cm: the height of one level, by default that of the file
-    chunk_size: must divide both sides; by default that of the file, or 10 if it divides both sides, else the largest
-    number up to 1000 that does
+    Parameters
+    ----------
+    path : Path
+        The file.
+    reading : Importer
+        How it is read.
+    unit_cm : float, optional
+        Height of one level, cm; by default that of the file.
+    chunk_size : int, optional
+        Side of a chunk in blocks, which must divide both sides; by default that of the file, or 10 if it divides both
+        sides, else the largest number up to 1000 that does.
+
+    Returns
+    -------
+    Recipe
+        The recipe.
     """
     return recipe_of(path, heights_in(path, reading, unit_cm), chunk_size)
 

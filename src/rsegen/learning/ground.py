@@ -58,9 +58,19 @@ def check_levels(levels: Any, highest: int) -> None:
 
 
 def scan_points(size: Sequence[float] = (1.6, 1.0), distance: float = 0.1) -> Array:
-    """Return a grid of points around a robot, (points, 2), x first: its length and width, and their distance, metres.
+    """Return a grid of points around a robot, x first, by default that of legged_gym: 17 x 11 points.
 
-    The usual ones are those of legged_gym: 17 x 11 points.
+    Parameters
+    ----------
+    size : sequence of float, default (1.6, 1.0)
+        Length and width of the grid, metres.
+    distance : float, default 0.1
+        Distance of the points, metres.
+
+    Returns
+    -------
+    ndarray, shape (points, 2)
+        x and y of each point, metres, in the frame of the robot.
     """
     x, y = (np.linspace(-side / 2, side / 2, round(side / distance) + 1) for side in size)
     return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -69,11 +79,19 @@ def scan_points(size: Sequence[float] = (1.6, 1.0), distance: float = 0.1) -> Ar
 class Ground:
     """The ground of one map, or of many worlds with a map each, in the frame of the world.
 
-    levels: (n_x, n_y), or (worlds, n_x, n_y), of numpy, torch or jax; pos: where the middle of the map is, metres;
-    outside: level of the ground around the map.
-
     Points are (..., 2) or (..., 3), metres, with as many axes in front as one likes; z is not looked at. Of many worlds
     the first axis is the world, and `worlds` are the indices of the worlds that it goes along; without them, all.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Block width, unit and friction of the maps.
+    levels : array of int, shape (n_x, n_y) or (worlds, n_x, n_y)
+        Level of each block, in an array of numpy, torch or jax.
+    pos : sequence of float, default (0, 0, 0)
+        Where the middle of the map is, metres.
+    outside : int, default 0
+        Level of the ground around the map.
     """
 
     def __init__(self, recipe: Recipe, levels: Any, pos: Sequence[float] | Array = (0, 0, 0), outside: int = 0) -> None:
@@ -323,13 +341,30 @@ def unframed(levels: Ints, block_width: float, unit: float) -> StepField:
 
 
 def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: float, rng: np.random.Generator) -> Any:
-    """Return the next row of each robot, (robots,), in the library of `rows`.
-
-    walked: distance from where each robot started, metres; commanded: distance that it was told to walk, its commanded
-    speed times the time of an episode. count: number of rows; length: of a tile, metres; rng: draws rows.
+    """Return the next row of each robot in a terrain whose rows get harder.
 
     Up one row beyond half of a tile; else down one, if less than half of the commanded distance was walked. A robot
     that goes up from the last row has solved it, and gets a random row.
+
+    Parameters
+    ----------
+    rows : array of int, shape (robots,)
+        Present row of each robot, in an array of numpy, torch or jax.
+    walked : array, shape (robots,)
+        Distance from where each robot started, metres.
+    commanded : array, shape (robots,)
+        Distance that it was told to walk, metres: its commanded speed times the time of an episode.
+    count : int
+        Number of rows.
+    length : float
+        Length of a tile, metres.
+    rng : numpy.random.Generator
+        Draws rows.
+
+    Returns
+    -------
+    array of int, shape (robots,)
+        The next rows, in the library of `rows`.
     """
     library, own = library_of("rows", rows)
     if "int" not in str(own.dtype) or own.ndim != 1:

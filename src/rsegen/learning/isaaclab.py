@@ -22,7 +22,7 @@ from isaaclab.utils import configclass
 
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.field.stepfield import Array
-from rsegen.geometry.meshes import MESHES
+from rsegen.geometry.mesh_kinds import MESHES
 from rsegen.learning import MESH
 from rsegen.learning.tile import check_recipe, index_of, tile
 from rsegen.params.extras import pip_install

@@ -60,15 +60,27 @@ _ENVIRONMENTS = Integer(1, 10_000_000)
 class Terrain(TerrainDesign):
     """Maps of one or several recipes as one field, harder from row to row.
 
-    recipes: its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
-    difficulty: that of the first row and that of the last; the rows between rise evenly. 0 is flat, 1 as designed.
-    by: what rises evenly from row to row, by its name in `rsegen metrics --csv` or a function StepField -> float. By
-    `steps.rms`, the default, each tile has the row's share of its own; by another one a row has one value, from the
-    mean of level tiles to the mean of full ones, as near as each tile comes to it. robot: for metrics of a robot, such
-    as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
-    progress: called for each tile that is made, and for each whose spots are found.
     Frames become blocks of their height. The flat ground around tiles is at the highest `ground_level` of the recipes,
-    and tiles of a lower one are raised to it. UserError if the recipes do not go together, or it is too large.
+    and tiles of a lower one are raised to it. In difficulty 0 is flat, and 1 as designed; the rows between the first
+    and the last rise evenly.
+
+    Parameters
+    ----------
+    recipes : Recipe or sequence of Recipe
+        Its kinds, each in as many neighbouring columns as the others; all tiles are of the same size.
+    by : str or callable, default 'steps.rms'
+        What rises evenly from row to row, by its name in `rsegen metrics --csv` or a function StepField -> float. By
+        `steps.rms` each tile has the row's share of its own; by another one a row has one value, from the mean of level
+        tiles to the mean of full ones, as near as each tile comes to it.
+    robot : Crosser, optional
+        For metrics of a robot, such as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
+    progress : callable, optional
+        Called for each tile that is made, and for each whose spots are found.
+
+    Raises
+    ------
+    UserError
+        If the recipes do not go together, or it is too large.
     """
 
     recipes: Recipe | Sequence[Recipe]

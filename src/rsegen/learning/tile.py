@@ -17,7 +17,7 @@ from rsegen.datasets.difficulty_tiles import amid, check_tile, eased, tile_level
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.formats.parts import Column, columns
-from rsegen.geometry.meshes import mesh
+from rsegen.geometry.mesh_kinds import mesh
 from rsegen.learning.arrays import extremes
 from rsegen.learning.ground import unframed
 from rsegen.params.streams import SEEDS

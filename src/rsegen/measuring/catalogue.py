@@ -31,7 +31,27 @@ from rsegen.params.sorts import NANOMETRE_DIGITS
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Metrics:
-    """The metrics of one map; `reach`, of a robot or of limits of steps, is None without one."""
+    """The metrics of one map, by their families; lengths in metres.
+
+    Attributes
+    ----------
+    spread : Spread
+        Distribution of the heights.
+    steps : Steps
+        Steps between neighbouring blocks.
+    plane : Plane
+        The plane that fits best, and deviations from it.
+    scale : Scale
+        How differences of heights grow with distance.
+    spectrum : Spectrum
+        The power spectrum.
+    ruggedness : Ruggedness
+        Ruggedness index and area of the surface.
+    opening : Percolation
+        The smallest steps at which the map can be crossed.
+    reach : Any
+        What a robot, or limits of steps, can reach; None without one.
+    """
 
     spread: Spread
     steps: Steps
@@ -44,9 +64,24 @@ class Metrics:
 
 
 def metrics(field: StepField, robot: CrossingModel | None = None) -> Metrics:
-    """Return the metrics of a field: of its blocks without frames; and of the ways across it, frames counted.
+    """Measure a field: its blocks without frames; and the ways across it, frames counted.
 
-    robot: as `rsegen.robot_of("burger")`, or limits of steps, as `rsegen.StepLimits(climb_cm=10)`
+    Parameters
+    ----------
+    field : StepField
+        The field.
+    robot : Crosser, optional
+        For `reach`: a robot, as `rsegen.robot_of("burger")`, or limits of steps, as `rsegen.StepLimits(climb_cm=10)`.
+
+    Returns
+    -------
+    Metrics
+        The metrics.
+
+    Raises
+    ------
+    ParameterError
+        If the field has only frames, or `robot` is neither.
     """
     _refuse_no_crosser(robot)
     if field.frame.all():
@@ -82,7 +117,19 @@ RESERVED = frozenset({"map", "seed", "spread", "steps", "plane", "scale", "spect
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Metric:
-    """A figure of a map: `measure` gives it in `unit`, NaN or None for none; `help` says what it is, in one line."""
+    """A figure of a map.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    unit : str
+        Its unit, such as m; empty for a number without one.
+    help : str
+        One line on what it is.
+    measure : callable
+        A function StepField -> float that gives it in `unit`, NaN or None for none.
+    """
 
     name: str
     unit: str
@@ -109,7 +156,18 @@ class Metric:
 
 
 def metric(unit: str) -> Callable[[Measure], Metric]:
-    """Make a metric of a function StepField -> float; its name and docstring are the metric's name and help."""
+    """Make a metric of a function StepField -> float; its name and docstring are the metric's name and help.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of what it returns, such as m; empty for a number without one.
+
+    Returns
+    -------
+    callable
+        The decorator, which gives a Metric.
+    """
     return lambda measure: Metric.of(measure, unit)
 
 

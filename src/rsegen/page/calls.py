@@ -15,10 +15,24 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import NoneType, UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypedDict, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from rsegen.errors import ParameterError, UnknownName, UserError, shown
 from rsegen.params.capabilities import hooks
+
+
+class OfQuestion(TypedDict, total=False):
+    """What a failure has that is a question: repeat with replace: true."""
+
+    kind: Literal["exists", "changed"]
+
+
+class Failure(OfQuestion):
+    """Why a call failed."""
+
+    where: str  # the parameter, as in obstacles[2].softness
+    text: str
+
 
 OF_DOCUMENT: dict[str, Callable[..., Any]] = {}
 """Functions of a document, by the name by which a page calls them."""

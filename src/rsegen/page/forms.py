@@ -20,7 +20,7 @@ from functools import cache
 from importlib import import_module
 from inspect import Parameter as Argument
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypedDict, cast
 
 from rsegen import __version__
 from rsegen.errors import FileError, ParameterError, UnknownName, UserError, refuse_unknown
@@ -29,7 +29,7 @@ from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
-from rsegen.page.jobs import Job, Jobs, Run
+from rsegen.page.jobs import Job, Jobs, Run, ToldJob
 from rsegen.page.places import Places, names_in
 from rsegen.params.capabilities import capabilities, commands
 from rsegen.params.command import Declared, declared
@@ -104,6 +104,104 @@ _GROUPS = {
 """The titles of the other groups and their parameters; a parameter that no group has is in the last one, Other."""
 
 
+JsonType = Literal["integer", "number", "string", "boolean", "array", "null"]
+"""A type of JSON, as JSON Schema names it."""
+
+
+class Schema(TypedDict, total=False):
+    """What a field takes, in the words of JSON Schema."""
+
+    type: JsonType | list[JsonType]
+    enum: list[str]
+    minimum: float
+    maximum: float
+    pattern: str
+    minLength: int
+    anyOf: list[Schema]
+    items: Schema
+    prefixItems: list[Schema]
+    minItems: int
+    maxItems: int
+
+
+class OfCommand(TypedDict, total=False):
+    """What a field of a command has besides."""
+
+    flag: str
+    required: bool  # it does not run without
+
+
+class Field(OfCommand):
+    """A parameter in a form: a JSON Schema property with what a form needs besides."""
+
+    name: str
+    title: str  # a word or two
+    help: str
+    schema: Schema
+    unit: str  # "cm", "%", "units", "s", ""
+    default: Json  # null: none, or decided by the program
+    basic: bool  # shown at once; others under "More"
+
+
+class Group(TypedDict):
+    """Parameters of a map, as the help has them."""
+
+    title: str
+    fields: list[Field]
+
+
+class Kind(TypedDict):
+    """A kind of obstacle."""
+
+    name: str
+    title: str
+    help: str
+    default_place: str  # where it lies without ends
+    fields: list[Field]  # its own, levels and softness first
+    place: list[Field]  # first, last, blend, key
+
+
+class Command(TypedDict):
+    """A command that may be run."""
+
+    name: str
+    help: str
+    group: str
+    target: Literal["recipe", "none"]
+    fields: list[Field]
+    output: Literal["folder", "file", "none"]
+    output_help: str
+    output_required: bool
+
+
+class Described(TypedDict):
+    """An example or a format."""
+
+    name: str
+    description: str
+
+
+class Titled(TypedDict):
+    """A robot or a metric."""
+
+    name: str
+    title: str
+
+
+class Hello(TypedDict):
+    """What is the same for all documents."""
+
+    version: str
+    folder: str  # in which files may be read and written
+    globals: list[Group]  # the parameters of a map
+    kinds: list[Kind]
+    examples: list[Described]
+    robots: list[Titled]
+    commands: list[Command]
+    formats: list[Described]
+    metrics: list[Titled]  # by which maps can be sorted
+
+
 def title_of(name: str) -> str:
     """Return the title of a parameter: its name in words, without the unit."""
     bare = name.strip("_").removesuffix("_cm").removesuffix("_mm")
@@ -115,14 +213,14 @@ def metric_title(key: str) -> str:
     return " ".join(title_of(part).lower() for part in key.split(".")).replace(" tri", " TRI")
 
 
-def field(parameter: Declared, *, basic: bool = True) -> dict[str, Json]:
+def field(parameter: Declared, *, basic: bool = True) -> Field:
     """Return a declared parameter as a field of a form."""
     default = None if parameter.default is Argument.empty else parameter.default
     return {
         "name": parameter.name,
         "title": title_of(parameter.name),
         "help": parameter.shell.help or parameter.sort.help or parameter.sort.describe(),
-        "schema": _with_words(parameter.name, _without_const(parameter.sort.schema())),
+        "schema": cast(Schema, _with_words(parameter.name, _without_const(parameter.sort.schema()))),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
         "default": str(default) if isinstance(default, Path) else plain(default),
         "basic": basic,
@@ -152,7 +250,7 @@ def _with_words(name: str, schema: dict[str, Json]) -> dict[str, Json]:
     return schema
 
 
-def global_groups() -> list[dict[str, Json]]:
+def global_groups() -> list[Group]:
     """Return the parameters of a recipe in groups, those of the paper first."""
     known = declared(Recipe)
     grouped = {*BASIC, *(name for names in _GROUPS.values() for name in names)}
@@ -164,7 +262,7 @@ def global_groups() -> list[dict[str, Json]]:
     ]
 
 
-def kinds() -> list[dict[str, Json]]:
+def kinds() -> list[Kind]:
     """Return every kind of obstacle with its own parameters, levels and softness first, and those of its place."""
     return [
         {
@@ -236,7 +334,7 @@ class CommandForm:
         # A data set's is one of two flags of which one is needed, and the other is no field.
         return self.output is not None and (self.output.required or self.name == "dataset")
 
-    def described(self) -> dict[str, Json]:
+    def described(self) -> Command:
         """Return it as pages have it."""
         return {
             "name": self.name,
@@ -250,25 +348,26 @@ class CommandForm:
         }
 
     @property
-    def _output(self) -> str:
+    def _output(self) -> Literal["folder", "file", "none"]:
         if self.output is None:
             return "none"
         sort = getattr(self.output, "declared", None) and self.output.declared.sort  # type: ignore[attr-defined]
         return "file" if isinstance(sort, FilePath) and sort.meaning != FilePath.meaning else "folder"
 
-    def _described(self, action: argparse.Action) -> dict[str, Json]:
+    def _described(self, action: argparse.Action) -> Field:
         """Return an action of the parser as a field; one that is not declared is a text or a switch of its help."""
         parameter = _declaration(action)
         basic = action.dest not in _RARE and (action.dest not in declared(Recipe) or action.dest in BASIC)
         made = field(parameter, basic=basic)
         if action.nargs == 0:
             # The help of a flag such as --no-contacts is that of switching it off.
-            text = str(made["help"]).removeprefix("do not ") if made["default"] else made["help"]
-            made |= {"schema": {"type": "boolean"}, "default": bool(made["default"]), "help": text}
+            text = made["help"].removeprefix("do not ") if made["default"] else made["help"]
+            made = {**made, "schema": {"type": "boolean"}, "default": bool(made["default"]), "help": text}
         if action.nargs == "+":
-            made |= {"schema": {"type": "array", "items": made["schema"], "minItems": 1}}
-        flag = {"flag": action.option_strings[-1]} if action.option_strings else {}
-        return made | flag | {"required": action.required}
+            made = {**made, "schema": {"type": "array", "items": made["schema"], "minItems": 1}}
+        if action.option_strings:
+            made["flag"] = action.option_strings[-1]
+        return {**made, "required": action.required}
 
     def arguments(self, values: Mapping[str, Json], places: Places) -> tuple[list[str], list[str]]:
         """Return the flags and the other arguments for values by name; a ParameterError if one of them is wrong.
@@ -360,7 +459,7 @@ def command_form(name: str) -> CommandForm:
 
 
 @call_of_host
-def hello(host: Host) -> dict[str, Any]:
+def hello(host: Host) -> Hello:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
     robots = {name: robot.title for name, robot in dict(_words().get("robot", {})).items()}
@@ -388,8 +487,8 @@ _EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it"
 
 @call_of_host
 def run(
-    host: Host, *, doc: str, command: str, values: dict[str, Any], output: str = "", replace: bool = False
-) -> dict[str, Any]:
+    host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", replace: bool = False
+) -> ToldJob:
     """Run a command on the recipe of a document; a Question if it would replace what it may replace."""
     form, document = command_form(command), host.opened(doc).document
     if form.takes_recipe and (problem := document.session.problem):
@@ -471,12 +570,12 @@ def _may_be_replaced(path: Path, holds: str) -> bool:
 
 
 @call_of_host
-def cancel(host: Host, *, job: int) -> dict[str, Any]:
+def cancel(host: Host, *, job: int) -> ToldJob:
     """Ask a job to stop."""
     return host.jobs.cancel(job)
 
 
 @call_of_host
-def jobs(host: Host) -> list[dict[str, Any]]:
+def jobs(host: Host) -> list[ToldJob]:
     """Return all jobs."""
     return host.jobs.listed()

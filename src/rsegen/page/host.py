@@ -8,28 +8,142 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock, RLock
-from typing import Any
+from typing import Any, Literal, TypedDict
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
 from rsegen.page.calls import call, call_of_host
-from rsegen.page.jobs import Jobs
-from rsegen.page.model.actions import act, ends_of
+from rsegen.page.jobs import Jobs, ToldJob
+from rsegen.page.model.actions import Action, Ends, act, ends_of
 from rsegen.page.model.document import Document, Journal
-from rsegen.page.model.session import Session, is_enabled
+from rsegen.page.model.session import Entry, Session, is_enabled
 from rsegen.page.model.texts import command_line, python_code, text_after
-from rsegen.page.places import Places, kind_of, names_in
+from rsegen.page.places import Kind, Places, kind_of, names_in
+from rsegen.params.sorts import Json
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
 from rsegen.run.targets import recipe_files, recipe_in
 
-Event = Mapping[str, Any]
+
+class Row(TypedDict):
+    """An obstacle in the list of a document."""
+
+    entry: Entry  # without whether it is switched on
+    enabled: bool
+    ends: Ends | None  # where it lies in the map shown, also if drawn at random
+
+
+class Problem(TypedDict):
+    """Why a draft is invalid; the scene is that of the last valid one."""
+
+    where: str
+    text: str
+
+
+class State(TypedDict):
+    """All that pages show of a document."""
+
+    doc: str
+    revision: int  # counts changes, undo included
+    title: str
+    path: str | None
+    unsaved: bool
+    can_undo: bool
+    can_redo: bool
+    values: dict[str, Json]  # global parameters
+    rows: list[Row]
+    problem: Problem | None
+    maps: int
+    first_map: int
+    name: str
+    changed_on_disk: bool  # somebody else wrote the file
+    recovered: str | None  # changes of a session that ended without saving were brought back: when
+    journal: str  # why changes would be lost in a crash, such as a full disk; empty: they would not
+    pages: int  # that have it open
+
+
+class EditedState(State):
+    """The state after a change."""
+
+    selected: int  # the row that the last action was about; -1: none
+
+
+class OpenedDocument(TypedDict):
+    """The id of a document."""
+
+    doc: str
+
+
+class ListedFile(TypedDict):
+    """A file or folder, as a list of files has it."""
+
+    name: str
+    path: str
+    kind: Kind
+
+
+class Listing(TypedDict):
+    """What a folder holds."""
+
+    folder: str
+    entries: list[ListedFile]
+
+
+class Texts(TypedDict):
+    """A document as YAML or JSON, as Python, and as a command line."""
+
+    recipe: str
+    python: str
+    shell: str
+
+
+Search = Literal["tilt", "reach", "way", "measure", "variants"]
+"""Searches on a map, of which the newest of each name is done."""
+
+
+class StateChanged(TypedDict):
+    """A document has changed."""
+
+    event: Literal["state"]
+    state: State
+    page: str  # that changed it
+
+
+class JobChanged(TypedDict):
+    """A job of a document has changed."""
+
+    event: Literal["job"]
+    job: ToldJob
+
+
+class FileChanged(TypedDict):
+    """Somebody else wrote the file of a document, or took that back."""
+
+    event: Literal["file"]
+    changed_on_disk: bool
+
+
+class Progress(TypedDict):
+    """How far a search is, 0 to 1."""
+
+    event: Literal["progress"]
+    of: Search
+    share: float
+
+
+class Alive(TypedDict):
+    """The server lives."""
+
+    event: Literal["alive"]
+
+
+Event = StateChanged | JobChanged | FileChanged | Progress | Alive
 
 MOST_DOCUMENTS = 100
 """Documents that are open at once at most; of those that no page has open, saved ones are closed first."""
@@ -102,7 +216,7 @@ class Opened:
 
     def tell_state(self, page: str) -> None:
         """Send the state to every page, each with the ends in the map that it shows; page: which one changed it."""
-        states: dict[int, Any] = {}
+        states: dict[int, State] = {}
         with self.lock:
             for listener in (*self._listeners,):
                 index = self.index_of(listener.page)
@@ -110,7 +224,7 @@ class Opened:
                 listener.send({"event": "state", "state": states[index], "page": page})
 
     @contextmanager
-    def newest_turn(self, name: str) -> Iterator[Callable[..., None]]:
+    def newest_turn(self, name: Search) -> Iterator[Callable[..., None]]:
         """Wait until no search of this name is done; a UserError for a request that a newer one replaced.
 
         So of those that wait the newest alone is done. Yields a function for what takes seconds to call now and then,
@@ -187,7 +301,7 @@ class Host:
         """Return all documents."""
         return list(self.documents.values())
 
-    def tell_job(self, job: Mapping[str, Any]) -> None:
+    def tell_job(self, job: ToldJob) -> None:
         """Say to the pages of a job's document what has become of it."""
         if opened := self.documents.get(job["doc"]):
             opened.tell({"event": "job", "job": job})
@@ -223,7 +337,7 @@ class Host:
 
 
 @call_of_host
-def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its name on the page
+def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its name on the page
     """Open a new recipe, a file, an example, or a map of a data set."""
     if not what:
         return {"doc": host.open(Session.of()).id}
@@ -242,36 +356,38 @@ def open(host: Host, *, what: str = "") -> dict[str, Any]:  # noqa: A001  # its 
 
 
 @call_of_host
-def files(host: Host, *, folder: str = "") -> dict[str, Any]:
+def files(host: Host, *, folder: str = "") -> Listing:
     """List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files."""
     place = host.places.inside(folder)
     below = host.places.seen(place)
-    entries = [{"name": name, "path": str(below / name), "kind": kind_of(place / name)} for name in names_in(place)]
+    entries: list[ListedFile] = [
+        {"name": name, "path": str(below / name), "kind": kind_of(place / name)} for name in names_in(place)
+    ]
     return {"folder": "" if below == Path() else str(below), "entries": entries}
 
 
 @call
-def state(opened: Opened, *, page: str = "", index: int | None = None) -> dict[str, Any]:
+def state(opened: Opened, *, page: str = "", index: int | None = None) -> State:
     """Return all that pages show of a document; index: the map that the page shows."""
     return state_of(opened, opened.index_of(page, index))
 
 
 @call
-def edit(opened: Opened, *, actions: list[dict[str, Any]], page: str = "", index: int | None = None) -> dict[str, Any]:
+def edit(opened: Opened, *, actions: list[Action], page: str = "", index: int | None = None) -> EditedState:
     """Change a document by some actions, all or none of them, and return its state and the row to select."""
     selected = act(opened.session, actions, opened.index_of(page, index, or_first=True))
-    return state_of(opened, opened.index_of(page, index, or_first=True)) | {"selected": selected}
+    return {**state_of(opened, opened.index_of(page, index, or_first=True)), "selected": selected}
 
 
 @call
-def reload(opened: Opened, *, page: str = "") -> dict[str, Any]:
+def reload(opened: Opened, *, page: str = "") -> State:
     """Take over what is in the file."""
     opened.document.reload()
     return state(opened, page=page)
 
 
 @call
-def texts(opened: Opened) -> dict[str, str]:
+def texts(opened: Opened) -> Texts:
     """Return the document as the text of its file, as Python, and as a command line."""
     document, recipe = opened.document, opened.session.recipe
     is_json = document.path is not None and document.path.suffix.lower() == ".json"
@@ -283,7 +399,7 @@ def texts(opened: Opened) -> dict[str, str]:
 
 
 @call_of_host
-def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: str = "") -> dict[str, Any]:
+def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: str = "") -> State:
     """Write a document to its file, or to another one in the folder."""
     opened = host.opened(doc)
     target = host.places.inside(path) if path else None
@@ -297,16 +413,15 @@ def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: s
 
 
 @call_of_host
-def close(host: Host, *, doc: str) -> dict[str, Any]:
+def close(host: Host, *, doc: str) -> None:
     """Close a document, and discard what is not saved; one that another page has open stays."""
     opened = host.opened(doc)
     if opened.pages <= 1:
         opened.document.journal.remove()
         del host.documents[doc]
-    return {}
 
 
-def state_of(opened: Opened, index: int) -> dict[str, Any]:
+def state_of(opened: Opened, index: int) -> State:
     """Return all that pages show of a document, with the ends of obstacles in map `index`."""
     document, session = opened.document, opened.session
     problem, recipe = session.problem, session.recipe

@@ -19,13 +19,13 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from itertools import count, islice
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Annotated, Any, Literal, TypedDict
 
 from rsegen.errors import UserError, line_of
 from rsegen.page.places import HOLDS
@@ -53,22 +53,34 @@ _START = "import sys; sys.path[:] = filter(None, sys.path); from rsegen.__main__
 _WAITS = "waits for other commands"
 
 
+class MadeFile(TypedDict):
+    """A file that a command wrote."""
+
+    path: str
+    name: str
+    kind: Literal["picture", "table", "pdf", "recipe", "dataset", "page", "drive"]
+
+
 @dataclass(kw_only=True)
 class Job:
-    """A command that waits, runs, or has ended, as pages see it (Job of protocol.ts)."""
+    """A command that waits, runs, or has ended."""
 
     id: int
     doc: str
     command: str
-    line: str
-    state: str = "running"
+    line: str  # the same in a shell: "rsegen drive my.yaml --robot burger -o drives"
+    state: Literal["running", "done", "failed", "cancelled"] = "running"
     done: float | None = None
-    total: float | None = None
+    total: float | None = None  # null: unknown
     step: str = _WAITS
-    lines: list[str] = field(default_factory=list)
-    files: list[dict[str, str]] = field(default_factory=list)
-    result: Json = None
-    opens: str | None = None
+    lines: list[str] = field(default_factory=list)  # its report, or the one line of its error
+    files: list[MadeFile] = field(default_factory=list)
+    result: Json = None  # of --json
+    opens: str | None = None  # a recipe that a page may open: of scan, import
+
+
+ToldJob = Annotated[dict[str, Any], Job]
+"""The values of a job, as pages get them."""
 
 
 @dataclass(kw_only=True)
@@ -93,7 +105,7 @@ class Run:
 class Jobs:
     """The commands of all documents; `changed` is called with a job, from its own thread, whenever it has changed."""
 
-    def __init__(self, changed: Callable[[dict[str, Any]], None] = lambda _: None) -> None:
+    def __init__(self, changed: Callable[[ToldJob], None] = lambda _: None) -> None:
         self.changed = changed
         self._ids = count(1)
         self._runs: dict[int, Run] = {}
@@ -114,7 +126,7 @@ class Jobs:
         """Return the number of the next job."""
         return next(self._ids)
 
-    def listed(self) -> list[dict[str, Any]]:
+    def listed(self) -> list[ToldJob]:
         """Return all jobs that are known, the oldest first."""
         with self._lock:
             return [asdict(run.job) for run in self._runs.values() if run.is_told]
@@ -125,7 +137,7 @@ class Jobs:
         with self._lock:
             return not all(run.ended.is_set() for run in self._runs.values())
 
-    def cancel(self, job: int) -> dict[str, Any]:
+    def cancel(self, job: int) -> ToldJob:
         """Ask a job to stop; it has stopped when its state says so. A UserError for one that is not known."""
         run = self._runs.get(job)
         if run is None:
@@ -254,15 +266,20 @@ def _exit_code(run: Run, program: RunningProgram) -> int:
             program.end()
 
 
-_KINDS = {
-    **dict.fromkeys((".png", ".jpg", ".jpeg", ".svg", ".webp"), "picture"),
-    **dict.fromkeys((".csv", ".md"), "table"),
+_KINDS: Mapping[str, Literal["picture", "table", "pdf", "page"]] = {
+    ".png": "picture",
+    ".jpg": "picture",
+    ".jpeg": "picture",
+    ".svg": "picture",
+    ".webp": "picture",
+    ".csv": "table",
+    ".md": "table",
     ".pdf": "pdf",
     ".html": "page",
 }
 
 
-def _made(folder: Path, output: Path, began: float) -> Iterator[dict[str, str]]:
+def _made(folder: Path, output: Path, began: float) -> Iterator[MadeFile]:
     """Yield the files for people below an output that were written since a time; seen from the folder of pages."""
     paths = [folder / output] if (folder / output).is_file() else _below(folder / output)
     for path in paths:

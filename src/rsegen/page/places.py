@@ -5,14 +5,18 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from rsegen.errors import FileError, ParameterError
 from rsegen.page.model.document import SUFFIXES
 
-HOLDS = {"drive.json": "drive", "manifest.json": "dataset", "recipe.json": "recipe"}
+HOLDS: Mapping[str, Literal["drive", "dataset", "recipe"]] = {
+    "drive.json": "drive",
+    "manifest.json": "dataset",
+    "recipe.json": "recipe",
+}
 """The files by which a page knows what a folder holds."""
 
 MOST = 1000
@@ -81,7 +85,11 @@ def names_in(folder: Path) -> Iterator[str]:
     yield from shown[:MOST]
 
 
-def kind_of(path: Path) -> str:
+Kind = Literal["recipe", "folder", "dataset", "drive", "other"]
+"""What a file or folder is for a page."""
+
+
+def kind_of(path: Path) -> Kind:
     """Return what a file or folder is for a page: a recipe, a data set, a drive, another folder, or anything else."""
     if not path.is_dir():
         return "recipe" if path.suffix.lower() in SUFFIXES and path.name not in _MADE else "other"

@@ -5,10 +5,10 @@ Maps are kept by recipe and index, so that what follows from one map, asked for 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import isnan
-from typing import Any, TypeVar
+from typing import Annotated, NamedTuple, TypedDict, TypeVar
 
 import numpy as np
 
@@ -23,9 +23,9 @@ from rsegen.measuring.roughness import ruggedness
 from rsegen.page.calls import call_at_once, call_of_host
 from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
-from rsegen.page.model.actions import ends_of
+from rsegen.page.model.actions import Ends, ends_of
 from rsegen.page.model.session import Entry, is_enabled, short_seed
-from rsegen.page.shown_map import ShownMap, base64_of, content, drawn
+from rsegen.page.shown_map import Drawing, MapData, ShownMap, base64_of, content, drawn
 from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
@@ -45,8 +45,32 @@ _KEPT = 16
 """Maps of a document that are kept: those of the last undos, and of pages that show others."""
 
 
+class JudgedMap(MapData):
+    """A map as it is drawn, with what is said of it."""
+
+    factor: int  # a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
+    warnings: list[str]
+    cost: str  # "1 model, 1,024 faces, 34 kB"
+    constraints: list[str]  # lines of the constraint report
+
+
+class Handle(Ends):
+    """Where the obstacle of a row lies."""
+
+    row: int
+
+
+class DocumentMap(JudgedMap):
+    """A map of a document as it is drawn, with what only an editor needs."""
+
+    revision: int
+    index: int
+    owners: str  # base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
+    handles: list[Handle]
+
+
 @call_at_once
-def scene(opened: Opened, *, index: int | None = None, page: str = "") -> dict[str, Any]:
+def scene(opened: Opened, *, index: int | None = None, page: str = "") -> DocumentMap:
     """Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe."""
     with opened.lock:
         session = opened.session
@@ -56,7 +80,7 @@ def scene(opened: Opened, *, index: int | None = None, page: str = "") -> dict[s
 
 
 @call_at_once
-def ghost(opened: Opened, *, entry: dict[str, Any], index: int | None = None, page: str = "") -> dict[str, Any]:
+def ghost(opened: Opened, *, entry: Entry, index: int | None = None, page: str = "") -> DocumentMap:
     """Return a map of a document as it would be with another obstacle at the end of the list, drawn as it will be."""
     with opened.lock:
         draft, revision = opened.session.with_row(entry), opened.session.revision
@@ -64,15 +88,15 @@ def ghost(opened: Opened, *, entry: dict[str, Any], index: int | None = None, pa
     return _shown(opened, draft.recipe(), draft.rows, revision, index)
 
 
-def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int, index: int) -> dict[str, Any]:
+def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int, index: int) -> DocumentMap:
     """Return a map of a recipe as it is drawn, with what an editor knows of the rows of a list."""
     drawn = kept(opened, ("drawn", recipe, index), lambda: _drawn(scene_of(opened, recipe, index)))
     ends = ((row, ends_of(entry, recipe, index)) for row, entry in enumerate(rows) if is_enabled(entry))
-    shown: dict[str, Any] = drawn["content"]
-    return shown | {
+    return {
+        **drawn.content,
         "revision": revision,
         "index": index,
-        "owners": _owners(drawn["owners"], recipe, rows),
+        "owners": _owners(drawn.owners, recipe, rows),
         "handles": [{"row": row, **at} for row, at in ends if at],
     }
 
@@ -105,19 +129,27 @@ def kept(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
     return made
 
 
-def _drawn(made: Scene) -> Mapping[str, Any]:
+class _Drawn(NamedTuple):
+    """A map as it is drawn, and the rows of the recipe that made its cells."""
+
+    content: JudgedMap
+    owners: Ints
+
+
+def _drawn(made: Scene) -> _Drawn:
     """Return what is drawn of a map, and the rows of the recipe that made its cells."""
     factor = coarseness(made.field, SHOWN_SIDE)
     n_x, n_y = made.field.shape
     rows = np.full(made.field.shape, -1, dtype=np.int32)
     rows[np.ix_(made.field.inside(0), made.field.inside(1))] = owners(made.recipe, made.index)
-    shown = content(ShownMap.of(made, "", ".yaml"), factor) | {
+    shown: JudgedMap = {
+        **content(ShownMap.of(made, "", ".yaml"), factor),
         "factor": factor,
         "warnings": list(warnings(made)) if made.recipe.obstacles else [],
         "cost": _cost(made) if n_x * n_y <= COUNTED else "",
         "constraints": list(describe_constraints(made)),
     }
-    return {"content": shown, "owners": rows[coarse_indices(made.field, factor)]}
+    return _Drawn(shown, rows[coarse_indices(made.field, factor)])
 
 
 def _cost(made: Scene) -> str:
@@ -150,8 +182,17 @@ _SIDE = 100
 """Cells along the longer side of a small map, at most: of larger ones each is the highest of several."""
 
 
+class Variant(TypedDict):
+    """A map to choose from."""
+
+    seed: Annotated[int, "number | bigint"]
+    index: int
+    scene: MapData
+    difficulty: list[tuple[str, str]]
+
+
 @call_of_host
-def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
+def variants(host: Host, *, doc: str, count: int) -> list[Variant]:
     """Return the first map of a document's recipe at fresh seeds."""
     count = _COUNT.check("count", count)
     opened = host.opened(doc)
@@ -164,7 +205,7 @@ def variants(host: Host, *, doc: str, count: int) -> list[dict[str, Any]]:
 
 
 @call_of_host
-def maps(host: Host, *, doc: str, first: int, count: int, by: str = "") -> list[dict[str, Any]]:
+def maps(host: Host, *, doc: str, first: int, count: int, by: str = "") -> list[Variant]:
     """Return `count` maps of a document's recipe from the place `first` on in their order, or as many as there are.
 
     by: a metric by which they are sorted, the lowest first, those without it last; of many maps some are taken, evenly
@@ -204,17 +245,17 @@ def _sorted(opened: Opened, recipe: Recipe, metric: Metric, check: Callable[[], 
     return kept(opened, ("sorted", recipe, metric.name), made)
 
 
-def _variant(recipe: Recipe, index: int, metric: Metric | None = None) -> dict[str, Any]:
+def _variant(recipe: Recipe, index: int, metric: Metric | None = None) -> Variant:
     """Return a map with its seed, index and difficulty, and a metric if it is asked for; large maps coarser."""
     refuse_too_large(recipe)
     scene = compose(recipe, index)
     small = replace(scene, field=coarse(scene.field, coarseness(scene.field, _SIDE)))
-    shown = drawn(ShownMap.of(small, "", ".yaml"))
+    shown: Drawing = {**drawn(ShownMap.of(small, "", ".yaml")), "step": scene.field.unit, "look": recipe.look}
     return {
         "seed": recipe.seed,
         "index": index,
         # The metrics of a map that is drawn coarser are not its own.
-        "scene": shown | {"index": index, "step": scene.field.unit, "look": recipe.look, "metrics": []},
+        "scene": {**shown, "metrics": []},
         "difficulty": list(_difficulty(scene.field, recipe.units, metric)),
     }
 

@@ -195,7 +195,8 @@ _LOG = logging.getLogger("rsegen.page")
 
 async def _refusal(_: Request, error: Exception) -> Response:
     """Return why a request is not answered, as an error of the user's or of the page's."""
-    status, failure = 400, {"where": "", "text": str(error)}
+    status = 400
+    failure: calls.Failure = {"where": "", "text": str(error)}
     match error:
         case Refused():
             status = error.status

@@ -141,6 +141,13 @@ class Gui:
     """A page that edits a recipe, shown in an output cell; `recipe` is what it has become.
 
     Its server ends with `close`, in a `with` statement at its end, and with the notebook's kernel.
+
+    Parameters
+    ----------
+    service : Service
+        The server of the page.
+    doc : str
+        The id of the document that it shows.
     """
 
     def __init__(self, service: Service, doc: str) -> None:
@@ -176,9 +183,24 @@ class Gui:
 def gui(shown: Recipe | str | Path | None = None, *, folder: str | Path = ".", port: int | None = None) -> Gui:
     """Return a page that edits a recipe: `rsegen.gui(recipe)` in a cell of Jupyter.
 
-    shown: a recipe, the path of a file in `folder`, the name of an example, or nothing, which is a new recipe; folder:
-    where the page reads and writes files; port: of its address, of which a remote machine's must be forwarded. A
-    UserError if it cannot be had.
+    Parameters
+    ----------
+    shown : Recipe, str or Path, optional
+        A recipe, the path of a file in `folder`, or the name of an example; by default a new recipe.
+    folder : str or Path, default '.'
+        Where the page reads and writes files.
+    port : int, optional
+        Port of its address, of which a remote machine's must be forwarded; by default a free one.
+
+    Returns
+    -------
+    Gui
+        The page, with its recipe.
+
+    Raises
+    ------
+    UserError
+        If the page, or its port, cannot be had.
     """
     host = Host(folder=Path(folder).resolve())
     if isinstance(shown, Recipe):

@@ -18,7 +18,7 @@ from functools import cache
 from hashlib import sha256
 from html import escape
 from importlib.resources import files
-from typing import Any
+from typing import Literal, TypedDict
 
 import numpy as np
 
@@ -55,6 +55,49 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
         yield "Hurst exponent", f"{round(measured.scale.hurst, 2) + 0:.2f}", f"how differences grow with distance{weak}"
 
 
+class Material(TypedDict):
+    """A material of cells: a level of blocks, or the frames."""
+
+    level: int | None  # null: a frame
+    height: float
+    label: str  # the height in `unit`
+    colour: str  # "#rrggbb" on the plan and in the height look
+    surface: str  # in the look of the recipe
+    count: int
+
+
+class Drawing(TypedDict):
+    """A map as it is drawn, without its metrics."""
+
+    name: str
+    description: str
+    cells: tuple[int, int]  # of the field, frames included
+    block_width: float
+    block: str  # the same in words: "10 cm"
+    unit: str  # of labels: "cm"
+    palette: list[Material]
+    bytes: Literal[1, 2]  # of each number of content
+    content: str  # base64: of each cell the number of its material, all of the first i (x) first; little endian
+    facts: list[tuple[str, str]]
+    recipe: str
+    file: str
+    look: str
+    step: float  # metres of a unit
+
+
+class MapData(Drawing):
+    """A map as it is drawn, with its metrics: all that a page has of it that is a file."""
+
+    metrics: list[tuple[str, str, str]]  # name, value, meaning
+
+
+class Frozen(TypedDict):
+    """The maps in a page that is a file."""
+
+    maps: list[MapData]
+    version: str
+
+
 _GROUND: Colour = (GROUND_GREY, GROUND_GREY, GROUND_GREY)
 """The colour and the surface of cells without a block, as in plans and previews."""
 
@@ -82,12 +125,12 @@ class ShownMap:
         return cls(drawn=ColouredField(field=field), name=name)
 
 
-def content(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
+def content(shown: ShownMap, factor: int = 1) -> MapData:
     """Return everything that the page needs of a map, as JSON values: it as it is drawn, and its metrics."""
-    return drawn(shown, factor) | {"metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
+    return {**drawn(shown, factor), "metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
 
 
-def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
+def drawn(shown: ShownMap, factor: int = 1) -> Drawing:
     """Return what is drawn and said of a map, without its metrics, as JSON values.
 
     factor: each column that is drawn is the highest of this many cells along x and y
@@ -102,11 +145,12 @@ def drawn(shown: ShownMap, factor: int = 1) -> dict[str, Any]:
     materials, counts = np.unique(_materials(field), return_counts=True)
     columns = coarse(field, factor)
     # The index of each cell's entry in the palette, in as few bytes as it needs.
-    cells, size = np.searchsorted(materials, _materials(columns)), 1 if len(materials) <= 256 else 2
+    cells = np.searchsorted(materials, _materials(columns))
+    size: Literal[1, 2] = 1 if len(materials) <= 256 else 2
     return {
         "name": shown.name,
         "description": recipe.description if recipe else "",
-        "cells": list(columns.shape),
+        "cells": columns.shape,
         "block_width": columns.block_width,
         "block": f"{written.short(_nanometres(field.block_width))} {written.unit}",
         "unit": written.unit,
@@ -126,7 +170,7 @@ def _materials(field: StepField) -> Ints:
     return np.where(field.frame, _FRAME, field.levels)
 
 
-def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[dict[str, Any]]:
+def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[Material]:
     """Yield the materials of cells, the frame first, then the lowest level: level (None for frames), height, colours,
     count.
 
@@ -168,7 +212,8 @@ def _nanometres(metres: float) -> int:
 def page(maps: Sequence[ShownMap]) -> bytes:
     """Return the page that shows maps, one at a time, as the bytes of an HTML file; equal maps give equal bytes."""
     title = maps[0].name if len(maps) == 1 else f"{maps[0].name} and {len(maps) - 1} more"
-    data = json.dumps({"maps": [content(shown) for shown in maps], "version": __version__}, separators=(",", ":"))
+    frozen: Frozen = {"maps": [content(shown) for shown in maps], "version": __version__}
+    data = json.dumps(frozen, separators=(",", ":"))
     for sign in "<>&":  # so that no tag of HTML can begin or end in it
         data = data.replace(sign, f"\\u{ord(sign):04x}")
     return _html(title, f'<script type="application/json" id="data">{data}</script>\n').encode()

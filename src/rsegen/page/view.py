@@ -36,7 +36,13 @@ _LONG = 100_000
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class View:
-    """A page that shows maps: in a notebook as it is, or saved as an HTML file."""
+    """A page that shows maps: in a notebook as it is, or saved as an HTML file.
+
+    Attributes
+    ----------
+    html : bytes
+        The page.
+    """
 
     html: bytes
 
@@ -53,10 +59,24 @@ class View:
 
 
 def view(shown: Recipe | Scene | StepField, index: int | None = None) -> View:
-    """A page that shows a map in three dimensions and as a plan: `rsegen.view(recipe).save("map.html")`.
+    """Return a page that shows a map in three dimensions and as a plan: `rsegen.view(recipe).save("map.html")`.
 
-    shown: a field, a scene, or a recipe, of which all maps are on the page, or map `index` alone. TooLarge if they are
-    more than a browser shows.
+    Parameters
+    ----------
+    shown : Recipe, Scene or StepField
+        What is shown: a field, a scene, or the maps of a recipe.
+    index : int, optional
+        Which map of a recipe; by default all are on the page.
+
+    Returns
+    -------
+    View
+        The page.
+
+    Raises
+    ------
+    TooLarge
+        If the maps are more than a browser shows.
     """
     match shown:
         case StepField():

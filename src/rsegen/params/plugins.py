@@ -58,9 +58,22 @@ _LOADED: dict[str, Plugin] = {}
 
 
 def load_plugin(module: str | Path) -> ModuleType:
-    """Load a Python file, or a module by its name, as a plug-in: its obstacles, formats, robots, ... are then known.
+    """Load a plug-in: its obstacles, formats, robots, ... are then known, to workers too.
 
-    Workers load it too. Raises a PluginError of one line if it cannot be loaded.
+    Parameters
+    ----------
+    module : str or Path
+        A Python file, or a module by its name.
+
+    Returns
+    -------
+    module
+        The module.
+
+    Raises
+    ------
+    PluginError
+        If it cannot be loaded.
     """
     text = str(module)
     is_file = isinstance(module, Path) or text.endswith(".py") or os.sep in text

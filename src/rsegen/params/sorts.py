@@ -278,7 +278,7 @@ def _parameters(owner: Any) -> Mapping[str, Parameter]:
 def hints(owner: Any) -> dict[str, Any]:
     """Return the annotations of a function, or of a class and its bases, of which the last that has a name counts.
 
-    Names that only type checkers import stand for anything: they have no sort, and are not to be imported for it.
+    A name that only type checkers import stands for a class of that name: it has no sort, and is not imported for it.
     """
     known: dict[str, Any] = {}
     for part in reversed(owner.__mro__) if isinstance(owner, type) else [owner]:
@@ -288,8 +288,8 @@ def hints(owner: Any) -> dict[str, Any]:
 
 
 class _Known(dict[str, Any]):
-    def __missing__(self, name: str) -> Any:
-        return Any
+    def __missing__(self, name: str) -> type:
+        return type(name, (), {})
 
 
 def validate(instance: object) -> None:

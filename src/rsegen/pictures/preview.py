@@ -269,12 +269,32 @@ def preview(
     at: tuple[float, float, float] = (0.0, 0.0, 0.0),
     paper: bool = False,
 ) -> bytes:
-    """Return the plan and a 3D view of a field or a scene as the bytes of an image file: png, svg, pdf, jpg or webp.
+    """Draw the plan and a 3D view of a field or a scene; the file of a scene carries its recipe.
 
-    outlines: draw the outline of every obstacle on the plan; a field has none. The file of a scene carries its recipe.
-    robot: drawn where it settles after it was put down at x, y [m] with a heading [rad]: `rsegen.robot_of(KIND)`.
-    ParameterError if that is outside the map, or the robot longer than it.
-    paper: as wide as a column of a paper, without a title, 300 pixels per inch
+    Parameters
+    ----------
+    shown : StepField or Scene
+        What is drawn.
+    format : {'png', 'svg', 'pdf', 'jpg', 'webp'}, default 'png'
+        Format of the file.
+    outlines : bool, default False
+        Draw the outline of every obstacle on the plan; a field has none.
+    robot : robot, optional
+        A robot to draw too, as in `rsegen.robot_of(KIND)`.
+    at : tuple of float, default (0.0, 0.0, 0.0)
+        Where it is put down and settles: x, y in metres from the middle of the map, heading in radians.
+    paper : bool, default False
+        As wide as a column of a paper, without a title, 300 pixels per inch.
+
+    Returns
+    -------
+    bytes
+        The image file.
+
+    Raises
+    ------
+    ParameterError
+        If the robot is outside the map, or longer than it.
     """
     from matplotlib import rc_context
 

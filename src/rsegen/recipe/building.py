@@ -27,7 +27,20 @@ INDEX = Integer(0, SEEDS - 1, help="index of a map")
 
 
 def build(recipe: MapDesign, index: int = 0) -> StepField:
-    """Return the step field of map `index` (0 or more) of a recipe; it does not depend on which other maps are made."""
+    """Return the step field of one map of a recipe; it does not depend on which other maps are made.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The recipe, or the design of its maps.
+    index : int, default 0
+        Index of the map, 0 or more.
+
+    Returns
+    -------
+    StepField
+        The field.
+    """
     index = INDEX.check("index", index)
     field = field_of(recipe, _at_difficulty(recipe, index))
     if not recipe.is_constrained:

@@ -173,7 +173,7 @@ def schema() -> dict[str, Json]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": SCHEMA_ID,
         "title": "rsegen recipe",
-        "description": (Recipe.__doc__ or "").strip(),
+        "description": summary(Recipe),
         "type": "object",
         "properties": properties | {"obstacles": rows},
         "additionalProperties": False,

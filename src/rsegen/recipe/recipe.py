@@ -157,7 +157,13 @@ _Part = TypeVar("_Part", Run, MapDesign, Representation)
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe(Representation, MapDesign, Run):
-    """The maps to generate; every field is a global parameter of the method, in the words of the recipe file."""
+    """The maps to generate; every field is a global parameter of the method, in the words of the recipe file.
+
+    Parameters
+    ----------
+    obstacles : sequence of Obstacle, default ()
+        The obstacles, of which later ones are imposed on earlier ones.
+    """
 
     def __post_init__(self) -> None:
         validate(self)

@@ -19,7 +19,25 @@ MAX_MIB = {".json": 64, ".yaml": 4}
 
 
 def load(path: str | Path) -> Recipe:
-    """Return the recipe in a YAML or JSON file; FileError if it cannot be read, ParameterError if a value is wrong."""
+    """Read the recipe in a YAML or JSON file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Recipe
+        The recipe.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    ParameterError
+        If a value in it is wrong.
+    """
     path = Path(path)
     try:
         return decode(content(path))

@@ -52,8 +52,22 @@ def spots(  # noqa: PLR0913  # each is a flag
 ) -> tuple[Spot, ...]:
     """Find spots on a map: a robot stands there level and firmly, on its wheels or tracks, and can drive away.
 
-    target: as for `rsegen.drive`. At the spots of a seed `rsegen.drive` starts as many robots on a random route.
-    UserError if there are too few.
+    At the spots of a seed `rsegen.drive` starts as many robots on a random route.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        As for `rsegen.drive`.
+
+    Returns
+    -------
+    tuple of Spot
+        The spots.
+
+    Raises
+    ------
+    UserError
+        If there are too few.
     """
     from math import radians
 

@@ -25,9 +25,28 @@ def robot(kind: str, where: str = "robot") -> Robot:
 
 
 def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot") -> DrivableRobot:
-    """Return the robot of a kind, or of an SDF, URDF or Xacro file; a robot itself as it is.
+    """Return a robot by its kind or file.
 
-    UnknownName for an unknown kind, FileError for a file that is no robot, ParameterError for anything else.
+    Parameters
+    ----------
+    what : str, path or robot
+        A kind, or an SDF, URDF or Xacro file, as `FILE NAME:=VALUE ...` with arguments; a robot is returned as it is.
+    where : str, default 'robot'
+        By which errors name it.
+
+    Returns
+    -------
+    Robot or SdfRobot
+        The robot.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such kind.
+    FileError
+        If the file is no robot.
+    ParameterError
+        If it is anything else.
     """
     if isinstance(what, str | os.PathLike):
         return from_file(what) if is_robot_file(what) else robot(os.fspath(what), where)
@@ -44,9 +63,27 @@ def crosser(what: object, where: str, *, kind_only: bool = False) -> CrossingMod
 def poses(
     field: StepField, robot: str | os.PathLike[str] | DrivableRobot, x: ArrayLike, y: ArrayLike, heading: ArrayLike
 ) -> Poses:
-    """Return how a robot stands at each x, y [m] and heading [rad] of a field, where it was put down level.
+    """Return how a robot stands at places of a field, where it was put down level.
 
-    robot: a kind, the file of one, or a robot. The numbers go together as in numpy. ParameterError for a place outside
-    the field, a number that is none, or a robot without collision shapes.
+    Parameters
+    ----------
+    field : StepField
+        The field.
+    robot : str, path or robot
+        A kind, the file of one, or a robot.
+    x, y : array_like
+        Places, metres from the middle of the field.
+    heading : array_like
+        Headings, radians. These and the places go together as in numpy.
+
+    Returns
+    -------
+    Poses
+        A pose for each.
+
+    Raises
+    ------
+    ParameterError
+        For a place outside the field, a number that is none, or a robot without collision shapes.
     """
     return resting.poses(field, robot_of(robot).body, x, y, heading)

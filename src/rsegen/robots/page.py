@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from math import ceil, degrees, isfinite
-from typing import Any, Literal
+from typing import Literal, TypedDict
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -22,7 +22,7 @@ from rsegen.field.stepfield import Array, StepField
 from rsegen.measuring.catalogue import METRICS, UNITS, custom, flattened, metrics, nested
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import metric_title
-from rsegen.page.host import Host, Opened
+from rsegen.page.host import Host, Opened, Search
 from rsegen.page.scenes import kept, scene_of
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
@@ -37,7 +37,8 @@ from rsegen.standing.drawing import hull
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import PaddedGround, reach_of, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
-from rsegen.standing.ways import Lattice, Way
+from rsegen.standing.ways import Lattice
+from rsegen.standing.ways import Way as LatticeWay
 from rsegen.standing.ways import reach as reached
 
 _FAR = 1000.0
@@ -57,13 +58,33 @@ def _robot(host: Host, robot: str) -> DrivableRobot:
 
 
 @call_of_host
-def stop(host: Host, *, doc: str, of: Literal["tilt", "reach", "way", "measure"]) -> None:
+def stop(host: Host, *, doc: str, of: Search) -> None:
     """Stop a search that is done for a document."""
     host.opened(doc).searches.pop(of, None)
 
 
+class Part(TypedDict):
+    """A part of a robot as it is drawn."""
+
+    shape: Literal["box", "cylinder", "sphere"]
+    size: list[float]  # box x y z; cylinder radius, length along z; sphere radius
+    pose: list[float]  # 4x4, row by row, in the robot's frame
+    colour: str
+    wheel: bool
+
+
+class RobotDrawing(TypedDict):
+    """A robot as it is drawn."""
+
+    name: str
+    title: str
+    size: tuple[float, float, float]
+    lift: float  # of the origin of its model in a simulator, above the origin of these parts
+    parts: list[Part]
+
+
 @call_of_host
-def robot(host: Host, *, robot: str) -> dict[str, Any]:
+def robot(host: Host, *, robot: str) -> RobotDrawing:
     """Return a robot as it is drawn: the parts of its links, or of a file its visuals.
 
     lift: of the origin of its model in a simulator, above that of what is drawn
@@ -74,12 +95,13 @@ def robot(host: Host, *, robot: str) -> dict[str, Any]:
     else:
         driven = {part.name.partition("::")[0] for part in known.body_or_box.parts if part.drives}
         title, lift, parts = known.title, known.lift, _parts_of_links(known, driven)
-    return {"name": robot, "title": title, "size": list(known.size), "lift": lift, "parts": list(parts)}
+    return {"name": robot, "title": title, "size": known.size, "lift": lift, "parts": list(parts)}
 
 
-def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
+def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[Part]:
     for link in robot.links:
         for part in link.parts:
+            shape: _Shape
             match part.solid:
                 case Box(size=size):
                     shape, lengths = "box", list(size)
@@ -91,7 +113,7 @@ def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[dict[str, Any]]:
             yield _part(shape, lengths, pose, hex_colour(part.colour), wheel=link.name in driven)
 
 
-def _part(shape: str, size: list[float], pose: Array, colour: str, *, wheel: bool) -> dict[str, Any]:
+def _part(shape: _Shape, size: list[float], pose: Array, colour: str, *, wheel: bool) -> Part:
     """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
     colour = colour or (_DRIVEN if wheel else _BODY)
     return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
@@ -107,14 +129,14 @@ _BODY, _DRIVEN = "#73757a", "#1f1f21"
 """Colours of the parts of a robot of a file that have none."""
 
 
-def _parts_of_file(robot: SdfRobot) -> list[dict[str, Any]]:
+def _parts_of_file(robot: SdfRobot) -> list[Part]:
     """Return the visuals of a robot of a file: boxes, cylinders and spheres as they are, others as boxes around them.
 
     Of a link that has none, or one that cannot be read, the boxes around its collision shapes.
     """
     frames, body = ModelFrames(fromstring(robot.text), robot.kind), robot.body_or_box  # noqa: S314  # was found plain
     driven = {part.name.rpartition("::")[0] for part in body.parts if part.drives}
-    parts: list[dict[str, Any]] = []
+    parts: list[Part] = []
     for link, element in frames.elements.items():
         if element.tag != "link":
             continue
@@ -129,7 +151,9 @@ def _parts_of_file(robot: SdfRobot) -> list[dict[str, Any]]:
     return parts or list(_boxes(body))
 
 
-_Visual = tuple[str, list[float], Array, str]
+_Shape = Literal["box", "cylinder", "sphere"]
+
+_Visual = tuple[_Shape, list[float], Array, str]
 """A shape, its size, its pose in the model, and its colour, empty if it has none."""
 
 
@@ -142,14 +166,14 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
     pose, half = frames.shape(link, visual), np.add(solid.half, solid.radii)
     pose[:3, 3] += pose[:3, :3] @ solid.centre
     x, y, z = (2 * half).tolist()
-    sizes = {"cylinder": [x / 2, z], "sphere": [x / 2]}
-    shape = geometry[0].tag if geometry[0].tag in sizes else "box"
+    sizes: dict[_Shape, list[float]] = {"cylinder": [x / 2, z], "sphere": [x / 2]}
+    shape: _Shape = next((each for each in sizes if each == geometry[0].tag), "box")
     rgb = (visual.findtext("material/diffuse") or visual.findtext("material/ambient") or "").split()[:3]
     r, g, b = floats(" ".join(rgb), 3, frames.where) if rgb else (0.0, 0.0, 0.0)
     return shape, sizes.get(shape, [x, y, z]), pose, hex_colour((r, g, b)) if rgb else ""
 
 
-def _boxes(body: Body, link: str | None = None) -> Iterator[dict[str, Any]]:
+def _boxes(body: Body, link: str | None = None) -> Iterator[Part]:
     """Yield the boxes around the parts of a body, all of them or those of a link."""
     for number, part in enumerate(body.parts):
         surface = body.surface[body.part_of_surface == number]
@@ -166,10 +190,31 @@ def _refuse_unplaced(**numbers: float) -> None:
             raise ParameterError(name, f"{number} is no place near the map")
 
 
+class Pose(TypedDict):
+    """A robot at rest; one that does not stand is level, where it was put."""
+
+    stands: bool
+    holds: bool
+    pushes: bool
+    reason: str  # "" or why it is bad: "tips over", "slips", "cannot drive on", "hangs up"
+    x: float
+    y: float
+    z: float
+    roll: float
+    pitch: float
+    yaw: float
+    tilt: float
+    centre: tuple[float, float, float]  # of mass
+    margin: float  # angle to tip over
+    clearance: float | None
+    contacts: list[tuple[float, float, float]]
+    polygon: list[tuple[float, float, float]]  # support polygon, in order
+
+
 @call_of_host
 def pose(  # noqa: PLR0913  # each is named by the page
     host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
-) -> dict[str, Any]:
+) -> Pose:
     """Return how a robot rests that is put down level at x, y with a heading; also beside the map.
 
     One that does not stand is where it was put: level, on the highest block below it.
@@ -197,7 +242,13 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "holds": bool(found.holds[0]),
         "pushes": bool(found.pushes[0]),
         "reason": REASONS[int(found.reason[0])],
-        **at,
+        "x": at["x"],
+        "y": at["y"],
+        "z": at["z"],
+        "roll": at["roll"],
+        "pitch": at["pitch"],
+        "yaw": at["yaw"],
+        "tilt": at["tilt"],
         "centre": (np.array([at["x"], at["y"], at["z"]]) + turn @ body.centre).tolist(),
         "margin": float(found.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
@@ -213,8 +264,20 @@ _AT_ONCE = 500
 """Poses between two looks whether they are still wanted: a fifth of a second, and no slower than all at once."""
 
 
+class PoseMap(TypedDict):
+    """How a robot rests on a regular grid of nx x ny points, x first."""
+
+    shape: tuple[int, int]
+    low: tuple[float, float]
+    step: float  # of points, metres
+    tilt: str  # base64 of float32, NaN where it does not stand
+    margin: str  # the same of the angle to tip over
+    reason: str  # base64 of uint8, an index into reasons
+    reasons: list[str]
+
+
 @call_of_host
-def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dict[str, Any]:
+def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> PoseMap:
     """Return how a robot of one heading rests on a grid of places all over a map."""
     _refuse_unplaced(heading=heading)
     with host.opened(doc).newest_turn("tilt") as watch:
@@ -236,8 +299,8 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dic
             found, at = of_settled(ground, body, rest.some(standing)), first + standing
             tilt[at], margin[at], reason[at] = found.tilt, found.tip_angle, found.reason
     return {
-        "shape": counts,
-        "low": [float(x[0]), float(y[0])],
+        "shape": (counts[0], counts[1]),
+        "low": (float(x[0]), float(y[0])),
         "step": step,
         "tilt": base64_of(tilt, "<f4"),
         "margin": base64_of(margin, "<f4"),
@@ -246,8 +309,39 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> dic
     }
 
 
+class Across(TypedDict):
+    """A way across a map, laid on the blocks."""
+
+    points: list[tuple[float, float, float]]
+    name: str
+    crosses: bool
+
+
+class Place(TypedDict):
+    """A spot for a start or a goal."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    name: Literal["S", "G"]
+
+
+class Reach(TypedDict):
+    """Where a robot gets."""
+
+    text: str  # "crosses west to east"
+    region: str  # base64 of uint8 for each cell: 1 where it gets
+    ways: list[Across]
+    spots: list[Place]
+
+
+_ENDS: tuple[Literal["S", "G"], ...] = ("S", "G")
+"""The names of the spots of a start and of a goal."""
+
+
 @call_of_host
-def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
+def reach(host: Host, *, doc: str, index: int, robot: str) -> Reach:
     """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
     with host.opened(doc).newest_turn("reach") as watch:
         _, recipe, field = _map(host, doc, index)
@@ -265,16 +359,35 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> dict[str, Any]:
         "ways": list(_ways(field, body, crossings)),
         "spots": [
             {"x": spot.x, "y": spot.y, "z": spot.z, "yaw": spot.yaw, "name": name}
-            for name, spot in zip(("S", "G"), spots, strict=False)
+            for name, spot in zip(_ENDS, spots, strict=False)
         ],
     }
 
 
-def _ways(field: StepField, body: Body, crossings: Mapping[str, Way]) -> Iterator[dict[str, Any]]:
+def _ways(field: StepField, body: Body, crossings: Mapping[str, LatticeWay]) -> Iterator[Across]:
     """Yield the ways across on the blocks; if there is none, the one that `drive --route way` tries."""
     ways = {name: way.points for name, way in crossings.items() if way.crosses}
     for name, points in (ways or {"tried": followed(field, body, crossings["west to east"]).points}).items():
         yield {"points": draped(field, points).tolist(), "name": name, "crosses": name != "tried"}
+
+
+class WayEvent(TypedDict):
+    """What happens on a way: a drop, or a slip."""
+
+    at: int  # the number of the pose
+    text: str
+
+
+class Way(TypedDict):
+    """A way of a robot between two places."""
+
+    found: bool
+    text: str
+    poses: list[tuple[float, float, float, float, float, float]]  # x y z roll pitch yaw of the robot's origin
+    events: list[WayEvent]
+    length: float
+    worst_tilt: float
+    least_margin: float
 
 
 @call_of_host
@@ -287,7 +400,7 @@ def way(  # noqa: PLR0913  # each is named by the page
     start: tuple[float, float],
     goal: tuple[float, float],
     best: Literal["length", "tilt", "margin"] = "length",
-) -> dict[str, Any]:
+) -> Way:
     """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
     for place in (start, goal):
         _refuse_unplaced(x=place[0], y=place[1])
@@ -299,8 +412,15 @@ def way(  # noqa: PLR0913  # each is named by the page
         lattice.watch = watch
         found = lattice.between(start, goal)
     if found is None:
-        none = {"found": False, "text": f"no way for {robot} between these places", "poses": [], "events": []}
-        return none | {"length": 0.0, "worst_tilt": 0.0, "least_margin": 0.0}
+        return {
+            "found": False,
+            "text": f"no way for {robot} between these places",
+            "poses": [],
+            "events": [],
+            "length": 0.0,
+            "worst_tilt": 0.0,
+            "least_margin": 0.0,
+        }
     poses = found.poses
     worst, least = float(poses.tilt.max()), float(poses.tip_angle.min())
     events = [(at, "falls") for at in found.drops] + [(at, "slides") for at in found.slips]
@@ -317,8 +437,14 @@ def way(  # noqa: PLR0913  # each is named by the page
     }
 
 
+class Measured(TypedDict):
+    """All metrics of a map, also those of a robot."""
+
+    rows: list[tuple[str, str, str, str]]  # name, value, meaning, key
+
+
 @call_of_host
-def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> dict[str, Any]:
+def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> Measured:
     """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
     crosser = _robot(host, robot) if robot else None
     with host.opened(doc).newest_turn("measure") as watch:
@@ -327,7 +453,7 @@ def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> di
         entries = nested(metrics(field, watched)) | custom(field)
     meanings = {key: {"m": "metres", "rad": "radians"}.get(unit, "") for key, unit in UNITS.items()}
     meanings |= {key: f"{metric.unit} {metric.help}".strip() for key, metric in METRICS.items()}
-    rows = ([metric_title(key), _shown(value), meanings.get(key, ""), key] for key, value in flattened(entries))
+    rows = ((metric_title(key), _shown(value), meanings.get(key, ""), key) for key, value in flattened(entries))
     return {"rows": [row for row in rows if row[1]]}
 
 

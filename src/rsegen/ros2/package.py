@@ -2,8 +2,12 @@
 
     name of the package, files of robots --common_files--> the text of each file
 
-Launch files look for the maps next to them, so packages of one name can be joined: only the maps differ. colcon and
-rosdep read package.xml, CMakeLists.txt and the environment hook.
+Its Python is in package_files, as it is written but for @ROBOT@, the robot that is spawned by default: launch files, a
+node and a test. They are of ROS's style (ament_flake8: single quotes, lines of at most 99 characters), and look for
+maps and robots in the folder of the package, so packages of one name can be joined: only the maps differ. Robots and
+bridges use the time of the simulation, which runs there in any case; files that run without one too have the argument
+`use_sim_time`, which is false unless gazebo_sim.launch.py includes them. colcon and rosdep read package.xml,
+CMakeLists.txt and the environment hook.
 
 A Gazebo Sim server loads the systems of its configuration for a world that names none, as the package's worlds do. Up
 to 6.7 it loads only these, so physics, user commands and scene broadcaster are named too. The names are those of the
@@ -17,8 +21,6 @@ from importlib.resources import files
 
 from rsegen.gazebo.sdf import system_name
 from rsegen.ros2.bridge import CLOCK, bridge_yaml, robot_topics
-from rsegen.ros2.elevation import NODE
-from rsegen.ros2.launch import CLASSIC, ELEVATION, MAP_SERVER, NAVIGATION, RVIZ, SIM, SPAWN_ROBOT, TEST
 from rsegen.ros2.rviz import RVIZ_CONFIG
 
 _PACKAGE_XML = """\
@@ -200,14 +202,30 @@ stand in the launch file.
 """
 
 
+PYTHON = (
+    "launch/elevation.launch.py",
+    "launch/gazebo_classic.launch.py",
+    "launch/gazebo_sim.launch.py",
+    "launch/map_server.launch.py",
+    "launch/navigation.launch.py",
+    "launch/rviz.launch.py",
+    "launch/spawn_robot.launch.py",
+    "nodes/elevation.py",
+    "test/test_launch_files.py",
+)
+"""The files of package_files."""
+
+
 def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: str) -> Mapping[str, str]:
     """Return the text of each file of a package of this name by its path, except those of its maps.
 
     robots: the files of each robot by its kind; robot: the one that is spawned by default, or `none`
     """
+    folder = files("rsegen.ros2")
+    python = {path: folder.joinpath("package_files", path).read_text("utf-8") for path in PYTHON}
     own = "topics of a robot of your own: those of Gazebo Sim's plug-ins for a model named robot"
     return {
-        "LICENSE": files("rsegen.ros2").joinpath("LICENSE").read_text("utf-8"),
+        "LICENSE": folder.joinpath("LICENSE").read_text("utf-8"),
         "README.md": _readme(package, robots),
         "package.xml": _PACKAGE_XML.replace("@PACKAGE@", package),
         "CMakeLists.txt": _CMAKE_LISTS.replace("@PACKAGE@", package),
@@ -218,16 +236,8 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
         "config/nav2.yaml": _NAV2,
         "config/robot_bridge.yaml": bridge_yaml(own, robot_topics()),
         "config/server.config": _config("sim"),
-        "launch/elevation.launch.py": ELEVATION,
-        "launch/gazebo_classic.launch.py": CLASSIC,
-        "launch/gazebo_sim.launch.py": SIM,
-        "launch/map_server.launch.py": MAP_SERVER,
-        "launch/navigation.launch.py": NAVIGATION.replace("@ROBOT@", robot),
-        "launch/rviz.launch.py": RVIZ,
-        "launch/spawn_robot.launch.py": SPAWN_ROBOT.replace("@ROBOT@", robot),
-        "nodes/elevation.py": NODE,
+        **{path: text.replace("@ROBOT@", robot) for path, text in python.items()},
         **{f"robots/{kind}/{name}": text for kind, texts in robots.items() for name, text in texts.items()},
-        "test/test_launch_files.py": TEST,
     }
 
 

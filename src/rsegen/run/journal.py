@@ -382,7 +382,15 @@ def read_errors(folder: Path) -> Iterator[None]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Verified:
-    """The result of `verify`: the numbers of folders and files compared, and the files that no journal lists."""
+    """The result of `verify`.
+
+    Attributes
+    ----------
+    folders, files : int
+        Numbers of folders and files that were compared.
+    unlisted : tuple of Path
+        The files that no journal lists.
+    """
 
     folders: int
     files: int
@@ -392,8 +400,24 @@ class Verified:
 def verify(folder: str | Path) -> Verified:
     """Compare a folder, and the folders in it, with their journals.
 
-    Raises FilesDamaged if a file is missing, empty or changed, FileError if there is no journal. Nothing is built
-    again; `Dataset.verify` does that too.
+    Nothing is built again; `Dataset.verify` does that too.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder.
+
+    Returns
+    -------
+    Verified
+        What was compared.
+
+    Raises
+    ------
+    FilesDamaged
+        If a file is missing, empty or changed.
+    FileError
+        If there is no journal.
     """
     folder = Path(folder)
     if not folder.is_dir():

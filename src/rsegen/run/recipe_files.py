@@ -13,9 +13,23 @@ from rsegen.run.store import write_file, write_paths
 
 
 def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bool = False) -> None:
-    """Write a recipe file, whole or not at all; an OutputError if it exists already.
+    """Write a recipe file, whole or not at all.
 
-    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person was asked
+    Parameters
+    ----------
+    recipe : Recipe
+        The recipe.
+    path : str or Path
+        The file, YAML or JSON by its suffix.
+    force : bool, default False
+        Replace it if rsegen wrote it and it is unchanged.
+    confirmed : bool, default False
+        Replace it whoever wrote it, as a person was asked.
+
+    Raises
+    ------
+    OutputError
+        If it exists already and is not to be replaced.
     """
     path = Path(path)
     text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)

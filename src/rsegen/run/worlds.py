@@ -29,10 +29,29 @@ from rsegen.scene.scene import Scene, compose
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class GeneratedMap:
-    """A map on disk: its files, size (cells with frames, metres), number of blocks of each level, and warnings.
+    """A map on disk.
 
-    `home` is the folder that all maps are in, `names` are those of the files in this map's own. `scene` is that of a
-    run of one map, which may have taken long to make; else None, as thousands would not fit into memory.
+    Attributes
+    ----------
+    name : str
+        Its name, which its folder in `home` has too.
+    index : int
+        Its index in the recipe.
+    home : Path
+        The folder that all maps are in.
+    names : tuple of str
+        Names of the files in the map's own folder.
+    cells : tuple of int
+        Cells along x and y, frames counted.
+    extent : tuple of float
+        Its sides along x and y, metres.
+    level_counts : dict of int to int
+        Number of blocks of each level.
+    warnings : tuple of str
+        A sentence on each thing that may not be meant.
+    scene : Scene or None
+        The scene of a run of one map, which may have taken long to make; else None, as thousands would not fit into
+        memory.
     """
 
     name: str
@@ -63,7 +82,19 @@ class GeneratedMap:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Generated:
-    """The maps of a recipe on disk: those that were made, and the indices of those that existed already."""
+    """The maps of a recipe on disk.
+
+    Attributes
+    ----------
+    recipe : Recipe
+        Their recipe.
+    folder : Path
+        The folder that they are in.
+    maps : tuple of GeneratedMap
+        Those that were made.
+    already : tuple of int
+        The indices of those that existed already.
+    """
 
     recipe: Recipe
     folder: Path

@@ -34,9 +34,16 @@ _MOST_UNSEEN = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class ScannedMap:
-    """The result of `scan`: the field as a Scan and as a recipe of one map, and the points that it was read from.
+    """The result of `scan`: a field that was found in a cloud.
 
-    points: (n, 3), metres, in the frame of the clouds.
+    Attributes
+    ----------
+    scan : Scan
+        Its levels with their confidence, and its pose in the cloud.
+    recipe : Recipe
+        The field as a recipe of one map.
+    points : ndarray, shape (n, 3)
+        The points that it was read from, metres, in the frame of the clouds.
     """
 
     scan: Scan
@@ -58,9 +65,16 @@ class ScannedMap:
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedMap:
-    """The result of `compare`: the differences between a map and a built field, and the scan of that, if any.
+    """The result of `compare`: the differences between a map and a built field.
 
-    units: of lengths in the picture, as in recipes: those of the map.
+    Attributes
+    ----------
+    comparison : Comparison
+        The two fields, cell by cell.
+    scan : Scan or None
+        The field as it was found, if a cloud was compared.
+    units : {'cm', 'in'}
+        Lengths in the picture, as in recipes: those of the map.
     """
 
     comparison: Comparison
@@ -76,10 +90,26 @@ class ComparedMap:
 
 
 def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
-    """The step field that stands in a point cloud, as a recipe: `rsegen.scan("pallet.ply").recipe`.
+    """Find the step field in a point cloud, and return it as a recipe too: `rsegen.scan("pallet.ply").recipe`.
 
-    clouds: files in one common frame (XYZ, CSV, PLY, PCD, meshes, arrays, depth images), or points (n, 3) [m]
-    Errors: FileError for a file that cannot be read, ScanError if there is no field in the cloud.
+    Parameters
+    ----------
+    clouds : path, sequence of paths, or ndarray of shape (n, 3)
+        Files in one common frame (XYZ, CSV, PLY, PCD, meshes, arrays, depth images), or points in metres.
+    options : ScanOptions, optional
+        How the clouds are read, and what is known of the field.
+
+    Returns
+    -------
+    ScannedMap
+        The field, its recipe and the points.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read.
+    ScanError
+        If there is no field in the cloud.
     """
     options = options or ScanOptions()
     points, name = _points(clouds, options)
@@ -92,9 +122,28 @@ def compare(
 ) -> ComparedMap:
     """Compare what stands with a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
 
-    stands: a recipe (its first map), a field, or clouds as for `scan`; a scan is turned and moved to where the map fits
-    best, and has the map's block width and unit; wanted: a recipe (its first map) or a field
-    Errors: ParameterError if two maps have different cells, ScanError if a scan shows another map.
+    A scan is turned and moved to where the map fits best, and has the map's block width and unit.
+
+    Parameters
+    ----------
+    stands : Recipe, StepField, or clouds
+        A recipe (its first map), a field, or clouds as for `scan`.
+    wanted : Recipe or StepField
+        A recipe (its first map), or a field.
+    options : ScanOptions, optional
+        As for `scan`.
+
+    Returns
+    -------
+    ComparedMap
+        The differences.
+
+    Raises
+    ------
+    ParameterError
+        If two maps have different cells.
+    ScanError
+        If a scan shows another map.
     """
     field = _field(wanted)
     units = wanted.units if isinstance(wanted, Recipe) else "cm"

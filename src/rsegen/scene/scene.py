@@ -46,7 +46,17 @@ _ROUGHEST = 1.2
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Scene:
-    """Map `index` of a recipe with its field: what exporters write and previews show."""
+    """A map with its recipe: what exporters write and previews show.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Its recipe.
+    index : int
+        Its index in the recipe.
+    field : StepField
+        Its blocks and frames.
+    """
 
     recipe: Recipe
     index: int
@@ -128,7 +138,20 @@ class Scene:
 
 
 def compose(recipe: Recipe, index: int = 0) -> Scene:
-    """Return the scene of map `index`."""
+    """Build a map, and return it with the colours and friction of its recipe.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The recipe.
+    index : int, default 0
+        Index of the map, 0 or more.
+
+    Returns
+    -------
+    Scene
+        The map.
+    """
     return Scene(recipe=recipe, index=index, field=build(recipe, index))
 
 

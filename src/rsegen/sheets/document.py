@@ -42,10 +42,28 @@ def sheet(
     *,
     progress: Callable[[Figure], None] | None = None,
 ) -> bytes:
-    """Return the build sheet as the bytes of a file, `pdf` or `csv`; a ParameterError if the map is too large for it.
+    """Return the build sheet of a map as the bytes of a file.
 
-    saw: kerf, stock length and so on, by default as usual in the recipe's units. `progress` is called with each page of
-    a PDF.
+    Parameters
+    ----------
+    scene : Scene
+        The map.
+    saw : CutSettings, optional
+        Kerf, stock length and so on; by default as usual in the recipe's units.
+    format : {'pdf', 'csv'}, default 'pdf'
+        Format of the file.
+    progress : callable, optional
+        Called with each page of a PDF.
+
+    Returns
+    -------
+    bytes
+        The file.
+
+    Raises
+    ------
+    ParameterError
+        If the map is too large for it.
     """
     saw = saw or CutSettings.default(scene.recipe.units)
     if format not in SHEET_FORMATS:

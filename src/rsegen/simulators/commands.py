@@ -35,16 +35,31 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     ] = None,
     shared: Annotated[bool, Flag(help="use the default address, so that other programs can connect")] = False,
     timeout: Timeout = 20.0,
-    on_start: Callable[[OpenedWorld], None] = lambda _: None,
-    on_error: Callable[[str], None] = lambda _: None,
+    on_start: Callable[[OpenedWorld], None] | None = None,
+    on_error: Callable[[str], None] | None = None,
 ) -> OpenResult:
     """Open a world in the newest installed Gazebo that supports it, and wait; Ctrl-C or closing the window ends it.
 
-    target: a world file, the folder of a map or of maps, a recipe (a temporary world is made) or a scene. on_start:
-    called once before the simulator runs; on_error: with each of its error lines, of lines that differ in numbers alone
-    with the first at once, and in the end with their count. SimulatorFailed if the simulator says that it did not
-    load the world, if it has not for `timeout` seconds without progress when `seconds` are given, or if a server
-    without a window ends by itself or prints errors.
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        A world file, the folder of a map or of maps, a recipe (a temporary world is made) or a scene.
+    on_start : callable, optional
+        Called once before the simulator runs.
+    on_error : callable, optional
+        Called with each of its error lines; of lines that differ in numbers alone with the first at once, and in the
+        end with their count.
+
+    Returns
+    -------
+    OpenResult
+        The world, the exit code and the error lines.
+
+    Raises
+    ------
+    SimulatorFailed
+        If the simulator says that it did not load the world, if it has not for `timeout` seconds without progress when
+        `seconds` are given, or if a server without a window ends by itself or prints errors.
     """
     from rsegen.run.target_worlds import world_of
     from rsegen.simulators.open_world import open_until_end
@@ -56,9 +71,13 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         seconds=seconds,
         shared=shared,
         timeout=timeout,
-        on_start=on_start,
-        on_error=on_error,
+        on_start=on_start or _ignore,
+        on_error=on_error or _ignore,
     )
+
+
+def _ignore(*_: object) -> None:
+    """Ignore what a caller did not ask to be told."""
 
 
 _OWN = ("simulator",)

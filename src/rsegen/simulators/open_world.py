@@ -44,9 +44,16 @@ class OpenedWorld:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OpenResult:
-    """The result of `rsegen.open`: the world, the simulator's exit code, None if it was stopped, and its error lines.
+    """The result of `rsegen.open`.
 
-    Error lines that differ in numbers alone are one, with their count.
+    Attributes
+    ----------
+    world : OpenedWorld
+        The world.
+    exit_code : int or None
+        The simulator's exit code, None if it was stopped.
+    errors : tuple of str
+        Its error lines; those that differ in numbers alone are one, with their count.
     """
 
     world: OpenedWorld

@@ -102,10 +102,25 @@ def spawn(  # noqa: PLR0913  # each is a flag
 ) -> SpawnResult:
     """Spawn a map, a robot, or a robot on a map in the running simulation, and give its name and pose there.
 
-    target: the folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot. With
-    `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher. Gazebo
-    Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. UserError if
-    a value is wrong; NothingRuns if no simulation runs.
+    With `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher.
+    Gazebo Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str, path or robot
+        The folder of a map or of maps, a recipe, a scene, a kind of robot, the file of one, or a robot.
+
+    Returns
+    -------
+    SpawnResult
+        Name and pose.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong.
+    NothingRuns
+        If no simulation runs.
     """
     from rsegen.spawning.spawning import spawn_model
 
@@ -124,8 +139,24 @@ def respawn(
 ) -> RespawnResult:
     """Replace the map of the running simulation by the next one of a recipe or folder, at the same pose.
 
-    target: the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first.
     Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        The recipe of the current map, or the folder of its maps; after the last map of a folder comes the first.
+
+    Returns
+    -------
+    RespawnResult
+        Names and pose.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong, or no map is there.
+    NothingRuns
+        If no simulation runs.
     """
     from rsegen.spawning.spawning import replace_map
 
@@ -136,7 +167,20 @@ def respawn(
 def remove(*names: str, simulator: RunningSimulator = None, timeout: Timeout = 20.0) -> RemoveResult:
     """Delete maps, robots and other models from the running simulation; none of them if one does not exist.
 
-    UnknownName lists the models if one does not exist.
+    Parameters
+    ----------
+    *names : str
+        Names of the models.
+
+    Returns
+    -------
+    RemoveResult
+        What was deleted.
+
+    Raises
+    ------
+    UnknownName
+        If one does not exist; the error lists the models.
     """
     from rsegen.spawning.spawning import remove_models
 

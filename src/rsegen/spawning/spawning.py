@@ -272,10 +272,22 @@ _Spawnable: TypeAlias = DrivableRobot | MapModel
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpawnResult:
-    """The result of `rsegen.spawn`: the names of model and simulator, the pose, and the models put on top of the map.
+    """The result of `rsegen.spawn`.
 
-    on: the map under the robot, if it was to be put on one; notes: a sentence each on what could not be known, or was
-    spawned too
+    Attributes
+    ----------
+    name : str
+        Name of the model.
+    simulator : str
+        Title and version.
+    at : Pose
+        Its pose, metres and radians.
+    put_on_top : tuple of str
+        Names of the models that were put on top of the map.
+    on : str or None
+        The map under the robot, if it was to be put on one.
+    notes : tuple of str
+        A sentence each on what could not be known, or was spawned too.
     """
 
     name: str
@@ -453,7 +465,21 @@ def _pose(at: Sequence[float]) -> Pose:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RespawnResult:
-    """The result of `rsegen.respawn`: names of the new and the old map, simulator, pose, and models put on top."""
+    """The result of `rsegen.respawn`.
+
+    Attributes
+    ----------
+    name : str
+        Name of the new map's model.
+    instead_of : str
+        Name of the old one.
+    simulator : str
+        Title and version.
+    at : Pose
+        Pose of both, metres and radians.
+    put_on_top : tuple of str
+        Names of the models that were put on top of the new blocks.
+    """
 
     name: str
     instead_of: str
@@ -533,7 +559,15 @@ def _index(recipe: Recipe, name: str) -> int | None:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RemoveResult:
-    """The result of `rsegen.remove`: the names of the deleted models, and the simulator's."""
+    """The result of `rsegen.remove`.
+
+    Attributes
+    ----------
+    removed : tuple of str
+        Names of the deleted models.
+    simulator : str
+        Title and version.
+    """
 
     removed: tuple[str, ...]
     simulator: str

@@ -40,13 +40,29 @@ REASONS = ("", "cannot push itself on", "slides", "tips over")
 class Poses:
     """Poses of a robot at rest on a field, n of them; lengths in metres, angles in radians.
 
-    x, y, z, roll, pitch, yaw: (n,), of the robot's origin, as in Gazebo; it was put down level at x, y, so its centre
-    of mass stays there and its origin moves a little
-    contacts: (n, 3, 3), the three points that bear it, NaN if it tips over; loads: (n, 3), the share of its weight on
-    each; support: (n, 11, 3), the corners of its support polygon, in no order, some of them twice
-    clearance: (n,), from the ground to the lowest part that neither drives nor bears it; infinite if it has none
-    tip_angle, tip_energy: (n,), the least turn, and energy in joules, that tips it over
-    stands: (n,) whether it stands there at all; holds: whether friction holds it; pushes: whether it can drive forward
+    Attributes
+    ----------
+    x, y, z, roll, pitch, yaw : ndarray, shape (n,)
+        The robot's origin, as in Gazebo; it was put down level at x, y, so its centre of mass stays there and its
+        origin moves a little.
+    contacts : ndarray, shape (n, 3, 3)
+        The three points that bear it, NaN if it tips over.
+    loads : ndarray, shape (n, 3)
+        The share of its weight on each.
+    support : ndarray, shape (n, 11, 3)
+        The corners of its support polygon, in no order, some of them twice.
+    clearance : ndarray, shape (n,)
+        From the ground to the lowest part that neither drives nor bears it; infinite if it has none.
+    tip_angle : ndarray, shape (n,)
+        The least turn that tips it over.
+    tip_energy : ndarray, shape (n,)
+        The least energy that tips it over, joules.
+    stands : ndarray of bool, shape (n,)
+        Whether it stands there at all.
+    holds : ndarray of bool, shape (n,)
+        Whether friction holds it.
+    pushes : ndarray of bool, shape (n,)
+        Whether it can drive forward.
     """
 
     x: Array

@@ -97,9 +97,16 @@ _EXACT = 1e-9
 class Spot:
     """A place for a start or a goal of a robot.
 
-    x, y, z, roll, pitch, yaw: pose of the robot's origin at rest, metres and radians, as in Gazebo
-    tilt: angle between its upright and the vertical, radians; tip_angle: the least turn that tips it over, radians
-    reason: empty; at a place that was taken for want of a spot, why it is none
+    Attributes
+    ----------
+    x, y, z, roll, pitch, yaw : float
+        Pose of the robot's origin at rest, metres and radians, as in Gazebo.
+    tilt : float
+        Angle between its upright and the vertical, radians.
+    tip_angle : float
+        The least turn that tips it over, radians.
+    reason : str
+        Empty; at a place that was taken for want of a spot, why it is none.
     """
 
     x: float

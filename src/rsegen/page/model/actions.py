@@ -10,7 +10,7 @@ page gives each another name.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Annotated, Any, Literal, TypedDict, cast
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from rsegen.recipe.building import ends_by
 from rsegen.recipe.codec import MOST_OBSTACLES, decode_obstacle
 from rsegen.recipe.map_design import MapDesign
 
-Action = Mapping[str, Json]
+Action = Annotated[Mapping[str, Json], "Action"]
 
 _OF_SESSION: Mapping[str, Callable[..., None]] = {
     name: getattr(Session, name)
@@ -35,6 +35,12 @@ _OF_SESSION: Mapping[str, Callable[..., None]] = {
 """The actions that are methods of a session, by their names."""
 
 _ACTIONS: dict[str, Callable[..., Any]] = {**_OF_SESSION}
+
+
+def actions() -> Mapping[str, Callable[..., Any]]:
+    """Return the functions and methods that pages have called as actions, by their names."""
+    return _ACTIONS
+
 
 UNPAINTED = -1
 """The level that erases a cell."""
@@ -88,7 +94,7 @@ def _action(function: Callable[..., int]) -> Callable[..., int]:
 
 
 @_action
-def add(session: Session, _index: int, *, entry: dict[str, Any], at: int | None = None) -> int:
+def add(session: Session, _index: int, *, entry: Entry, at: int | None = None) -> int:
     """Add an obstacle, in line where its kind must be axis-aligned."""
     if len(session.draft.rows) >= MOST_OBSTACLES:
         raise UserError(f"the list has {MOST_OBSTACLES:,} obstacles, the most that a recipe can have")
@@ -190,7 +196,14 @@ End = Literal["first", "last", "both"]
 """Which end is moved; both: the middle of the two, and them with it."""
 
 
-def ends_of(entry: Entry, design: MapDesign, index: int) -> Entry | None:
+class Ends(TypedDict):
+    """The two ends of an obstacle, each a list in a file."""
+
+    first: Cell
+    last: Cell
+
+
+def ends_of(entry: Entry, design: MapDesign, index: int) -> Ends | None:
     """Return where an obstacle lies in map `index`, first and last, also if that is random; None if it does not fit."""
     obstacle = _obstacle(entry)
     if obstacle is None:
@@ -201,7 +214,8 @@ def ends_of(entry: Entry, design: MapDesign, index: int) -> Entry | None:
     except ParameterError:
         return None
     on_map = all(0 <= at < cells for end in ends for at, cells in zip(end, design.grid.shape, strict=True))
-    return dict(zip(("first", "last"), map(list, ends), strict=True)) if on_map else None
+    first, last = (cast(Cell, list(end)) for end in ends)
+    return {"first": first, "last": last} if on_map else None
 
 
 def fixed(entry: Entry, design: MapDesign, index: int) -> Entry:

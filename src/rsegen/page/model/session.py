@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Annotated
 
 from rsegen.errors import ParameterError, RsegenError, UnknownName
 from rsegen.params.sorts import Json, parameters
@@ -18,7 +19,7 @@ from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode, decode_obstacle
 from rsegen.recipe.recipe import Recipe
 
-Entry = Mapping[str, Json]
+Entry = Annotated[Mapping[str, Json], "Entry"]
 """An obstacle as a recipe file has it."""
 
 

@@ -135,7 +135,7 @@ function LinesControl({ id, name, value, onChange }: ControlProps) {
 const KINDS: { [type: string]: string } = { integer: "one", number: "one", string: "name", boolean: "yes or no" };
 
 function caption(schema: Schema): string {
-  if (schema.type !== "array") return schema.enum || schema.pattern?.startsWith("^#") ? "one" : (KINDS[schema.type ?? ""] ?? "other");
+  if (schema.type !== "array") return schema.enum || schema.pattern?.startsWith("^#") ? "one" : (KINDS[String(schema.type ?? "")] ?? "other");
   const count = schema.prefixItems?.length ?? (schema.minItems === schema.maxItems ? schema.minItems : undefined);
   return count === undefined ? "list" : ["none", "one", "two", "three", "four"][count] ?? String(count);
 }

@@ -4,17 +4,16 @@ import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Icon, Modal } from "./controls";
 import { play } from "./playback";
 import { leaveFor } from "./run";
+import type { ListedFile, Listing } from "./protocol";
 import { call, upload } from "./server";
 import { attempt, busy, connected, dialog, hello, playbacks, problem, reload, save, state } from "./state";
 
-interface Entry { name: string; path: string; kind: "recipe" | "folder" | "dataset" | "drive" | "other" }
 const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
-interface Listing { folder: string; entries: Entry[] }
 
 const close = () => (dialog.value = null);
 
 /* Open what a folder lists: a drive is played over its map, or beside the one that is played. */
-async function openEntry({ path, kind }: Entry): Promise<void> {
+async function openEntry({ path, kind }: ListedFile): Promise<void> {
   if (kind === "drive" && playbacks.value.length) return close(), play(path, true);
   if (kind === "drive") return void ((await leaveFor(`${path}/recipe.json`)) && (await play(path)));
   await leaveFor(kind === "dataset" ? `${path}#0` : path);
@@ -25,7 +24,7 @@ export function Open() {
   const [listing, list] = useState<Listing | null>(null);
   const id = useId();
   const [path, setPath] = useState("");
-  useEffect(() => void attempt(() => call<Listing>("files", folder === undefined ? {} : { folder }), false).then(list), [folder]);
+  useEffect(() => void attempt(() => call("files", folder === undefined ? {} : { folder }), false).then(list), [folder]);
   return (
     <Modal title="Open" close={close} wide>
       <div class="columns">

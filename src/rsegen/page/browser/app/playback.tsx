@@ -13,10 +13,10 @@ const speed = signal<"0.25" | "1" | "4">("1");
 
 /* Play a drive; beside it the one that plays already, if asked for. */
 export async function play(path: string, beside = false): Promise<void> {
-  const drive = await attempt(() => call<Playback>("playback", { path }));
+  const drive = await attempt(() => call("playback", { path }));
   if (!drive) return;
   const missing = [...new Set(drive.robots.map((each) => each.robot))].filter((name) => !drawings.value.has(name));
-  const made = await Promise.all(missing.map((robot) => attempt(() => call<RobotDrawing>("robot", { robot }))));
+  const made = await Promise.all(missing.map((robot) => attempt(() => call("robot", { robot }))));
   drawings.value = new Map([...drawings.value, ...missing.flatMap((name, at) => (made[at] ? [[name, made[at]] as const] : []))]);
   playbacks.value = beside && playbacks.value.length ? [playbacks.value[0]!, drive] : [drive];
   if (playbacks.value.length === 1) choose(drive);

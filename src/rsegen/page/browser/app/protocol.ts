@@ -1,62 +1,44 @@
-/* What the page and its server say to each other. Lengths are in metres, angles in radians, unless a name ends in _cm.
+/* What the page and its server say to each other. Made by `python -m docs.protocol` of the types in Python.
 
    POST /api/NAME, "Authorization: Bearer TOKEN", JSON object of arguments --> 200 and JSON, or 4xx and {error: Failure}
-   A call of a document has `doc`, its id, among its arguments.
    POST /api/events {doc, page}  --> a stream of lines, each an Event as JSON, open as long as the page is
    POST /api/upload?name=N, bytes --> {path}, for scan, compare and import
    POST /api/file {path}         --> the bytes of a file under the server's folder: pictures, tables, PDF
-*/
 
-export type Json = null | boolean | number | bigint | string | Json[] | { [key: string]: Json };
+   Lengths are in metres, angles in radians, unless a name ends in _cm. Every call may have `page`, the name that a page
+   gives itself, and `doc`. Actions of one gesture, any text, are undone together. */
+
 /* Integers that a number of JavaScript would round, such as seeds, are bigint here, and plain integers on the wire. */
-export type Cell = [number, number]; // of blocks, frames not counted: x, y
+export type Json = null | boolean | number | bigint | string | Json[] | { [key: string]: Json };
 export type Entry = { kind: string; [parameter: string]: Json }; // an obstacle as a recipe file has it
+export type Cell = [number, number]; // of blocks, frames not counted: x, y
+export type SceneData = MapData & Partial<DocumentMap>; // a map of a document, or of a page that is a file
 
-export interface Failure { where: string; text: string; kind?: "exists" | "changed" }
-/* where: the parameter, as in obstacles[2].softness; kind: a question instead of an error: repeat with replace: true */
-
-/* ---- what is the same for all documents: hello {} --> Hello */
-
-export interface Hello {
-  version: string;
-  folder: string; // in which files may be read and written
-  globals: Group[]; // the parameters of a map, in groups as the help has them
-  kinds: Kind[]; // kinds of obstacles
-  examples: { name: string; description: string }[];
-  robots: { name: string; title: string }[];
-  commands: Command[]; // what may be run
-  formats: { name: string; description: string }[];
-  metrics: { name: string; title: string }[]; // by which maps can be sorted
+/* A command that waits, runs, or has ended. */
+export interface Job {
+  id: number;
+  doc: string;
+  command: string;
+  line: string; // the same in a shell: "rsegen drive my.yaml --robot burger -o drives"
+  state: "running" | "done" | "failed" | "cancelled";
+  done: number | null;
+  total: number | null; // null: unknown
+  step: string;
+  lines: string[]; // its report, or the one line of its error
+  files: MadeFile[];
+  result: Json; // of --json
+  opens: string | null; // a recipe that a page may open: of scan, import
 }
 
-/* A parameter in a form: a JSON Schema property with what a form needs besides. */
-export interface Field {
+/* A file that a command wrote. */
+export interface MadeFile {
+  path: string;
   name: string;
-  title: string; // a word or two
-  help: string;
-  schema: Schema;
-  unit: string; // "cm", "%", "units", "s", ""
-  default: Json; // null: none, or decided by the program
-  basic: boolean; // shown at once; others under "More"
-  flag?: string; // of a command
-  required?: boolean; // of a command: it does not run without
-}
-export interface Schema {
-  type?: "integer" | "number" | "string" | "boolean" | "array";
-  enum?: string[]; minimum?: number; maximum?: number; pattern?: string;
-  anyOf?: Schema[]; items?: Schema; prefixItems?: Schema[]; minItems?: number; maxItems?: number;
-}
-export interface Group { title: string; fields: Field[] }
-export interface Kind { name: string; title: string; help: string; default_place: string; fields: Field[]; place: Field[] }
-/* default_place: where it lies without ends; fields: its own, levels and softness first; place: first, last, blend, key */
-export interface Command {
-  name: string; help: string; group: string; target: "recipe" | "none"; fields: Field[];
-  output: "folder" | "file" | "none"; output_help: string; output_required: boolean;
+  kind: "picture" | "table" | "pdf" | "recipe" | "dataset" | "page" | "drive";
 }
 
-/* ---- documents: open {what} --> {doc}; what: "" new, a path, the name of an example, DIR#17 */
-
-export interface State {
+/* The state after a change. */
+export interface EditedState {
   doc: string;
   revision: number; // counts changes, undo included
   title: string;
@@ -64,48 +46,53 @@ export interface State {
   unsaved: boolean;
   can_undo: boolean;
   can_redo: boolean;
-  values: { [parameter: string]: Json }; // global parameters
+  values: { [name: string]: Json }; // global parameters
   rows: Row[];
-  problem: { where: string; text: string } | null; // the draft is invalid; the scene is of the last valid one
+  problem: Problem | null;
   maps: number;
   first_map: number;
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
   recovered: string | null; // changes of a session that ended without saving were brought back: when
-  journal?: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
+  journal: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
   pages: number; // that have it open
+  selected: number; // the row that the last action was about; -1: none
 }
+
+/* An obstacle in the list of a document. */
 export interface Row {
-  entry: Entry;
+  entry: Entry; // without whether it is switched on
   enabled: boolean;
-  ends: { first: Cell; last: Cell } | null; // where it lies in the map shown, also if drawn at random
+  ends: Ends | null; // where it lies in the map shown, also if drawn at random
 }
 
-/* state {doc, page?, index?} --> State; page: a name that a page gives itself; index: the map that it shows */
-/* edit {doc, actions, index?} --> State & {selected: number}; actions of one gesture (any string) are undone together */
-export type Action =
-  | { do: "set"; name: string; value: Json; gesture?: string }
-  | { do: "reroll" }
-  | { do: "add"; entry: Entry; at?: number }
-  | { do: "change"; row: number; entry: Entry; gesture?: string }
-  | { do: "remove"; row: number }
-  | { do: "clear" }
-  | { do: "move"; row: number; to: number }
-  | { do: "enable"; row: number; enabled: boolean }
-  | { do: "duplicate"; row: number }
-  | { do: "fix"; row: number; index: number } // random ends become the cells where they are in this map
-  | { do: "move_end"; row: number; end: "first" | "last" | "both"; cell: Cell; gesture?: string }
-  | { do: "paint"; row: number; cells: Cell[]; level: number; gesture?: string } // -1: erase; row -1: a new matrix
-  | { do: "undo" } | { do: "redo" };
-/* save {doc, path?, replace?} --> State;  reload {doc} --> State (from the file);  close {doc} */
-/* texts {doc} --> {recipe, python, shell}: the document as YAML, as Python, as a command line */
-/* files {folder?} --> {folder, entries: {name, path, kind: "recipe"|"folder"|"dataset"|"drive"|"other"}[]} */
+/* The two ends of an obstacle, each a list in a file. */
+export interface Ends {
+  first: [number, number];
+  last: [number, number];
+}
 
-/* ---- what is drawn: scene {doc, index?} --> SceneData; a frozen page has it too, without what only an editor needs */
+/* Why a draft is invalid; the scene is that of the last valid one. */
+export interface Problem {
+  where: string;
+  text: string;
+}
 
-/* ghost {doc, entry, index?} --> SceneData with one more obstacle, the last row: what would be if it were added */
+/* What a folder holds. */
+export interface Listing {
+  folder: string;
+  entries: ListedFile[];
+}
 
-export interface SceneData {
+/* A file or folder, as a list of files has it. */
+export interface ListedFile {
+  name: string;
+  path: string;
+  kind: "recipe" | "folder" | "dataset" | "drive" | "other";
+}
+
+/* A map of a document as it is drawn, with what only an editor needs. */
+export interface DocumentMap {
   name: string;
   description: string;
   cells: [number, number]; // of the field, frames included
@@ -116,21 +103,22 @@ export interface SceneData {
   bytes: 1 | 2; // of each number of content
   content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
   facts: [string, string][];
-  metrics: [string, string, string][]; // name, value, meaning
   recipe: string;
   file: string;
-  look: "plain" | "wood" | string;
+  look: string;
   step: number; // metres of a unit
-  // of documents alone
-  revision?: number;
-  index?: number;
-  factor?: number; // a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
-  owners?: string; // base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
-  handles?: { row: number; first: Cell | null; last: Cell | null }[];
-  warnings?: string[];
-  cost?: string; // "1 model, 1,024 faces, 34 kB"
-  constraints?: string[]; // lines of the constraint report
+  metrics: [string, string, string][]; // name, value, meaning
+  factor: number; // a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
+  warnings: string[];
+  cost: string; // "1 model, 1,024 faces, 34 kB"
+  constraints: string[]; // lines of the constraint report
+  revision: number;
+  index: number;
+  owners: string; // base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
+  handles: Handle[];
 }
+
+/* A material of cells: a level of blocks, or the frames. */
 export interface Material {
   level: number | null; // null: a frame
   height: number;
@@ -140,83 +128,400 @@ export interface Material {
   count: number;
 }
 
-/* variants {doc, count} --> Variant[];  maps {doc, first, count, by?} --> Variant[] (of the recipe's own maps, from the
-   place first on; by: sorted by a metric, the first of its difficulty) */
-export interface Variant { seed: number; index: number; scene: SceneData; difficulty: [string, string][] }
-
-/* measure {doc, index, robot?} --> {rows: [name, value, meaning, key][]}: all metrics, also those of a robot */
-
-/* ---- robots */
-
-/* robot {robot} --> RobotDrawing */
-export interface RobotDrawing {
-  name: string; title: string; size: [number, number, number];
-  lift: number; // of the origin of its model in a simulator, above the origin of these parts
-  parts: { shape: "box" | "cylinder" | "sphere"; size: number[]; pose: number[]; colour: string; wheel: boolean }[];
-  /* size: box x y z; cylinder radius, length along z; sphere radius. pose: 4x4, row by row, in the robot's frame */
-}
-/* pose {doc, index, robot, x, y, heading} --> Pose; of a robot that does not stand: level, where it was put */
-export interface Pose {
-  stands: boolean; holds: boolean; pushes: boolean;
-  reason: string; // "" or why it is bad: "tips over", "slips", "cannot drive on", "hangs up"
-  x: number; y: number; z: number; roll: number; pitch: number; yaw: number;
-  tilt: number; margin: number; // angle to tip over
-  clearance: number | null;
-  centre: [number, number, number]; // of mass
-  contacts: [number, number, number][];
-  polygon: [number, number, number][]; // support polygon, in order
-}
-/* tilt {doc, index, robot, heading} --> PoseMap: on a regular grid of nx x ny points, x first */
-export interface PoseMap {
-  shape: [number, number]; low: [number, number]; step: number; // of points, metres
-  tilt: string; margin: string; // base64 of float32, NaN where it does not stand
-  reason: string; // base64 of uint8, an index into reasons
-  reasons: string[];
-}
-/* reach {doc, index, robot} --> Reach */
-export interface Reach {
-  text: string; // "crosses west to east"
-  region: string; // base64 of uint8 for each cell: 1 where it gets
-  ways: { points: [number, number, number][]; name: string; crosses: boolean }[]; // laid on the blocks
-  spots: { x: number; y: number; z: number; yaw: number; name: "S" | "G" }[];
-}
-/* way {doc, index, robot, start, goal, best} --> Way; start, goal: [x, y] */
-/* stop {doc, of}: end a search that is under way; its call fails */
-export type Search = "tilt" | "reach" | "way";
-export interface Way {
-  found: boolean; text: string;
-  poses: [number, number, number, number, number, number][]; // x y z roll pitch yaw of the robot's origin
-  events: { at: number; text: string }[]; // drops, slips: the number of the pose
-  length: number; worst_tilt: number; least_margin: number;
+/* Where the obstacle of a row lies. */
+export interface Handle {
+  first: [number, number];
+  last: [number, number];
+  row: number;
 }
 
-/* ---- commands: run {doc, command, values, output?, replace?} --> Job; cancel {job} --> Job; jobs {} --> Job[] */
+/* What is the same for all documents. */
+export interface Hello {
+  version: string;
+  folder: string; // in which files may be read and written
+  globals: Group[]; // the parameters of a map
+  kinds: Kind[];
+  examples: Described[];
+  robots: Titled[];
+  commands: Command[];
+  formats: Described[];
+  metrics: Titled[]; // by which maps can be sorted
+}
 
-export interface Job {
-  id: number;
+/* Parameters of a map, as the help has them. */
+export interface Group {
+  title: string;
+  fields: Field[];
+}
+
+/* A parameter in a form: a JSON Schema property with what a form needs besides. */
+export interface Field {
+  flag?: string;
+  required?: boolean; // it does not run without
+  name: string;
+  title: string; // a word or two
+  help: string;
+  schema: Schema;
+  unit: string; // "cm", "%", "units", "s", ""
+  default: Json; // null: none, or decided by the program
+  basic: boolean; // shown at once; others under "More"
+}
+
+/* What a field takes, in the words of JSON Schema. */
+export interface Schema {
+  type?: "integer" | "number" | "string" | "boolean" | "array" | "null" | ("integer" | "number" | "string" | "boolean" | "array" | "null")[];
+  enum?: string[];
+  minimum?: number;
+  maximum?: number;
+  pattern?: string;
+  minLength?: number;
+  anyOf?: Schema[];
+  items?: Schema;
+  prefixItems?: Schema[];
+  minItems?: number;
+  maxItems?: number;
+}
+
+/* A kind of obstacle. */
+export interface Kind {
+  name: string;
+  title: string;
+  help: string;
+  default_place: string; // where it lies without ends
+  fields: Field[]; // its own, levels and softness first
+  place: Field[]; // first, last, blend, key
+}
+
+/* An example or a format. */
+export interface Described {
+  name: string;
+  description: string;
+}
+
+/* A robot or a metric. */
+export interface Titled {
+  name: string;
+  title: string;
+}
+
+/* A command that may be run. */
+export interface Command {
+  name: string;
+  help: string;
+  group: string;
+  target: "recipe" | "none";
+  fields: Field[];
+  output: "folder" | "file" | "none";
+  output_help: string;
+  output_required: boolean;
+}
+
+/* A map to choose from. */
+export interface Variant {
+  seed: number | bigint;
+  index: number;
+  scene: MapData;
+  difficulty: [string, string][];
+}
+
+/* A map as it is drawn, with its metrics: all that a page has of it that is a file. */
+export interface MapData {
+  name: string;
+  description: string;
+  cells: [number, number]; // of the field, frames included
+  block_width: number;
+  block: string; // the same in words: "10 cm"
+  unit: string; // of labels: "cm"
+  palette: Material[];
+  bytes: 1 | 2; // of each number of content
+  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
+  facts: [string, string][];
+  recipe: string;
+  file: string;
+  look: string;
+  step: number; // metres of a unit
+  metrics: [string, string, string][]; // name, value, meaning
+}
+
+/* All metrics of a map, also those of a robot. */
+export interface Measured {
+  rows: [string, string, string, string][]; // name, value, meaning, key
+}
+
+/* The id of a document. */
+export interface OpenedDocument {
   doc: string;
-  command: string;
-  line: string; // the same in a shell: "rsegen drive my.yaml --robot burger -o drives"
-  state: "running" | "done" | "failed" | "cancelled";
-  done: number | null; total: number | null; step: string; // progress; total null: unknown
-  lines: string[]; // its report, or the one line of its error
-  files: { path: string; name: string; kind: "picture" | "table" | "pdf" | "recipe" | "dataset" | "page" | "drive" }[];
-  result: Json; // of --json
-  opens?: string; // a recipe that a page may open: of scan, import
 }
 
-/* playback {path} --> Playback: a drive that was recorded, path a folder of rsegen drive */
+/* A drive that was recorded. */
 export interface Playback {
-  title: string; simulator: string;
-  robots: { name: string; robot: string; seconds: number[]; poses: number[][]; // x y z roll pitch yaw
-            events: { second: number; text: string; kind: "contact" | "trouble" | "success" }[] }[]; // in order of time
+  title: string;
+  simulator: string;
+  robots: PlayedRobot[];
   duration: number;
 }
 
-/* ---- events of a document */
-export type Event =
-  | { event: "state"; state: State; page: string } // page: that changed it
-  | { event: "job"; job: Job }
-  | { event: "file"; changed_on_disk: boolean }
-  | { event: "progress"; of: Search; share: number } // of a search of a robot, 0 to 1
-  | { event: "alive" };
+/* A robot of a drive, with what happened to it in order of time. */
+export interface PlayedRobot {
+  name: string;
+  robot: string;
+  seconds: number[];
+  poses: number[][]; // x y z roll pitch yaw
+  events: Mark[];
+}
+
+/* What happened to a robot. */
+export interface Mark {
+  second: number;
+  text: string;
+  kind: "contact" | "trouble" | "success";
+}
+
+/* A robot at rest; one that does not stand is level, where it was put. */
+export interface Pose {
+  stands: boolean;
+  holds: boolean;
+  pushes: boolean;
+  reason: string; // "" or why it is bad: "tips over", "slips", "cannot drive on", "hangs up"
+  x: number;
+  y: number;
+  z: number;
+  roll: number;
+  pitch: number;
+  yaw: number;
+  tilt: number;
+  centre: [number, number, number]; // of mass
+  margin: number; // angle to tip over
+  clearance: number | null;
+  contacts: [number, number, number][];
+  polygon: [number, number, number][]; // support polygon, in order
+}
+
+/* Where a robot gets. */
+export interface Reach {
+  text: string; // "crosses west to east"
+  region: string; // base64 of uint8 for each cell: 1 where it gets
+  ways: Across[];
+  spots: Place[];
+}
+
+/* A way across a map, laid on the blocks. */
+export interface Across {
+  points: [number, number, number][];
+  name: string;
+  crosses: boolean;
+}
+
+/* A spot for a start or a goal. */
+export interface Place {
+  x: number;
+  y: number;
+  z: number;
+  yaw: number;
+  name: "S" | "G";
+}
+
+/* All that pages show of a document. */
+export interface State {
+  doc: string;
+  revision: number; // counts changes, undo included
+  title: string;
+  path: string | null;
+  unsaved: boolean;
+  can_undo: boolean;
+  can_redo: boolean;
+  values: { [name: string]: Json }; // global parameters
+  rows: Row[];
+  problem: Problem | null;
+  maps: number;
+  first_map: number;
+  name: string;
+  changed_on_disk: boolean; // somebody else wrote the file
+  recovered: string | null; // changes of a session that ended without saving were brought back: when
+  journal: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
+  pages: number; // that have it open
+}
+
+/* A robot as it is drawn. */
+export interface RobotDrawing {
+  name: string;
+  title: string;
+  size: [number, number, number];
+  lift: number; // of the origin of its model in a simulator, above the origin of these parts
+  parts: Part[];
+}
+
+/* A part of a robot as it is drawn. */
+export interface Part {
+  shape: "box" | "cylinder" | "sphere";
+  size: number[]; // box x y z; cylinder radius, length along z; sphere radius
+  pose: number[]; // 4x4, row by row, in the robot's frame
+  colour: string;
+  wheel: boolean;
+}
+
+/* A document as YAML or JSON, as Python, and as a command line. */
+export interface Texts {
+  recipe: string;
+  python: string;
+  shell: string;
+}
+
+/* How a robot rests on a regular grid of nx x ny points, x first. */
+export interface PoseMap {
+  shape: [number, number];
+  low: [number, number];
+  step: number; // of points, metres
+  tilt: string; // base64 of float32, NaN where it does not stand
+  margin: string; // the same of the angle to tip over
+  reason: string; // base64 of uint8, an index into reasons
+  reasons: string[];
+}
+
+/* A way of a robot between two places. */
+export interface Way {
+  found: boolean;
+  text: string;
+  poses: [number, number, number, number, number, number][]; // x y z roll pitch yaw of the robot's origin
+  events: WayEvent[];
+  length: number;
+  worst_tilt: number;
+  least_margin: number;
+}
+
+/* What happens on a way: a drop, or a slip. */
+export interface WayEvent {
+  at: number; // the number of the pose
+  text: string;
+}
+
+/* A document has changed. */
+export interface StateChanged {
+  event: "state";
+  state: State;
+  page: string; // that changed it
+}
+
+/* A job of a document has changed. */
+export interface JobChanged {
+  event: "job";
+  job: Job;
+}
+
+/* Somebody else wrote the file of a document, or took that back. */
+export interface FileChanged {
+  event: "file";
+  changed_on_disk: boolean;
+}
+
+/* How far a search is, 0 to 1. */
+export interface Progress {
+  event: "progress";
+  of: "tilt" | "reach" | "way" | "measure" | "variants";
+  share: number;
+}
+
+/* The server lives. */
+export interface Alive {
+  event: "alive";
+}
+
+/* Why a call failed. */
+export interface Failure {
+  kind?: "exists" | "changed";
+  where: string; // the parameter, as in obstacles[2].softness
+  text: string;
+}
+
+/* The maps in a page that is a file. */
+export interface Frozen {
+  maps: MapData[];
+  version: string;
+}
+
+export type Search = "tilt" | "reach" | "way" | "measure" | "variants";
+
+export type Event = StateChanged | JobChanged | FileChanged | Progress | Alive;
+
+/* Changes of a document, of the map that the page shows. */
+export type Action =
+  /* Add an obstacle, in line where its kind must be axis-aligned. */
+  | { do: "add"; entry: Entry; at?: number | null }
+  /* Replace the parameters of a row; its key stays, and whether it is switched on. */
+  | { do: "change"; row: number; entry: Entry; gesture?: string | null }
+  /* Remove all rows. */
+  | { do: "clear" }
+  /* Copy a row to the row below it. */
+  | { do: "duplicate"; row: number }
+  /* Switch a row on or off. */
+  | { do: "enable"; row: number; enabled: boolean }
+  /* Make random ends the cells where they are in a map. */
+  | { do: "fix"; row: number; index: number }
+  /* Move a row in the list; later obstacles are imposed on earlier ones. */
+  | { do: "move"; row: number; to: number }
+  /* Move an end of an obstacle, or both, to a cell; random ends are fixed where they are in the map shown. */
+  | { do: "move_end"; row: number; end: "first" | "last" | "both"; cell: [number, number]; gesture?: string | null }
+  /* Give cells a level, in a matrix or, if the row is none that can be painted into, in a new one. */
+  | { do: "paint"; row: number; cells: [number, number][]; level: number; gesture?: string | null }
+  /* Redo the change that was undone last. */
+  | { do: "redo" }
+  /* Remove a row. */
+  | { do: "remove"; row: number }
+  /* Draw another seed, short enough to be read out and typed. */
+  | { do: "reroll" }
+  /* Change a global parameter; None gives it back its default, of which a seed has none. */
+  | { do: "set"; name: string; value: Json; gesture?: string | null }
+  /* Undo the last change. */
+  | { do: "undo" };
+
+/* What a page may ask for: the arguments, and the result. */
+export interface Calls {
+  /* Ask a job to stop. */
+  cancel: { args: { job: number }; result: Job };
+  /* Close a document, and discard what is not saved; one that another page has open stays. */
+  close: { args: { doc: string }; result: null };
+  /* Change a document by some actions, all or none of them, and return its state and the row to select. */
+  edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
+  /* List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files. */
+  files: { args: { folder?: string }; result: Listing };
+  /* Return a map of a document as it would be with another obstacle at the end of the list, drawn as it will be. */
+  ghost: { args: { doc: string; entry: Entry; index?: number | null; page?: string }; result: DocumentMap };
+  /* Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot. */
+  hello: { args: {}; result: Hello };
+  /* Return all jobs. */
+  jobs: { args: {}; result: Job[] };
+  /* Return `count` maps of a document's recipe from the place `first` on in their order, or as many as there are. */
+  maps: { args: { doc: string; first: number; count: number; by?: string }; result: Variant[] };
+  /* Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own. */
+  measure: { args: { doc: string; index: number; robot?: string | null }; result: Measured };
+  /* Open a new recipe, a file, an example, or a map of a data set. */
+  open: { args: { what?: string }; result: OpenedDocument };
+  /* Return the drive that a folder holds. */
+  playback: { args: { path: string }; result: Playback };
+  /* Return how a robot rests that is put down level at x, y with a heading; also beside the map. */
+  pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: Pose };
+  /* Return where a robot gets on a map, its ways across, and a start and a goal for it. */
+  reach: { args: { doc: string; index: number; robot: string }; result: Reach };
+  /* Take over what is in the file. */
+  reload: { args: { doc: string; page?: string }; result: State };
+  /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
+  robot: { args: { robot: string }; result: RobotDrawing };
+  /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */
+  run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; replace?: boolean }; result: Job };
+  /* Write a document to its file, or to another one in the folder. */
+  save: { args: { doc: string; path?: string; replace?: boolean; page?: string }; result: State };
+  /* Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe. */
+  scene: { args: { doc: string; index?: number | null; page?: string }; result: DocumentMap };
+  /* Return all that pages show of a document; index: the map that the page shows. */
+  state: { args: { doc: string; page?: string; index?: number | null }; result: State };
+  /* Stop a search that is done for a document. */
+  stop: { args: { doc: string; of: "tilt" | "reach" | "way" | "measure" | "variants" }; result: null };
+  /* Return the document as the text of its file, as Python, and as a command line. */
+  texts: { args: { doc: string }; result: Texts };
+  /* Return how a robot of one heading rests on a grid of places all over a map. */
+  tilt: { args: { doc: string; index: number; robot: string; heading: number }; result: PoseMap };
+  /* Return the first map of a document's recipe at fresh seeds. */
+  variants: { args: { doc: string; count: number }; result: Variant[] };
+  /* Return the best way of a robot between two places, pose by pose, with its falls and slides. */
+  way: { args: { doc: string; index: number; robot: string; start: [number, number]; goal: [number, number]; best?: "length" | "tilt" | "margin" }; result: Way };
+}

@@ -3,7 +3,7 @@
 import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Modal, Segmented, Select, Slider, useAddress } from "./controls";
 import { FieldControl } from "./fields";
-import type { SceneData, Variant } from "./protocol";
+import type { SceneData, Texts, Variant } from "./protocol";
 import { thumbnail } from "./solid";
 import { ask, attempt, dark, dialog, edit, frozen, hello, index, newGesture, problem, problemAt, robot, say, scene, showMap, state } from "./state";
 
@@ -66,7 +66,7 @@ function AllMetrics({ map }: { map: SceneData }) {
     if (!open) return;
     let wanted = true;
     const args = { index: index.value, ...(robot.value && { robot: robot.value }) };
-    void attempt(() => ask<{ rows: [string, string, string, string][] }>("measure", args), false).then((found) => {
+    void attempt(() => ask("measure", args), false).then((found) => {
       if (wanted && found) setRows(found.rows);
       if (found) Object.assign(CACHE, { key, rows: found.rows });
     });
@@ -82,14 +82,12 @@ function AllMetrics({ map }: { map: SceneData }) {
 
 /* ---- the recipe as text */
 
-type Texts = { recipe: string; python: string; shell: string };
-
 function Recipe({ map }: { map: SceneData }) {
   const [shown, show] = useState<keyof Texts>("recipe");
   const [texts, setTexts] = useState<Texts | null>(null);
   const revision = state.value?.revision;
   useEffect(() => {
-    if (!frozen) void attempt(() => ask<Texts>("texts"), false).then((found) => found && setTexts(found));
+    if (!frozen) void attempt(() => ask("texts", {}), false).then((found) => found && setTexts(found));
   }, [revision]);
   const text = frozen ? map.recipe : (texts?.[shown] ?? map.recipe);
   if (!text) return <p class="empty">This map has no recipe.</p>;
@@ -152,7 +150,7 @@ export function Variants() {
   const close = () => (dialog.value = null);
   const look = async () => {
     setFound(null);
-    setFound((await attempt(() => (of === "seeds" ? ask<Variant[]>("variants", { count: 12 }) : ask<Variant[]>("maps", { first: from, count: 12, by })))) ?? []);
+    setFound((await attempt(() => (of === "seeds" ? ask("variants", { count: 12 }) : ask("maps", { first: from, count: 12, by })))) ?? []);
   };
   useEffect(() => void look(), [of, from, by]);
   const keep = (variant: Variant) => {

@@ -62,9 +62,9 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
     const missing = command.fields.find((field) => field.required && (values[field.name] ?? "") === "");
     if (missing) return fail({ where: missing.name, text: "is missing" });
     remembered.set(name, { values, output });
-    const given = Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined));
+    const given = Object.fromEntries(Object.entries(values).filter((entry): entry is [string, Json] => entry[1] !== undefined));
     try {
-      const started = await ask<Job>("run", { command: name, values: given, ...(output && { output }), ...(replace && { replace }) });
+      const started = await ask("run", { command: name, values: given, ...(output && { output }), ...(replace && { replace }) });
       if (!jobs.value.some((each) => each.id === started.id)) jobs.value = [started, ...jobs.value];
       follow(started.id);
     } catch (error) {

@@ -1,7 +1,7 @@
 /* The door to the server: calls, events, files. A frozen page has no server, and its data in the page. */
 
 import { read, written } from "./exact";
-import type { Event, Failure } from "./protocol";
+import type { Calls, Event, Failure } from "./protocol";
 
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const headers = { Authorization: `Bearer ${token}`, "Content-Type": "application/json" };
@@ -20,11 +20,11 @@ async function answer(response: Response): Promise<Response> {
 }
 
 /* Call a function of the server by its name. */
-export async function call<T>(name: string, args: object = {}): Promise<T> {
+export async function call<N extends keyof Calls>(name: N, args: Calls[N]["args"]): Promise<Calls[N]["result"]> {
   const response = await fetch(`api/${name}`, { method: "POST", headers, body: written(args) }).catch(() => {
     throw new Failed({ where: "", text: "rsegen gui has ended: start it again, and reload this page" });
   });
-  return read<T>(await (await answer(response)).text());
+  return read<Calls[N]["result"]>(await (await answer(response)).text());
 }
 
 /* Send the bytes of a file; gives the path by which commands may read it. */

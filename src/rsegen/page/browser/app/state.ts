@@ -6,11 +6,9 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Failed, call, listen } from "./server";
 import type {
-  Action, Entry, Event, Failure, Hello, Job, Json, Playback, Pose, PoseMap, Reach, Row, RobotDrawing, SceneData, Search, State, Way,
+  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, Playback, Pose, PoseMap, Reach, Row, RobotDrawing, SceneData, State, Way,
 } from "./protocol";
 import type { Hover, Options, Tool } from "./views";
-
-export interface Frozen { maps: SceneData[]; version: string }
 
 const data = document.getElementById("data");
 export const frozen: Frozen | null = data && (JSON.parse(data.textContent!) as Frozen);
@@ -46,7 +44,8 @@ export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
 export const reach = signal<Reach | null>(null);
 export const wayStart = signal<[number, number] | null>(null);
 export const way = signal<Way | null>(null);
-export const searching = signal<{ of: Search; share: number } | null>(null); // of the robot on the map
+export type Searched = "tilt" | "reach" | "way";
+export const searching = signal<{ of: Searched; share: number } | null>(null); // of the robot on the map
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
 export const second = signal(0);
 
@@ -115,19 +114,21 @@ let ends = new AbortController();
 export const doc = () => state.value?.doc ?? "";
 
 /* Call a function of the server about the document. */
-export const ask = <T>(name: string, args: object = {}): Promise<T> => call<T>(name, { doc: doc(), page, ...args });
+export const ask = <N extends keyof Calls>(name: N, args: Own<N>): Promise<Calls[N]["result"]> =>
+  call(name, { doc: doc(), page, ...args } as Calls[N]["args"]);
+type Own<N extends keyof Calls> = Omit<Calls[N]["args"], "doc" | "page">;
 
 const shownIndex = () => ({ index: index.value });
 
 const draw = newest(async () => {
   const wanted = doc();
-  const drawn = await ask<SceneData>("scene", shownIndex());
+  const drawn = await ask("scene", shownIndex());
   if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
 });
 
 /* Show an obstacle on the map before it is added; null: none. */
 export const showGhost = newest(async (entry: Entry | null) => {
-  const shown = entry && (await ask<SceneData>("ghost", { entry, ...shownIndex() }).catch(() => null)); // a draft may be invalid
+  const shown = entry && (await ask("ghost", { entry, ...shownIndex() }).catch(() => null)); // a draft may be invalid
   ghost.value = shown && { scene: shown, row: state.value!.rows.length };
 });
 
@@ -151,21 +152,21 @@ export function take(given: State): void {
 export async function showMap(number: number): Promise<void> {
   index.value = number;
   draw();
-  const next = await attempt(() => ask<State>("state", { index: number }));
+  const next = await attempt(() => ask("state", { index: number }));
   if (next) take(next); // the ends of obstacles that are drawn at random
 }
 
 /* Edit another document: a new one, a file, an example, a map of a data set. */
 export async function open(what: string): Promise<boolean> {
   const left = doc();
-  const opened = await attempt(async () => (await call<{ doc: string }>("open", { what })).doc);
+  const opened = await attempt(async () => (await call("open", { what })).doc);
   if (opened === null || !(await load(opened))) return false;
   if (left && left !== opened) await attempt(() => call("close", { doc: left }), false); // else its changes would come back
   return true;
 }
 
 async function load(id: string): Promise<boolean> {
-  const next = await attempt(() => call<State>("state", { doc: id, page }));
+  const next = await attempt(() => call("state", { doc: id, page }));
   if (!next) return false;
   ends.abort();
   ends = new AbortController();
@@ -183,7 +184,7 @@ async function load(id: string): Promise<boolean> {
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
   if (event.event === "job") jobs.value = [event.job, ...jobs.value.filter((job) => job.id !== event.job.id)];
-  if (event.event === "progress" && event.of === searching.value?.of) searching.value = event;
+  if (event.event === "progress" && searching.value?.of === event.of) searching.value = { ...searching.value, share: event.share };
   if (event.event === "file" && held) take({ ...held, changed_on_disk: event.changed_on_disk });
 }
 
@@ -210,14 +211,14 @@ async function send(): Promise<void> {
     const makes = waiting.findIndex((action) => action.do === "paint" && intoItsMatrix(action).row < 0);
     const actions = waiting.splice(0, makes < 0 ? waiting.length : makes + 1).map(intoItsMatrix);
     flying = actions;
-    const next = await attempt(() => ask<State>("edit", { actions, ...shownIndex() }));
+    const next = await attempt(() => ask("edit", { actions, ...shownIndex() }));
     flying = [];
     if (next) {
       take(next);
       actions.forEach((action) => (selected.value = selectedAfter(action, next.rows.length)));
     } else {
       const failure = problem.value;
-      const now = await attempt(() => ask<State>("state"), false);
+      const now = await attempt(() => ask("state", {}), false);
       if (now) take({ ...now, problem: now.problem ?? failure });
     }
   }
@@ -297,7 +298,7 @@ export function changeEntry(row: number, name: string, value: Json | undefined, 
 export async function save(path?: string, replace = false): Promise<boolean> {
   await sends;
   if (!path && !state.value?.path) return (dialog.value = { name: "save" }), false;
-  const next = await attempt(() => ask<State>("save", { ...(path && { path }), ...(replace && { replace }) }));
+  const next = await attempt(() => ask("save", { ...(path && { path }), ...(replace && { replace }) }));
   if (!next) return false;
   take(next);
   say(`saved as ${next.title}`);
@@ -305,7 +306,7 @@ export async function save(path?: string, replace = false): Promise<boolean> {
 }
 
 export async function reload(): Promise<void> {
-  const next = await attempt(() => ask<State>("reload"));
+  const next = await attempt(() => ask("reload", {}));
   if (next) take(next);
 }
 
@@ -320,7 +321,7 @@ export async function chooseRobot(name: string): Promise<void> {
   robot.value = name;
   drawing.value = null;
   forgetRobot();
-  if (name) drawing.value = await attempt(() => call<RobotDrawing>("robot", { robot: name }));
+  if (name) drawing.value = await attempt(() => call("robot", { robot: name }));
   if (name && drawing.value) tool.value = { name: "robot", heading: heading.value };
 }
 
@@ -329,7 +330,7 @@ const ofRobot = () => ({ index: index.value, robot: robot.value });
 export const settle = newest(async (x: number, y: number) => {
   if (!robot.value) return;
   put.value = [x, y];
-  pose.value = await ask<Pose>("pose", { ...ofRobot(), x, y, heading: heading.value });
+  pose.value = await ask("pose", { ...ofRobot(), x, y, heading: heading.value });
 });
 
 /* Turn the robot where it is. */
@@ -342,12 +343,14 @@ export function face(angle: number): void {
 let searches = 0;
 
 /* Search the map with the robot. A newer search takes the place of one that is under way, whose answer is null. */
-async function search<T>(of: Search, args: object): Promise<T | null> {
+async function search<N extends Searched>(
+  of: N, args: Omit<Own<N>, "index" | "robot">,
+): Promise<Calls[N]["result"] | null> {
   if (searching.value?.of !== of) stopSearch(); // one of its own sort is stopped by the server
   const own = ++searches;
   searching.value = { of, share: 0 };
   try {
-    const found = await ask<T>(of, { ...ofRobot(), ...args });
+    const found = await ask(of, { ...ofRobot(), ...args } as Own<N>);
     return own === searches ? found : null;
   } catch (error) {
     if (!(error instanceof Failed)) throw error;
@@ -367,19 +370,19 @@ export function stopSearch(): void {
 }
 
 export async function showTilt(): Promise<void> {
-  poseMap.value = (await search<PoseMap>("tilt", { heading: heading.value })) ?? poseMap.value;
+  poseMap.value = (await search("tilt", { heading: heading.value })) ?? poseMap.value;
 }
 
 export async function showReach(): Promise<void> {
-  reach.value = (await search<Reach>("reach", {})) ?? reach.value;
+  reach.value = (await search("reach", {})) ?? reach.value;
 }
 
-export async function wayPoint(x: number, y: number, best: string): Promise<void> {
+export async function wayPoint(x: number, y: number, best: Calls["way"]["args"]["best"]): Promise<void> {
   if (!wayStart.value || way.value) {
     way.value = null;
     wayStart.value = [x, y];
   } else {
-    way.value = await search<Way>("way", { start: wayStart.value, goal: [x, y], best });
+    way.value = await search("way", { start: wayStart.value, goal: [x, y], best });
   }
 }
 
@@ -397,12 +400,12 @@ effect(() => {
 export async function start(): Promise<void> {
   if (frozen) return void (scene.value = frozen.maps[0] ?? null);
   const asked = new URLSearchParams(location.search);
-  const [known, list] = [location.hash.slice(1) || asked.get("doc"), attempt(() => call<Hello>("hello"))];
+  const [known, list] = [location.hash.slice(1) || asked.get("doc"), attempt(() => call("hello", {}))];
   const loads = (known && (await load(known))) || (await open(asked.get("open") ?? ""));
   const failure = loads ? null : problem.value;
   hello.value = await list;
   if (!loads && hello.value) await open(""); // a page without a recipe could do nothing
-  jobs.value = (hello.value && (await call<Job[]>("jobs").catch(() => null))) || [];
+  jobs.value = (hello.value && (await call("jobs", {}).catch(() => null))) || [];
   problem.value = hello.value ? failure : problem.value;
 }
 

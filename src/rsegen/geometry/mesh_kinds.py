@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 
 from rsegen.errors import UnknownName
 from rsegen.field.stepfield import CellWindow, StepField
+from rsegen.geometry.exposed_faces import surface, unmerged
 from rsegen.geometry.mesh import Mesh, split_window
-from rsegen.geometry.surface import surface, unmerged
-from rsegen.geometry.watertight import watertight
+from rsegen.geometry.watertight_mesh import watertight
 
 PIECE = 512
 """Side of the pieces, in cells, that large maps are split into, so that memory does not grow with the map (decision 7);
@@ -29,10 +29,25 @@ def meshes(field: StepField, mesh: str, window: CellWindow | None = None) -> Ite
 
 
 def mesh(field: StepField, kind: str = "merged") -> Mesh:
-    """Return a field as one mesh; an UnknownName, which lists the kinds, for another `kind`.
+    """Return a field as one mesh.
 
-    `merged` is the visible surface in few faces; `watertight` is closed, in few triangles; `blocks` has six faces for
-    each block.
+    Parameters
+    ----------
+    field : StepField
+        The blocks and frames.
+    kind : {'merged', 'watertight', 'blocks'}, default 'merged'
+        `merged` is the visible surface in few faces; `watertight` is closed, in few triangles; `blocks` has six faces
+        for each block.
+
+    Returns
+    -------
+    Mesh
+        The mesh, metres, centred on x = y = 0.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such kind.
     """
     if kind not in MESHES:
         raise UnknownName.among("mesh", "mesh", kind, MESHES)

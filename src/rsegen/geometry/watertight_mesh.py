@@ -36,9 +36,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.geometry.exposed_faces import risers, tops
 from rsegen.geometry.mesh import Faces, LabelGrid, Lattice, Mesh, label_grid, welded
 from rsegen.geometry.rectangles import merge, ragged
-from rsegen.geometry.surface import risers, tops
 from rsegen.params.watch import LARGE, tell
 
 _FLAT = 1e-6

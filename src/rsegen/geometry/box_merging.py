@@ -26,7 +26,13 @@ from rsegen.geometry.rectangles import merge
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Boxes:
-    """Axis-aligned boxes as their low and their high corners, (n, 3) each, metres."""
+    """Axis-aligned boxes.
+
+    Attributes
+    ----------
+    low, high : ndarray, shape (n, 3)
+        Their corners of the smallest and the largest x, y and z, metres.
+    """
 
     low: Array
     high: Array
@@ -50,6 +56,16 @@ def boxes(field: StepField) -> Boxes:
 
     Either each box stands on the ground and its top is a rectangle of one height; or the boxes lie in layers, from one
     height to the next: whichever needs fewer boxes.
+
+    Parameters
+    ----------
+    field : StepField
+        The blocks and frames.
+
+    Returns
+    -------
+    Boxes
+        The boxes, metres.
     """
     grid = label_grid(field)
     tops = merge(grid.cells // grid.materials)
