@@ -24,7 +24,7 @@ FAST ?= --numprocesses=2
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=
-LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 pyproject.toml --custom-compile-command 'make lock'
+LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.11 pyproject.toml --custom-compile-command 'make lock'
 
 .PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
@@ -81,9 +81,9 @@ bench: $(VENV)/developer
 	$(BIN)/python -m benchmarks.speed $(if $(wildcard $(VENV)/isaaclab),--isaaclab $(VENV)/isaaclab/bin/python) $(BENCH)
 	$(BIN)/python -m docs.generate
 
-# IsaacLab, to be measured beside: the one function needs no simulator; the package asks for Python 3.11.
+# IsaacLab, to be measured beside: the one function needs no simulator.
 bench-isaaclab:
-	python3.11 -m venv $(VENV)/isaaclab
+	$(PYTHON) -m venv $(VENV)/isaaclab
 	$(VENV)/isaaclab/bin/pip install --quiet torch trimesh scipy
 	$(VENV)/isaaclab/bin/pip install --quiet --no-deps isaaclab==2.3.2.post1
 
