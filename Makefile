@@ -14,6 +14,8 @@
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept; BENCH=--starts for starts alone, kept
 # make bench-contact   ranks collision constructions in a real Gazebo; QUICK=--quick in a few minutes
 # make bench-experiment   the paper's tables in a real Gazebo, half an hour
+# Without bytecode a process takes twice the time to collect the tests, and each start of rsegen half as long again.
+unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
