@@ -2,6 +2,7 @@
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within eight minutes on two cores
 # make test-all    the long tests, with more of everything, and then these, as CI runs them: within 20 minutes on two cores
 # make test-fast   the tests without a simulator, a browser and all that is slow: within two minutes on two cores
+# make coverage  which lines of the core its quick tests do not run
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
@@ -13,6 +14,8 @@
 # make bench    measures speed, memory and face counts beside other ways; BENCH=--quick for two minutes, not kept; BENCH=--starts for starts alone, kept
 # make bench-contact   ranks collision constructions in a real Gazebo; QUICK=--quick in a few minutes
 # make bench-experiment   the paper's tables in a real Gazebo, half an hour
+# Without bytecode a process takes twice the time to collect the tests, and each start of rsegen half as long again.
+unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -21,12 +24,13 @@ BIN := $(VENV)/bin
 ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
 LONG ?= $(ARGS)
 FAST ?= --numprocesses=2
+CORE = tests/params tests/field tests/recipe tests/geometry tests/scene tests/gazebo
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=
-LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.10 pyproject.toml --custom-compile-command 'make lock'
+LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.11 pyproject.toml --custom-compile-command 'make lock'
 
-.PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast coverage mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	@for recipe in src/rsegen/recipe/examples/*.yaml; do \
@@ -47,6 +51,13 @@ test-all:
 
 test-fast: $(VENV)/tester
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST)
+
+# Apart from make test, as to watch each line makes tests half as slow again.
+coverage: $(VENV)/developer
+	rm -f .coverage .coverage.*
+	$(BIN)/coverage run -m pytest -m "not slow and not long and not real" $(FAST) --quiet $(CORE)
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report
 
 mutants: $(VENV)/developer
 	$(BIN)/python -m tests.support.mutants $(MUTANTS)
@@ -81,9 +92,9 @@ bench: $(VENV)/developer
 	$(BIN)/python -m benchmarks.speed $(if $(wildcard $(VENV)/isaaclab),--isaaclab $(VENV)/isaaclab/bin/python) $(BENCH)
 	$(BIN)/python -m docs.generate
 
-# IsaacLab, to be measured beside: the one function needs no simulator; the package asks for Python 3.11.
+# IsaacLab, to be measured beside: the one function needs no simulator.
 bench-isaaclab:
-	python3.11 -m venv $(VENV)/isaaclab
+	$(PYTHON) -m venv $(VENV)/isaaclab
 	$(VENV)/isaaclab/bin/pip install --quiet torch trimesh scipy
 	$(VENV)/isaaclab/bin/pip install --quiet --no-deps isaaclab==2.3.2.post1
 

@@ -198,6 +198,27 @@ def test_another_recipe_does_not_go_on(tmp_path: Path, other: dict[str, int]) ->
     assert snapshot(tmp_path) == before
 
 
+def test_how_maps_are_represented_and_named_does_not_decide_a_data_set(tmp_path: Path) -> None:
+    folder = tmp_path / "set"
+    make_dataset(RECIPE, folder, shard_maps=3)
+    (folder / "levels-00001.npy").unlink()
+    kept = {path.name: path.stat().st_ino for path in folder.glob("*.npy") if "00001" not in path.name}
+    painted = replace(RECIPE, frame_colour="#ff0000", look="wood", friction=0.5, mesh_type="multi", name="painted")
+
+    make_dataset(painted, folder, shard_maps=3, resume=True)
+
+    assert {name: (folder / name).stat().st_ino for name in kept} == kept
+    make_dataset(painted, tmp_path / "new", shard_maps=3)
+    assert contents(folder) == contents(tmp_path / "new")
+
+
+def test_a_complete_data_set_is_listed_with_the_recipe_given_last(tmp_path: Path) -> None:
+    make_dataset(RECIPE, tmp_path, shard_maps=3)
+    painted = replace(RECIPE, frame_colour="#ff0000")
+    assert make_dataset(painted, tmp_path, shard_maps=3, resume=True).recipe == painted
+    assert Dataset(tmp_path).recipe == painted
+
+
 def test_force_replaces_a_data_set_if_nothing_else_is_in_its_folder(tmp_path: Path) -> None:
     make_dataset(RECIPE, tmp_path / "set", shard_maps=1)
     (tmp_path / "set" / "thesis.tex").write_text("years of work")

@@ -165,7 +165,7 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
 @pytest.mark.long(reason="needs mujoco_warp, with Warp 0.4 GB")
 @pytest.mark.slow
 def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) -> None:
-    pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+    pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed")
     terrain, *_, race, _mjx, _quadruped = blocks(ROOT / "docs" / "learning.md", "python")
     script = f"{terrain.partition('terrain =')[0]}\n{race}"
     found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)

@@ -153,7 +153,7 @@ def test_level_places_are_level_in_the_compiled_model(mjlab: Any) -> None:
 
 
 def test_balls_of_mujoco_warp_rest_on_a_height_field(mjlab: Any) -> None:
-    mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+    mjw = pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed")
     from mjlab.terrains.terrain_generator import TerrainGenerator, TerrainGeneratorCfg
 
     smooth = replace(RECIPE, level_friction=None)

@@ -17,8 +17,8 @@ from tests.support.late_import import LateImport
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 from rsegen.learning.mujoco import BlockGrid  # noqa: E402  # it needs MuJoCo
 
-mjw = LateImport("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
-adapter = LateImport("rsegen.learning.mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+mjw = LateImport("mujoco_warp", reason="mujoco_warp is not installed")
+adapter = LateImport("rsegen.learning.mujoco_warp", reason="mujoco_warp is not installed")
 
 pytestmark = [pytest.mark.long(reason="Warp, 0.4 GB, which compiles its kernels"), pytest.mark.slow]
 

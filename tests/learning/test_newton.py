@@ -137,7 +137,7 @@ def _a_second_later(model: Any, stepper: Any, now: Any) -> Any:
 @pytest.mark.parametrize("solver", ["SolverXPBD", "SolverMuJoCo"])
 def test_balls_rest_on_the_blocks_written_last(solver: str) -> None:
     if solver == "SolverMuJoCo":
-        pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+        pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed")
     model, shapes = _worlds()
     stepper = getattr(newton.solvers, solver)(model)
     for first in (0, 10):
@@ -166,7 +166,7 @@ def test_boxes_slide_as_far_as_the_friction_of_their_level_lets_them(
 ) -> None:
     """By v^2 / (2 mu g), on `blocks` of a grid or on the `boxes` of a map; world k is level at level k + 1."""
     if solver == "SolverMuJoCo":
-        pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed: it needs Python 3.11")
+        pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed")
     friction, builder, shapes = np.array([0.2, 0.4, 0.6]), newton.ModelBuilder(), []
     blocks = adapter.BlockGrid(replace(RECIPE, chunk_size=16))
     levels = np.ones((3, 16, 16), dtype=np.int16) * np.arange(1, 4, dtype=np.int16)[:, None, None]

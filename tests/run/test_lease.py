@@ -59,8 +59,9 @@ def test_a_run_that_was_killed_and_not_yet_reaped_is_dead(tmp_path: Path) -> Non
     with holding(tmp_path) as process:
         process.kill()
         os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
-        with open_store(tmp_path):
-            pass
+        with open_store(tmp_path) as store:
+            store.put({"a": [b"1"]})
+    assert (tmp_path / "a").read_bytes() == b"1"
 
 
 def test_a_run_of_another_machine_is_alive_while_its_heart_beats(

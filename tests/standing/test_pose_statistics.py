@@ -36,12 +36,13 @@ def test_on_level_ground_every_pose_stands_and_is_level() -> None:
 
 
 def test_where_a_robot_never_stands_it_has_no_tilt_and_no_clearance() -> None:
-    recipe = rsegen.Recipe(seed=1, unit_cm=50, boundary="none", obstacles=[rsegen.Random(levels=9)])
-    found = pose_statistics(rsegen.build(recipe), JACKAL.body)
-    if found.stands == 0:
-        assert found == PoseStatistics(
-            stands=0, tilt_median=None, tilt_p90=None, clearance_median=None, clearance_least=None
-        )
+    """A row of cells at the foot of a wall of three metres: everywhere half of the robot is on it."""
+    wall = np.array([[False] * 9, [True] * 9])
+    foot = rsegen.StepField(levels=np.zeros_like(wall, np.int16), frame=wall, block_width=0.1, unit=0.1, frame_height=3)
+    found = pose_statistics(foot, JACKAL.body)
+    assert found == PoseStatistics(
+        stands=0, tilt_median=None, tilt_p90=None, clearance_median=None, clearance_least=None
+    )
 
 
 @pytest.mark.slow

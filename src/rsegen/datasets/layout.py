@@ -31,10 +31,10 @@ from rsegen.errors import DatasetDamaged, FileError, ParameterError, inside, sho
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.input_files import JOURNAL, Checksum, checksum_of
 from rsegen.measuring.batch import COLUMNS
-from rsegen.params.sorts import Choice, Integer, Text, validate
+from rsegen.params.sorts import Choice, Integer, Text, parameters, validate
 from rsegen.recipe.building import field_of
 from rsegen.recipe.codec import decode, encode
-from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe import Recipe, Representation
 from rsegen.recipe.recipe_file import content
 
 CELLS = 1_000_000
@@ -211,6 +211,13 @@ def header(layout: ShardLayout) -> dict[str, Any]:
         "shard_maps": layout.shard_maps,
         "metrics": layout.metrics,
     }
+
+
+def identity(layout: ShardLayout) -> dict[str, Any]:
+    """Return what decides the bytes of the shards: the header, without how maps are represented and named."""
+    left_out = {*parameters(Representation), "name"}
+    entries = ({key: value for key, value in encode(each).items() if key not in left_out} for each in layout.recipes)
+    return header(layout) | {"recipes": [*entries]}
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:

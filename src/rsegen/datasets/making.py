@@ -17,9 +17,10 @@ from math import prod
 from pathlib import Path, PurePosixPath
 from typing import Protocol
 
-from rsegen.datasets.layout import MANIFEST, Shard, ShardLayout, header, manifest
+from rsegen.datasets.layout import MANIFEST, Shard, ShardLayout, identity, manifest
 from rsegen.datasets.reading import Dataset, arrow, npy, table
 from rsegen.errors import OutputError
+from rsegen.input_files import Checksum
 from rsegen.measuring.batch import batch_metrics
 from rsegen.recipe.batch import build_many
 from rsegen.run.execute import Execution
@@ -107,9 +108,9 @@ def _existing(layout: ShardLayout, folder: Path, on_existing: OnExisting) -> lis
         )
     if on_existing is OnExisting.REPLACE:
         return []
-    if journal.of != header(layout):
+    if journal.of != identity(layout):
         raise OutputError(
-            f"{folder}: contains a different data set (seed, number of maps, a parameter or rsegen's version differ); "
+            f"{folder}: contains a different data set (seed, number of maps, their design or rsegen's version differ); "
             "use those of the interrupted run, or another folder"
         )
     return complete_shards(layout, folder, journal)
@@ -151,15 +152,16 @@ def make_shards(plan: DatasetPlan, progress: Progress | None) -> Dataset:
             Shard(number=number, files={what: files[name][-1] for what, name in layout.names(number).items()})
             for number in range(layout.shards)
         ]
-        if shards_run.to_make or not is_intact(store.folder, MANIFEST, store.journal.content):
-            store.put({MANIFEST: [manifest(layout, shards)]}, force=True)
+        listing = manifest(layout, shards)
+        if not is_intact(store.folder, MANIFEST, store.journal.content) or files[MANIFEST][-1] != Checksum.of(listing):
+            store.put({MANIFEST: [listing]}, force=True)
     return Dataset(plan.run.folder)
 
 
 @contextmanager
 def _opened(plan: DatasetPlan) -> Iterator[Store]:
     """Open the folder of the data set, or the hidden one that replaces it at the end."""
-    folder, of = plan.run.folder, header(plan.layout)
+    folder, of = plan.run.folder, identity(plan.layout)
     if plan.replaces:
         with replacing(folder, HOLDS, of, sync=plan.run.execution.sync) as store:
             yield store

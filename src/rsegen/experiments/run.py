@@ -246,7 +246,7 @@ def read_entries(journal: Journal | None, folder: Path, rows: int) -> Entries:
         try:
             cell, outcome = read_cell(result.get("cell"), rows), read_outcome(result.get("outcome"))
             entries[cell, Integer(0).check("repeat", result.get("repeat"))] = outcome
-        except ParameterError as error:  # noqa: PERF203  # an experiment has some hundred
+        except ParameterError as error:  # an experiment has some hundred
             advice = "delete its line, or give another folder, or force=True"
             raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
     return entries

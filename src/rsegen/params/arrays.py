@@ -3,6 +3,9 @@
 Operators are the same in all of them; this file has the functions that are not. Every one of them gives the same bits
 in numpy and torch: integers, and floats of 64 bits that are added, multiplied, divided, rounded down or compared, which
 IEEE 754 fixes. torch is never imported here: whoever has a tensor has imported it.
+
+array-api-compat would replace little of it, as plain numbers, casts, draws and minima at indices are not in the array
+API, and would be a requirement of the core whose look-up of a namespace takes 15 us, a hundred times as long as ours.
 """
 
 from __future__ import annotations

@@ -48,7 +48,9 @@ class EntryPoint(NamedTuple):
 def entry_points(group: str = "rsegen.") -> tuple[EntryPoint, ...]:
     """Return the entry points of all installed packages for groups that begin so, sorted by their names.
 
-    Of two folders of metadata of one package the first on the path counts.
+    Of two folders of metadata of one package the first on the path counts. Their files are read here, as every start
+    of a command would wait for importlib.metadata: with 160 packages it takes 30 ms of CPU time, 22 for its import and
+    8 for `entry_points(group=...)`, and this 5 ms.
     """
     seen, offers = set[str](), list[EntryPoint]()
     for place in dict.fromkeys(sys.path):

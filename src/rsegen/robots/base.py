@@ -29,7 +29,7 @@ class Robot(RobotOnField):
 
     lift: height of the origin of its model above the ground, metres
     size, clearance: overall length, width and height, and ground clearance of the body, metres
-    climbs: the highest single step that it drives up in Gazebo Classic, measured, metres: a fact that nothing uses
+    climbs: the highest single step that it drives up in Gazebo Classic, measured, metres; experiment reports name it
     source: the origin of its figures, and which are ours
     """
 

@@ -74,7 +74,7 @@ def _stage(
     for item in items:
         try:
             staged.append(_staged(product(item), folder))
-        except Exception as failure:  # noqa: PERF203  # raised by the run, once those before it are in their places
+        except Exception as failure:  # raised by the run, once those before it are in their places
             error = failure
             break
     if sync:

@@ -77,10 +77,9 @@ _UNITS = ("bytes", "kB", "MB", "GB", "TB")  # powers of 1000, as disks are sold
 class Needs:
     """Bytes that a run needs at the least, and how many of its maps fit into the free memory at the same time.
 
-    map_memory: while one map is made   results_memory: for what is known of all maps at the end   disk: for all files
+    results_memory: for what is known of all maps at the end   disk: for all files
     """
 
-    map_memory: int
     results_memory: int
     disk: int
     maps_at_once: int
@@ -97,7 +96,6 @@ def check_needs(
     free = _free_memory()
     largest = max((_checked_memory(recipe, step, things, free) for recipe in recipes), default=0)
     needs = Needs(
-        map_memory=largest,
         results_memory=maps * BYTES_PER_MAP,
         disk=maps * DISK_BYTES_PER_MAP,
         maps_at_once=max(1, free // (largest + BYTES_PER_WORKER)),
