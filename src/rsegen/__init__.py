@@ -24,7 +24,7 @@ __version__ = "1.0.0"
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name when it is first used; `__all__` has them all."""
+    """Import a public name when it is first used, and describe its parameters; `__all__` has all names."""
     if name.startswith("__") and name != "__all__":
         raise AttributeError(f"module 'rsegen' has no attribute {name!r}")
     names = import_module("rsegen.params.capabilities").public_names()
@@ -32,7 +32,8 @@ def __getattr__(name: str) -> object:
         return ["__version__", *sorted(names)]
     if name not in names:
         raise AttributeError(f"module 'rsegen' has no attribute {name!r}")
-    globals()[name] = value = getattr(import_module(names[name]), name)
+    value: object = getattr(import_module(names[name]), name)
+    globals()[name] = value = import_module("rsegen.params.docstrings").described(value)
     return value
 
 
