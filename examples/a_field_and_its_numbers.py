@@ -14,7 +14,7 @@ print(field.blocks[::, ::-1].T)  # north up, without the frame
 
 found = rsegen.metrics(field, rsegen.StepLimits(climb_cm=10, drop_cm=20))
 print(f"rms step {found.steps.rms:.3f} m; {found.steps.share_above(0.1):.0%} of the steps are higher than 10 cm")
-print(f"a robot that climbs 10 cm reaches {found.reach.cover:.0%} of the cells")
+print(f"a robot that climbs 10 cm reaches {found.reach.coverage:.0%} of the cells")
 
 with open("field.png", "wb") as file:
     file.write(rsegen.preview(rsegen.compose(recipe)))

@@ -32,7 +32,7 @@ COMMAND_LINES = {
     "sheets/overview.py": "a printed page",
     "page/forms.py": "command lines that the page runs",
     "page/model/texts.py": "the command line of a recipe, to be copied",
-    "simulation/experiment/run.py": "the command line of an experiment, in its report",
+    "experiments/run.py": "the command line of an experiment, in its report",
 }
 """Files of the library that write flags of rsegen on purpose."""
 
@@ -70,8 +70,8 @@ def texts() -> Iterator[tuple[str, str]]:
     """Yield each text of the library that is no docstring, with its file; help texts of flags are of the shell."""
     for file in sorted(SOURCES.rglob("*.py")):
         name = file.relative_to(SOURCES).as_posix()
-        if name.startswith("cli/"):
-            continue
+        if name.startswith("cli/") or file.name in ("commands.py", "parameters.py", "flags.py"):
+            continue  # the command line, which has flags
         tree = ast.parse(file.read_text("utf-8"))
         alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
         helps = {

@@ -68,12 +68,14 @@ def _types(owner: Any, *, is_declared: bool) -> dict[str, str]:
     known = hints(owner) if is_declared else {}
     # Those of a named tuple are texts in a box.
     texts = {name: getattr(text, "__forward_arg__", text) for name, text in texts.items()}
-    return {name: _plain(text, known.get(name)) for name, text in texts.items() if isinstance(text, str)}
+    # Parameters that sidecars add to a command have their annotation as it is, and not as a text.
+    is_known = {name: isinstance(text, str) or hasattr(text, "__metadata__") for name, text in texts.items()}
+    return {name: _plain(text, known.get(name)) for name, text in texts.items() if is_known[name]}
 
 
-def _plain(text: str, hint: Any) -> str:
+def _plain(text: Any, hint: Any) -> str:
     if not hasattr(hint, "__metadata__"):
-        return text
+        return str(text)
     return hint.__origin__.__forward_arg__ if isinstance(hint.__origin__, ForwardRef) else _words(hint.__origin__)
 
 
