@@ -42,7 +42,7 @@ from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
-from rsegen.standing.lanes import End, entry, step_of, straight
+from rsegen.standing.lanes import End, entry_distance, step_of, straight
 
 FILE = RESULTS / "crossings.json"
 
@@ -227,7 +227,7 @@ def _driven(simulator: str, robot: Robot, scene: Scene, obstacle: str, lines: Se
             step=round(highest_step(field, float(line), robot.size[1]), 6),
             foreseen=bool(end == End.NONE),
             reason=End(int(end)).words,
-            at=None if end == End.NONE else round(float(last * step_of(body) - entry(field, body, 0)), 3),
+            at=None if end == End.NONE else round(float(last * step_of(body) - entry_distance(field, body, 0)), 3),
             seconds=metrics.crossed,
             end_x=round(float(row[1]), 3),
             turned=round(degrees(float(row[6])), 1),

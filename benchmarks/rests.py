@@ -43,8 +43,8 @@ from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import attempted, running_server
 from rsegen.standing.body import Body
-from rsegen.standing.resting import has_stood, poses
-from rsegen.standing.settling import PaddedGround, Settled, _Settling, reach_of, settle
+from rsegen.standing.resting import has_stood, resting_poses
+from rsegen.standing.settling import PaddedGround, Settled, _Settling, outer_radius, settle
 
 FILE = RESULTS / "rests.json"
 
@@ -158,7 +158,7 @@ def _of_robot(here: Installation, robot: Robot, say: Callable[[str], None]) -> t
     body, found, between = robot.body, [], []
     for seed in range(FIRST_SEED, FIRST_SEED + FIELDS):
         scene = _scene(seed, UNITS[robot.kind])
-        ground, starts = PaddedGround.of(scene.field, reach_of(body)), _starts(scene, body, seed)
+        ground, starts = PaddedGround.of(scene.field, outer_radius(body)), _starts(scene, body, seed)
         ends = {
             "classic": attempted(lambda scene=scene, starts=starts: _in_classic(here, scene, robot, starts))[0],  # type: ignore[misc]  # mypy has no types for defaults of lambdas
             "mujoco": [_in_mujoco(scene, robot, start) for start in starts],
@@ -191,8 +191,8 @@ State = tuple[Array, Array]
 def _starts(scene: Scene, body: Body, seed: int) -> list[Start]:
     """Return starts in rows, with places in their squares and headings at random: level, above the highest block."""
     rng, across = np.random.default_rng(seed), int(scene.field.extent[0] / APART)
-    ground = PaddedGround.of(scene.field, reach_of(body))
-    free = (APART - 2 * reach_of(body)) / 2
+    ground = PaddedGround.of(scene.field, outer_radius(body))
+    free = (APART - 2 * outer_radius(body)) / 2
     starts = []
     for k in range(ON_A_FIELD):
         x, y = ((at - (across - 1) / 2) * APART for at in divmod(k, across))
@@ -263,7 +263,7 @@ def _in_mujoco(scene: Scene, robot: Robot, start: Start) -> State:
 def mjcf(scene: Scene, robot: Robot, start: Start) -> str:
     """Return an MJCF model: a robot whose joints do not move, above the blocks below and around it."""
     x, y, z, yaw = start
-    near = (x, y, reach_of(robot.body) + 0.3)
+    near = (x, y, outer_radius(robot.body) + 0.3)
     return model([blocks(scene.field, near), free_robot(robot, (x, y, z, 0, 0, yaw))])
 
 
@@ -349,7 +349,7 @@ def _speed(robot: Robot) -> Speed:
     scene, body = _scene(FIRST_SEED, UNITS[robot.kind]), robot.body
     rng, half = np.random.default_rng(1), scene.field.extent[0] / 2
     x, y, yaw = (rng.uniform(-most, most, TIMED) for most in (half, half, np.pi))
-    ground = PaddedGround.of(scene.field, reach_of(body))
+    ground = PaddedGround.of(scene.field, outer_radius(body))
 
     def rate(work: Callable[[], object]) -> float:
         seconds = []
@@ -363,7 +363,7 @@ def _speed(robot: Robot) -> Speed:
         robot=robot.kind,
         samples=len(body.points),
         at_rest=round(rate(lambda: settle(ground, body, x, y, yaw))),
-        in_full=round(rate(lambda: poses(scene.field, body, x, y, yaw))),
+        in_full=round(rate(lambda: resting_poses(scene.field, body, x, y, yaw))),
     )
 
 

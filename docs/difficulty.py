@@ -12,7 +12,7 @@ from rsegen import KINDS, Recipe, build, load
 from rsegen.field.stepfield import Levels
 from rsegen.field.steps import steps
 from rsegen.params.streams import generator
-from rsegen.recipe.difficulty import nearest, parts_of, roughness, scaled
+from rsegen.recipe.difficulty import nearest_field, parts_of, roughness, scaled
 from rsegen.recipe.examples import EXAMPLES
 
 SHARES = [number / 20 for number in range(1, 21)]
@@ -82,5 +82,5 @@ def _by_chance(recipe: Recipe, share: float) -> Levels:
     whole = build(replace(recipe, boundary="none")).levels
     drawn = generator(recipe.seed, 0, "by chance").random(whole.shape)
     measure = partial(roughness, parts=parts_of(whole.shape, recipe))
-    found: Levels = nearest(partial(scaled, whole, drawn), measure, share * measure(whole), 40)
+    found: Levels = nearest_field(partial(scaled, whole, drawn), measure, share * measure(whole), 40)
     return found

@@ -18,7 +18,7 @@ class Waves(Shaped):
 
     length: Annotated[float, Float(1, 100, unit="blocks", help="from crest to crest")] = 5.0
 
-    def reach(self, grid):
+    def overhang(self, grid):
         """Return 0: waves stay inside the rectangle of their two ends."""
         return 0.0
 

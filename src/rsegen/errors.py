@@ -148,10 +148,10 @@ class UnknownName(ParameterError):
     def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
         """Return the error for `name`, which should have been one of `known`."""
         names = sorted(known)
-        return cls(where, f"unknown {what} {shown(name)}{nearest(name, names)} (known: {', '.join(names)})")
+        return cls(where, f"unknown {what} {shown(name)}{did_you_mean(name, names)} (known: {', '.join(names)})")
 
 
-def nearest(name: object, known: Iterable[str]) -> str:
+def did_you_mean(name: object, known: Iterable[str]) -> str:
     """Return `; did you mean 'wood'?` for a misspelt name; an empty text if no known one is near."""
     import difflib
 
@@ -166,7 +166,7 @@ def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> N
             raise UnknownName.among("", what, name, known)
 
 
-def said_by(error: Exception) -> str:
+def library_message(error: Exception) -> str:
     """Return the message of a library's error on one short line."""
     return " ".join(str(error).split())[:_LONGEST] or type(error).__name__
 

@@ -24,7 +24,7 @@ from io import BufferedReader
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from rsegen.errors import FileError, RsegenError, said_by, shown
+from rsegen.errors import FileError, RsegenError, library_message, shown
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
@@ -135,7 +135,7 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
         raise FileError(f"{path}: not a text in UTF-8") from None
 
 
-def elements(text: str, where: str) -> ET.Element:
+def xml_root(text: str, where: str) -> ET.Element:
     """Return the root of an XML text; a document type and entities are refused, as bombs are made of them."""
     import xml.etree.ElementTree as ET
 
@@ -172,7 +172,9 @@ def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
     except OSError as error:
         raise FileError(unreadable(path, error)) from None
     except Exception as error:  # libraries fail in many ways at files that are none of theirs
-        raise FileError(f"{path}: not a {path.suffix[1:].upper()} file that can be read ({said_by(error)})") from None
+        raise FileError(
+            f"{path}: not a {path.suffix[1:].upper()} file that can be read ({library_message(error)})"
+        ) from None
 
 
 @contextmanager
@@ -218,7 +220,7 @@ def opened_image(path: Path) -> Iterator[Image]:
     except Exception as error:  # Pillow fails in many ways at values that cannot be
         if isinstance(error, OSError) and error.strerror:
             raise FileError(unreadable(path, error)) from None
-        raise FileError(f"{path}: not a whole image: {said_by(error)}") from None
+        raise FileError(f"{path}: not a whole image: {library_message(error)}") from None
 
 
 JOURNAL = ".rsegen.jsonl"

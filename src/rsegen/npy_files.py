@@ -28,6 +28,13 @@ _SIZE_BYTES = {(1, 0): 2, (2, 0): 4}
 """Bytes of the length of a header, by the version of the format; version 3 is for names that Latin-1 cannot write."""
 
 
+def npy_bytes(array: NDArray[Any]) -> bytes:
+    """Return an array as the content of a .npy file, row by row."""
+    file = BytesIO()
+    npy.write_array(file, np.ascontiguousarray(array), allow_pickle=False)
+    return file.getvalue()
+
+
 def mapped(path: Path) -> NDArray[Any]:
     """Return the array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
     try:

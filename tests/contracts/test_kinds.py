@@ -11,7 +11,7 @@ import pytest
 from rsegen import KINDS, Obstacle, Recipe, build
 from rsegen.field.obstacles import Grid
 from rsegen.field.obstacles.base import PLACING, RESERVED, own_parameters, row_parameters
-from rsegen.params.registry import clash, summary
+from rsegen.params.registry import first_line, name_conflict
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.codec import decode, encode, schema
@@ -103,13 +103,13 @@ def test_schema_accepts_encoded_recipes_and_refuses_a_strange_key(cls: type[Obst
 
 @KIND
 def test_every_parameter_is_explained(cls: type[Obstacle]) -> None:
-    assert summary(cls).endswith(".")
+    assert first_line(cls).endswith(".")
     assert all(parameter.help and parameter.describe() for parameter in parameters(cls).values())
 
 
 @KIND
 def test_parameters_that_place_an_obstacle_are_the_same_for_every_kind(cls: type[Obstacle]) -> None:
-    assert clash(cls, RESERVED, Obstacle) == ""
+    assert name_conflict(cls, RESERVED, Obstacle) == ""
     assert {name: parameters(cls)[name] for name in PLACING} == PLACING
 
 

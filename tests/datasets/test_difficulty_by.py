@@ -10,7 +10,7 @@ import pytest
 
 import rsegen
 from rsegen import Random, Recipe, StepField, StepLimits
-from rsegen.datasets.difficulty_tiles import Span, eased, mean_of, share_of, span_of
+from rsegen.datasets.difficulty_tiles import Span, eased, mean_span, share_of, span_of
 from rsegen.errors import ParameterError
 from rsegen.measuring.catalogue import metric_by
 
@@ -67,9 +67,9 @@ def test_a_map_of_equal_values_has_the_difficulty_itself() -> None:
 
 
 def test_several_maps_rise_by_their_mean() -> None:
-    assert mean_of([Span(0, 1), Span(1, 4, 0.5)], "cost") == Span(0.5, 2.5)
+    assert mean_span([Span(0, 1), Span(1, 4, 0.5)], "cost") == Span(0.5, 2.5)
     with pytest.raises(ParameterError, match="by: cost is 2 at difficulty 0 and at 1; give a metric that changes"):
-        mean_of([Span(2, 1), Span(2, 3)], "cost")
+        mean_span([Span(2, 1), Span(2, 3)], "cost")
 
 
 def test_level_ground_without_a_value_is_refused() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import FileError, NoSimulator, ParameterError
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from tests.simulators.standins import PROGRAMS, put
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -27,7 +27,7 @@ RECIPE = rsegen.Recipe(name="course", seed=1, chunk_size=2)
         ({"seed": -1}, r"seed: -1 is outside 0\.\."),
         ({"map": 7}, "map: there is no map 7 in the recipe; give an index or name, course_0000"),
         ({"speed": 1}, "speed: is for the robot of a file; 'burger' has its own"),
-        ({"robot": robot("jackal"), "turn": 1}, "turn: is for the robot of a file; 'jackal' has its own"),
+        ({"robot": robot_of_kind("jackal"), "turn": 1}, "turn: is for the robot of a file; 'jackal' has its own"),
         ({"picture": True}, "picture: needs a folder"),
         ({"picture": True, "output": "out"}, "picture: Gazebo's camera needs a screen"),
     ],

@@ -17,7 +17,7 @@ from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.recording import DriveRecording, RobotRun, send_commands
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import STOP
-from rsegen.robots.lookup import DrivableRobot, robot
+from rsegen.robots.lookup import DrivableRobot, robot_of_kind
 from rsegen.robots.sdf_file import from_file
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
@@ -26,7 +26,7 @@ from rsegen.simulators.live_world import Pose
 SCENE = compose(rsegen.Recipe(name="course", seed=1, boundary="none", obstacles=(rsegen.Random(levels=2),)))
 CLASSIC = Installation(simulator=SIMULATORS["classic"], version="11.1.0", commands={})
 T = np.arange(0, 10.01, 0.05)
-BURGER = robot("burger")
+BURGER = robot_of_kind("burger")
 
 
 def run_of(route: str, model: DrivableRobot = BURGER) -> RobotRun:
@@ -78,7 +78,7 @@ def test_on_a_random_route_a_robot_may_be_stuck_where_it_started() -> None:
 
 
 def test_the_joints_of_a_file_s_robot_are_named(tmp_path: Path) -> None:
-    (tmp_path / "mine.sdf").write_text(robot("jackal").file("mine", "classic"))
+    (tmp_path / "mine.sdf").write_text(robot_of_kind("jackal").file("mine", "classic"))
     run = run_of("straight", from_file(tmp_path / "mine.sdf"))
     note = notes(run, driven(run, np.zeros_like), "straight")[-1]
     assert "perhaps front_left_axle, rear_left_axle, front_right_axle" in note

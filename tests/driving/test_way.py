@@ -14,7 +14,7 @@ from rsegen.driving.routes import Route, planned_way
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.base import ROBOTS
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.live_world import Pose
 
 STEP = 0.05
@@ -49,15 +49,15 @@ def off_line(place: tuple[float, float], points: np.ndarray) -> float:
 @pytest.mark.parametrize(("example", "kind"), [*zip(EXAMPLES, cycle(ROBOTS))])
 def test_a_robot_stays_on_its_way(example: str, kind: str) -> None:
     field = rsegen.build(rsegen.load(EXAMPLES[example]))
-    first, second = robot_runs(field, robot(kind), "way", count=2, seed=1)
+    first, second = robot_runs(field, robot_of_kind(kind), "way", count=2, seed=1)
     assert first.way is not None
-    assert second.start.x < first.start.x - robot(kind).size[0]
+    assert second.start.x < first.start.x - robot_of_kind(kind).size[0]
     places = followed(first.route(), first.start, 600)
     inside = [place for place in places if abs(place[0]) < field.extent[0] / 2]
     # Who heads for a point ahead, half a robot's length away, cuts corners by up to a quarter of that.
-    cut = max(field.block_width / 2, robot(kind).size[0] / 8)
+    cut = max(field.block_width / 2, robot_of_kind(kind).size[0] / 8)
     assert max(off_line(place, first.way.points) for place in inside[::10]) < cut
-    assert places[-1][0] >= finish_x(field, robot(kind))
+    assert places[-1][0] >= finish_x(field, robot_of_kind(kind))
 
 
 def test_a_way_avoids_steps_that_the_robot_cannot_climb() -> None:

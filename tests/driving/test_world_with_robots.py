@@ -10,7 +10,7 @@ import pytest
 from rsegen import Random, Recipe, generate
 from rsegen.driving.world_file import time_step, world_with_robots
 from rsegen.errors import FileError
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 
 MODEL = '<model name="one"><link name="l"/></model>'
 NAMES = ("real_time_update_rate", "real_time_factor")
@@ -49,8 +49,8 @@ def test_gazebo_sims_systems_are_named_as_a_plugin_of_a_robot_keeps_old_servers_
         return [plugin.get("name", "").removeprefix(f"{prefix}::systems::") for plugin in root.findall("world/plugin")]
 
     always = ["Physics", "UserCommands", "SceneBroadcaster"]
-    assert named([]) == named([robot("burger").model("one", backend)]) == always
-    assert named([robot("burger").model("one", backend, lidar=True)]) == [*always, "Sensors"]
+    assert named([]) == named([robot_of_kind("burger").model("one", backend)]) == always
+    assert named([robot_of_kind("burger").model("one", backend, lidar=True)]) == [*always, "Sensors"]
     sensors = "".join(f'<sensor name="{kind}" type="{kind}"/>' for kind in ("imu", "contact", "camera", "sonar"))
     assert named([f'<model name="a"><link name="l">{sensors}</link></model>']) == [
         *always,

@@ -13,13 +13,13 @@ from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.recording import RobotRun, trajectories
 from rsegen.driving.routes import Straight
 from rsegen.experiments.plan import TableRow
-from rsegen.experiments.trial import covered, driving_figures
+from rsegen.experiments.trial import covered_share, driving_figures
 from rsegen.field.stepfield import StepField
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.live_world import Pose
 
 T = np.arange(0, 10.01, 0.1)
-BURGER = robot("burger")
+BURGER = robot_of_kind("burger")
 
 
 @pytest.fixture(scope="module")
@@ -62,18 +62,18 @@ def test_a_robot_that_stands_is_over_the_cells_below_its_footprint(
     size: tuple[float, float, float], at: tuple[float, float], yaw: float, cells: int, field: StepField
 ) -> None:
     standing = track(np.full_like(T, at[0]), at[1], yaw)
-    assert covered(standing, Box(size), field) == pytest.approx(cells / 100)  # type: ignore[arg-type]
+    assert covered_share(standing, Box(size), field) == pytest.approx(cells / 100)  # type: ignore[arg-type]
 
 
 def test_a_robot_that_drives_across_is_over_its_lane(field: StepField) -> None:
     crossing = track(np.linspace(-0.6, 0.6, len(T)), 0.05)
-    assert covered(crossing, Box((0.04, 0.04, 1)), field) == pytest.approx(0.1)  # type: ignore[arg-type]
+    assert covered_share(crossing, Box((0.04, 0.04, 1)), field) == pytest.approx(0.1)  # type: ignore[arg-type]
 
 
 def test_figures_are_means_over_the_robots(field: StepField) -> None:
     tracks = {"moves": track(0.04 * T), "rests": track(np.zeros_like(T), roll=pi / 2)}
     found = driving_figures(tracks, [run("moves"), run("rests")], field)
-    shares = [covered(each, BURGER, field) for each in tracks.values()]
+    shares = [covered_share(each, BURGER, field) for each in tracks.values()]
     means = {"driven": 0.2, "stuck": 0.5, "tipped": 0.5, "covered": sum(shares) / 2, "off": 0, "impossible": 0}
     assert found == pytest.approx(means, abs=1e-5)
     alone = {"driven": 0.4, "stuck": 0.0, "tipped": 0.0, "covered": None, "off": 0.0, "impossible": 0.0}

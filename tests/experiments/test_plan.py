@@ -17,7 +17,7 @@ from rsegen.experiments.report import FIGURES, PublishedRow
 from rsegen.experiments.run import _robot_files
 from rsegen.experiments.trial import _runs, refuse_undrivable
 from rsegen.field.steps import steps
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.scene.scene import compose
 
 ROWS = "rows:\n  - {robot: burger, sizes: [0, 10]}\n"
@@ -54,7 +54,7 @@ def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_a
 def test_no_step_of_the_default_plans_and_rows_is_too_high_for_their_robots(rows: tuple[TableRow, ...]) -> None:
     for row in rows:
         found = steps(build(row.map_of(80, seed=1)))
-        assert found.share_above(robot(row.robot).climbs) == 0
+        assert found.share_above(robot_of_kind(row.robot).climbs) == 0
 
 
 def test_half_of_the_steps_of_the_paper_s_plan_are_too_high() -> None:
@@ -82,7 +82,7 @@ def test_a_map_is_random_in_the_levels_that_the_row_says() -> None:
 @pytest.fixture
 def jackal_file(tmp_path: Path) -> str:
     file = tmp_path / "my, own.sdf"
-    file.write_text(robot("jackal").file("mine", "classic"))
+    file.write_text(robot_of_kind("jackal").file("mine", "classic"))
     return str(file)
 
 
@@ -119,7 +119,7 @@ def test_a_robot_that_cannot_be_driven_is_refused_before_any_trial(
 def test_a_changed_file_of_a_robot_is_another_plan(jackal_file: str) -> None:
     plan = read_plan("mine", {"rows": [{"robot": jackal_file}, {}]})
     before = _robot_files(plan)
-    Path(jackal_file).write_text(robot("jackal").file("other", "classic"))
+    Path(jackal_file).write_text(robot_of_kind("jackal").file("other", "classic"))
     assert before.keys() == {"robot_files"}
     assert before != _robot_files(plan)
     assert _robot_files(load_plan("paper")) == {}

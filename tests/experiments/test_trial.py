@@ -10,7 +10,7 @@ import pytest
 from rsegen.errors import SimulatorFailed
 from rsegen.experiments import trial
 from rsegen.experiments.plan import Cell, ExperimentPlan, TableRow
-from rsegen.experiments.run import entry, read_outcome
+from rsegen.experiments.run import journal_entry, read_outcome
 from rsegen.experiments.trial import BEHIND, STARVED, Measurement, Outcome, Trial, is_starved, run_trial
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
@@ -66,7 +66,7 @@ def test_a_trial_has_its_attempts_and_they_come_back_from_a_journal(monkeypatch:
     monkeypatch.setattr(trial, "_trial", once)
     outcome = run_trial(PLAN, PLAN.cells[0], 0, CLASSIC).outcome
     assert outcome.attempts == 3
-    assert read_outcome(entry(PLAN.cells[0], 0, outcome)["outcome"]) == outcome
+    assert read_outcome(journal_entry(PLAN.cells[0], 0, outcome)["outcome"]) == outcome
 
 
 def span(cpu: float, simulated: float, real: float = 10.0) -> Measurement:

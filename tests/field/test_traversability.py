@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 import rsegen
 from rsegen import StepField, StepLimits
-from rsegen.field.graphs import connected, strongly_connected
+from rsegen.field.graphs import component_labels, strongly_connected
 from rsegen.field.stepfield import Ints
 from rsegen.field.traversability import PathGround, Traversability, ground, lane, traversability
 from rsegen.params.sorts import NANOMETRES
@@ -130,7 +130,7 @@ def test_mutual_reach_in_any_graph_is_scipy_s(edges: list[tuple[int, int, bool, 
     )
     assert partition(found) == partition(expected)
     _, expected = connected_components(csr_array((np.ones(len(a)), (a, b)), shape=(20, 20)), directed=False)
-    assert partition(connected(20, a, b)) == partition(expected)
+    assert partition(component_labels(20, a, b)) == partition(expected)
 
 
 def partition(group: Ints) -> set[frozenset[int]]:

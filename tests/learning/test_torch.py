@@ -66,7 +66,7 @@ def test_maps_made_in_parts_are_the_same() -> None:
 
 def test_numbers_on_a_device_are_those_of_numpy() -> None:
     streams = Streams.of(3, MAPS, "key")
-    tensors = streams.beside(torch.zeros(1))
+    tensors = streams.on_device_of(torch.zeros(1))
     assert np.array_equal(tensors.arrays((40, 40)).numpy(), streams.arrays((40, 40)))
 
 

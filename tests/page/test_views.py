@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.page.shown_map import ShownMap, content
+from rsegen.page.shown_map import ShownMap, shown_content
 from tests.support.browser import chromium, complaints, resize
 from tests.support.screen import missing
 
@@ -64,7 +64,7 @@ def _scene() -> dict[str, Any]:
     owners: Ints = np.full(FIELD.shape, -1, dtype="<i2")
     owners[4, 3], owners[7, 1:7] = 0, 1
     handles = [{"row": 0, "first": [3, 2], "last": [3, 2]}, {"row": 1, "first": [6, 0], "last": [6, 5]}]
-    shown = content(ShownMap.of_field(FIELD, "course"))
+    shown = shown_content(ShownMap.of_field(FIELD, "course"))
     return shown | {"owners": b64encode(owners.tobytes()).decode(), "handles": handles, "look": "plain", "step": UNIT}
 
 
@@ -495,7 +495,7 @@ def test_ground_is_seen_from_afar_and_not_the_floor_through_it(browser: Chrome, 
     view.stage.camera.position.sub(view.stage.target).multiplyScalar(4).add(view.stage.target);
     view.controls.update();
     return [[-0.4, 0], [0.4, 0]].map(([x, y]) => view.pixel([x, y, 0]))"""
-    (left, y0), (right, y1) = _run(browser, solid, away, content(ShownMap.of_field(flat)))
+    (left, y0), (right, y1) = _run(browser, solid, away, shown_content(ShownMap.of_field(flat)))
     picture = _picture(browser, solid, 620, 600).mean(axis=2)
     along = np.linspace(0, 1, 100)
     line = picture[np.rint(y0 + along * (y1 - y0)).astype(int), np.rint(left + along * (right - left)).astype(int)]

@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 
 import rsegen
 from rsegen.errors import ParameterError
-from rsegen.params.command import Shell, add_flags, command, declared, flags_in_errors, given, rows, schema
+from rsegen.params.command import Shell, add_flags, command, command_schema, declared, flags_in_errors, given, rows
 from rsegen.params.sorts import Choice, Flag, Float, Integer, ListOf
 
 if TYPE_CHECKING:
@@ -105,12 +105,12 @@ def test_the_help_has_meaning_values_and_default() -> None:
 
 
 def test_a_schema_validates_what_a_call_takes() -> None:
-    validator = Draft202012Validator(schema(brew))
+    validator = Draft202012Validator(command_schema(brew))
     assert validator.is_valid({"cups": 3, "kind": "green", "sizes": [0, 1]})
     assert not validator.is_valid({"cups": 13})
     assert not validator.is_valid({"sugar": 1})
-    assert schema(brew)["properties"]["cups"]["default"] == 2
-    assert schema(brew)["description"] == "Make tea: 100 % of it."
+    assert command_schema(brew)["properties"]["cups"]["default"] == 2
+    assert command_schema(brew)["description"] == "Make tea: 100 % of it."
 
 
 def test_a_row_of_the_manual_has_name_flag_values_default_and_meaning() -> None:
@@ -143,7 +143,7 @@ def test_every_parameter_of_a_command_is_explained_and_its_default_is_valid(func
             assert parameter.sort.check(name, parameter.default) == parameter.default
     flags = [flag for parameter in known.values() for flag in parameter.flags]
     assert len(flags) == len(set(flags))
-    Draft202012Validator.check_schema(schema(function))
+    Draft202012Validator.check_schema(command_schema(function))
 
 
 @pytest.mark.parametrize("function", COMMANDS, ids=lambda function: function.__name__)

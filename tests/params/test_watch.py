@@ -14,7 +14,7 @@ import pytest
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.cli.report import progress_of
-from rsegen.params.watch import tell, watched
+from rsegen.params.watch import report_share, watched
 
 WAY = ["--seed", "7", "--chunk-size", "8", "--unit-cm", "5", "--boundary", "none", "--crossable-by", "burger"]
 ROUGH = rsegen.Recipe(
@@ -43,8 +43,8 @@ def test_a_search_for_a_way_across_tells_its_share_and_its_end() -> None:
 def test_nobody_has_to_watch() -> None:
     told: list[float] = []
     with watched(lambda _, share: told.append(share)):
-        tell("anything", 0.5)
-    tell("anything", 0.75)  # when nobody watches any more
+        report_share("anything", 0.5)
+    report_share("anything", 0.75)  # when nobody watches any more
     assert told == [0.5]
 
 
@@ -88,11 +88,11 @@ def test_a_large_mesh_and_its_file_tell_how_far_they_are(tmp_path: Path) -> None
 
 def test_one_work_inside_another_has_a_bar_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
     with progress_of(argparse.Namespace(progress="json", quiet=False)):
-        tell("the whole", 0.25)
+        report_share("the whole", 0.25)
         for share in (0.3, 0.6, 1):
-            tell("a part", share)
-        tell("the whole", 0.75)
-        tell("the whole", 1)
+            report_share("a part", share)
+        report_share("the whole", 0.75)
+        report_share("the whole", 1)
     steps = [json.loads(line)["step"] for line in capsys.readouterr().err.splitlines()]
     assert steps[0] == "the whole"
     assert "a part" in steps

@@ -16,7 +16,7 @@ from PIL import Image
 
 import rsegen
 from rsegen import Random, Recipe, compose
-from rsegen.pictures.plan import boundary, covered
+from rsegen.pictures.plan import boundary, covered_cells
 from rsegen.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, layout, preview, preview_figure
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
@@ -111,7 +111,7 @@ def test_outlines_enclose_the_cells_that_obstacles_cover(recipe: Recipe, index: 
         _, _, patch = placed(recipe, obstacle, index)
         expected = np.zeros(scene.field.blocks.shape, dtype=bool)
         expected[patch.window] = patch.footprint
-        cells = covered(scene, obstacle)
+        cells = covered_cells(scene, obstacle)
         assert np.array_equal(cells[inside], expected)
         lines = boundary(cells, *scene.field.edges())
         assert np.allclose(np.abs(np.diff(lines, axis=1)).sum(axis=(1, 2)), scene.field.block_width)

@@ -25,7 +25,7 @@ class Ramp(Shaped):
 
     kind: ClassVar[str] = "ramp"
 
-    def reach(self, grid):
+    def overhang(self, grid):
         return 0.0
 
     def profile(self, x, y, first, last, grid):

@@ -16,7 +16,7 @@ import pytest
 
 import rsegen
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import Installation
 from rsegen.simulators.gazebo_classic import STATE
 from rsegen.simulators.live_world import LiveWorld, Pose
@@ -173,7 +173,7 @@ def test_a_record_is_kept_by_classic_until_it_is_stopped(gazebo_classic: Install
             live.step(1000)
             return (server.home / STATE).stat().st_size
 
-        live.spawn(robot("burger").file("burger"), Pose(x=0, y=0, z=200))
+        live.spawn(robot_of_kind("burger").file("burger"), Pose(x=0, y=0, z=200))
         before = kept()
         assert kept() > before
         live.stop_recording()

@@ -13,7 +13,7 @@ import rsegen
 from rsegen.driving.world_file import ALWAYS, world_with_robots
 from rsegen.errors import SimulatorFailed
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import Installation
 from rsegen.simulators.server import Server, running_server
 from tests.real.maps import generated
@@ -51,7 +51,9 @@ def own_log(server: Server) -> str:
 def test_a_world_with_robots_is_loaded_every_time_with_all_systems(
     gazebo_sim: Installation, world: Path, mark: str
 ) -> None:
-    models = [robot("burger").model(f"one_{i}", gazebo_sim.backend, (-1, 0.3 * i, 0, 0, 0, 0)) for i in range(3)]
+    models = [
+        robot_of_kind("burger").model(f"one_{i}", gazebo_sim.backend, (-1, 0.3 * i, 0, 0, 0, 0)) for i in range(3)
+    ]
     file = world.with_name("robots.world")
     file.write_text(world_with_robots(world, models, backend=gazebo_sim.backend))
     for _ in range(20):

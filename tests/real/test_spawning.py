@@ -18,7 +18,7 @@ import pytest
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.gazebo import sdf
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import Installation
 from rsegen.simulators.live_world import LiveWorld, Pose
 from rsegen.simulators.server import Server, running_server
@@ -27,7 +27,7 @@ from tests.real.bodies import SIZE, body
 from tests.support.complaints import the_line
 
 Capture = pytest.CaptureFixture[str]
-BURGER = robot("burger")
+BURGER = robot_of_kind("burger")
 COURSE = rsegen.Recipe(
     name="course",
     chunk_size=8,

@@ -170,7 +170,7 @@ class _Wedge(Shaped):
 
     kind: ClassVar[str] = "wedge"
 
-    def reach(self, grid: Grid) -> float:
+    def overhang(self, grid: Grid) -> float:
         return 1.0
 
     def profile(self, x: Array, y: Array, first: Cell, last: Cell, grid: Grid) -> Array:

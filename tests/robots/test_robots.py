@@ -9,7 +9,7 @@ import pytest
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import BACKENDS
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))
 SIMULATOR = pytest.mark.parametrize("simulator", BACKENDS)
@@ -107,12 +107,14 @@ def test_wrong_words_are_refused_in_one_line(robot: Robot) -> None:
 
 def test_an_unknown_robot_is_refused_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match=r"did you mean 'burger'.*burger, crawler, jackal"):
-        robot("burgr")
+        robot_of_kind("burgr")
 
 
 def test_a_burger_s_wheels_gather_speed_in_gazebo_sim() -> None:
     """Straight on as fast as on the spot: 1 m/s^2 at the wheels."""
-    plugin = next(each for each in parsed(robot("burger"), "sim").iter("plugin") if "DiffDrive" in each.get("name", ""))
+    plugin = next(
+        each for each in parsed(robot_of_kind("burger"), "sim").iter("plugin") if "DiffDrive" in each.get("name", "")
+    )
     assert number(plugin, "max_linear_acceleration") == -number(plugin, "min_linear_acceleration") == 1
     assert number(plugin, "max_angular_acceleration") * 0.16 / 2 == pytest.approx(1)
-    assert "acceleration" not in robot("burger").model("one", "classic")
+    assert "acceleration" not in robot_of_kind("burger").model("one", "classic")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rsegen.simulators.process import ErrorRelay, counted
+from rsegen.simulators.process import ErrorRelay, grouped_line
 
 
 @pytest.mark.parametrize(
@@ -31,8 +31,8 @@ def test_lines_are_one_if_they_differ_in_numbers_that_stand_alone(one: str, othe
 
 def test_lines_are_counted() -> None:
     lines = [f"[Err] no entity [{number}]" for number in range(5)]
-    assert counted([*lines, "[Err] no mesh"]) == ("[Err] no entity [0] (5 times)", "[Err] no mesh")
-    assert counted([]) == ()
+    assert grouped_line([*lines, "[Err] no mesh"]) == ("[Err] no entity [0] (5 times)", "[Err] no mesh")
+    assert grouped_line([]) == ()
 
 
 def test_a_line_that_came_once_is_not_said_again() -> None:

@@ -14,7 +14,7 @@ import rsegen
 from rsegen.cli.edge import main
 from rsegen.errors import NothingRuns, SimulatorFailed
 from rsegen.gazebo import sdf
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.gazebo_sim import SimWorld
 from rsegen.simulators.live_world import LiveWorld, Pose
@@ -28,7 +28,7 @@ from tests.support.patience import PATIENCE
 
 __all__ = ["gazebo_classic", "gazebo_sim"]
 
-BURGER = robot("burger")
+BURGER = robot_of_kind("burger")
 THERE, ELSEWHERE = Pose(x=1, y=-2, z=0.5, yaw=1.0), Pose(x=-1.5, y=0.25, z=1.0, yaw=-0.5)
 
 

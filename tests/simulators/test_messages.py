@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed, shown
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.classic_transport import transport_client
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.sim_transport import TOPICS, Discovery, Event, interfaces
@@ -66,7 +66,7 @@ def test_a_field_that_is_not_known_is_skipped() -> None:
 
 @given(v=st.floats(-0.2, 0.2), w=st.floats(-2, 2))
 def test_a_command_for_a_robot_is_a_message(v: float, w: float) -> None:
-    command = robot("burger").command("burger", v, w)
+    command = robot_of_kind("burger").command("burger", v, w)
     type_name = command.type.rpartition(".")[2]
     message = CLASSIC.decode(type_name, CLASSIC.encode(type_name, parse_text(command.text)))
     assert message["position"]["x"] == pytest.approx(v, abs=1e-6)

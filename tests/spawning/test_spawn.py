@@ -11,7 +11,7 @@ import pytest
 
 import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
-from rsegen.robots.lookup import robot
+from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.live_world import Pose
 from rsegen.spawning.spawning import _given_or_next
 from tests.simulators.transport import connected_to
@@ -28,7 +28,7 @@ def test_a_recipe_and_a_robot_are_spawned_respawned_and_removed(sim_address: Map
     spawned = rsegen.spawn(COURSE, simulator="sim")
     assert (spawned.name, spawned.simulator, spawned.at) == ("course_0000", "sim", Pose(x=0, y=0, z=0))
     assert Path("worlds", "course_0000", "model.sdf").is_file()
-    placed = rsegen.spawn(robot("burger"), at=(0, 0), name="scout", simulator="sim")
+    placed = rsegen.spawn(robot_of_kind("burger"), at=(0, 0), name="scout", simulator="sim")
     assert (placed.name, placed.put_on_top) == ("scout", ())
     assert placed.at.z > 0
     replaced = rsegen.respawn(COURSE, simulator="sim")

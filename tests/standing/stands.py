@@ -7,8 +7,8 @@ import numpy as np
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.links import ALONG_Y, rotation
-from rsegen.standing.body import Body, Part, ball, body_of_shapes, cylinder
-from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
+from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sampled_ball, sampled_cylinder
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
 
 BODIES = {kind: robot.body for kind, robot in ROBOTS.items()}
 """The bodies of the included robots."""
@@ -22,17 +22,17 @@ def field_of(levels: Ints | list[list[int]], unit: float = 0.01) -> StepField:
 
 def settled(field: StepField, body: Body, x: float, y: float, yaw: float) -> Settled:
     """One robot at rest."""
-    ground = PaddedGround.of(field, reach_of(body))
+    ground = PaddedGround.of(field, outer_radius(body))
     return settle(ground, body, *(np.array([value]) for value in (x, y, yaw)))
 
 
 def cart(radius: float, *, mu: float = 1.0, base: float = 0.4, speed: float = 0.01) -> Body:
     """Two driven wheels in front and a caster without friction behind, with the mass between, low."""
-    wheel, caster = cylinder(radius, 0.04, 0.001), ball(0.01, 0.001)
+    wheel, caster = sampled_cylinder(radius, 0.04, 0.001), sampled_ball(0.01, 0.001)
     shapes = [
-        (Part(name="left", drives=True, mu=mu, mu2=mu), wheel, placed(0, 0.15, radius, *ALONG_Y)),
-        (Part(name="right", drives=True, mu=mu, mu2=mu), wheel, placed(0, -0.15, radius, *ALONG_Y)),
-        (Part(name="caster", drives=False, mu=0.0, mu2=0.0), caster, placed(-base, 0, 0.01)),
+        (CollisionPart(name="left", drives=True, mu=mu, mu2=mu), wheel, placed(0, 0.15, radius, *ALONG_Y)),
+        (CollisionPart(name="right", drives=True, mu=mu, mu2=mu), wheel, placed(0, -0.15, radius, *ALONG_Y)),
+        (CollisionPart(name="caster", drives=False, mu=0.0, mu2=0.0), caster, placed(-base, 0, 0.01)),
     ]
     centre = np.array([-base / 3, 0.0, radius])
     return body_of_shapes(shapes, mass=5.0, centre=centre, speed=speed, distance=0.001, where="cart")

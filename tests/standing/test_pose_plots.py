@@ -18,7 +18,7 @@ from rsegen.robots.base import ROBOTS
 from rsegen.standing import drawing, plots
 from rsegen.standing.drawing import draw_robot, hull
 from rsegen.standing.plots import pose_maps
-from rsegen.standing.resting import poses
+from rsegen.standing.resting import resting_poses
 
 RECIPE = Recipe(seed=1, unit_cm=1, frame_height_cm=1, boundary="none", obstacles=(Random(levels=4),))
 BURGER = ROBOTS["burger"].body
@@ -41,7 +41,7 @@ def test_the_maps_show_every_reason_that_there_is_and_the_robot() -> None:
     assert image.size[0] == 1500
     assert len(image.convert("RGB").getcolors(1_000_000) or []) > 100
     x, y = plots._places(scene.field)
-    found = poses(scene.field, BURGER, x[:, None], y[None, :], np.array(0.5)).reason
+    found = resting_poses(scene.field, BURGER, x[:, None], y[None, :], np.array(0.5)).reason
     assert len(set(found.tolist())) > 1
     for number, colour in enumerate(plots._REASON_COLOURS):
         assert share(image, colour) >= 0.15 * (found == number).mean()
@@ -70,7 +70,7 @@ def test_on_flat_ground_everything_is_level_and_green(chunks: tuple[int, int]) -
 
 def test_a_robot_is_drawn_where_it_is_with_its_wheels_in_another_colour() -> None:
     axes = Figure().subplots()
-    found = poses(scene_of().field, BURGER, np.array([0.1]), np.array([-0.2]), np.array([np.pi / 2]))
+    found = resting_poses(scene_of().field, BURGER, np.array([0.1]), np.array([-0.2]), np.array([np.pi / 2]))
     draw_robot(axes, BURGER, found)
     outlines = [patch for patch in axes.patches if isinstance(patch, Polygon)]
     wheels = [patch for patch in outlines if patch.get_edgecolor() == to_rgba(drawing._DRIVEN)]

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rsegen.field.stepfield import Array
-from rsegen.standing.lanes import End, drive, step_of
-from rsegen.standing.pushing import SLIDING, _largest_surplus, surplus
-from rsegen.standing.settling import PaddedGround, reach_of, settle
+from rsegen.standing.lanes import End, drive_lanes, step_of
+from rsegen.standing.pushing import SLIDING, _largest_surplus, force_margin
+from rsegen.standing.settling import PaddedGround, outer_radius, settle
 from tests.standing.stands import BODIES, cart, field_of
 
 FLAT = field_of(np.zeros((20, 20), int))
@@ -65,10 +65,10 @@ def test_all_programmes_together_are_those_one_by_one() -> None:
 @pytest.mark.parametrize("kind", sorted(BODIES))
 def test_on_level_ground_no_force_lacks(kind: str) -> None:
     body = BODIES[kind]
-    ground = PaddedGround.of(FLAT, reach_of(body))
+    ground = PaddedGround.of(FLAT, outer_radius(body))
     rest = settle(ground, body, np.zeros(8), np.zeros(8), np.arange(8) * np.pi / 4)
-    assert (surplus(ground, body, rest) >= 0).all()
-    assert (surplus(ground, body, rest, is_moving=False) >= 0).all()
+    assert (force_margin(ground, body, rest) >= 0).all()
+    assert (force_margin(ground, body, rest, is_moving=False) >= 0).all()
 
 
 @pytest.mark.parametrize("mu", [1.0, 0.5])
@@ -80,8 +80,8 @@ def test_a_wheel_climbs_a_step_as_high_as_its_friction_says(mu: float, share: fl
     levels = np.zeros((20, 20), int)
     levels[10:] = 1
     field, body = field_of(levels, share * highest), cart(radius, mu=mu)
-    ground = PaddedGround.of(field, reach_of(body))
-    lanes = drive(ground, body, np.array([-0.3]), np.zeros(1), np.zeros(1), 0.6)
+    ground = PaddedGround.of(field, outer_radius(body))
+    lanes = drive_lanes(ground, body, np.array([-0.3]), np.zeros(1), np.zeros(1), 0.6)
     assert bool(lanes.passed[0]) == (share < 1)
     if share > 1:
         assert lanes.end[0] == End.STUCK
@@ -100,7 +100,7 @@ def test_momentum_carries_a_robot_over_a_little_more() -> None:
     results = []
     for speed in (0.01, 1.5):
         body = cart(0.1, speed=speed)
-        ground = PaddedGround.of(field, reach_of(body))
-        results.append(bool(drive(ground, body, np.array([-0.3]), np.zeros(1), np.zeros(1), 0.6).passed[0]))
+        ground = PaddedGround.of(field, outer_radius(body))
+        results.append(bool(drive_lanes(ground, body, np.array([-0.3]), np.zeros(1), np.zeros(1), 0.6).passed[0]))
     assert results == [False, True]
     assert degrees(acos(1 - 1.05 * highest / 0.1)) == pytest.approx(46.2, abs=0.1)

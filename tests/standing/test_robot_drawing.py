@@ -20,7 +20,7 @@ from rsegen.field.stepfield import StepField
 from rsegen.pictures.preview import _ELEVATION, _TOWARD, _project
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.drawing import _DRIVEN, _UNDRIVEN, RobotDrawing, draw_robot, silhouettes
-from rsegen.standing.resting import poses
+from rsegen.standing.resting import resting_poses
 from tests.standing.stands import field_of
 
 BURGER = ROBOTS["burger"].body
@@ -54,7 +54,7 @@ def test_a_robot_is_behind_what_is_in_front_of_it() -> None:
 def test_the_outlines_are_those_of_the_robot_as_seen(kind: str) -> None:
     body, level = ROBOTS[kind].body, np.zeros((20, 20), int)
     low, high = (
-        list(silhouettes(body, poses(field_of(level + height, 0.1), body, 0, 0, 0), _project, _TOWARD))
+        list(silhouettes(body, resting_poses(field_of(level + height, 0.1), body, 0, 0, 0), _project, _TOWARD))
         for height in (0, 2)
     )
     assert len(low) == len(high) == len(body.parts)
@@ -69,7 +69,7 @@ def test_the_outlines_are_those_of_the_robot_as_seen(kind: str) -> None:
 def test_the_nearest_part_is_drawn_last() -> None:
     """Of a robot that looks east the wheels on its right are nearer to the viewer, and lower in the picture."""
     body = ROBOTS["jackal"].body
-    drawn = silhouettes(body, poses(walled("north"), body, 0, -0.1, 0), _project, _TOWARD)
+    drawn = silhouettes(body, resting_poses(walled("north"), body, 0, -0.1, 0), _project, _TOWARD)
     heights = [float(outline[:, 1].mean()) for outline, colour in drawn if colour == _DRIVEN]
     assert len(heights) == 4
     assert max(heights[2:]) < min(heights[:2])
@@ -77,12 +77,12 @@ def test_the_nearest_part_is_drawn_last() -> None:
 
 def test_the_plan_has_the_robot_too_and_the_title_says_how_it_stands() -> None:
     axes = Figure().add_subplot()
-    draw_robot(axes, BURGER, poses(walled("north"), BURGER, 0.2, -0.1, 0.5))
+    draw_robot(axes, BURGER, resting_poses(walled("north"), BURGER, 0.2, -0.1, 0.5))
     assert axes.dataLim.x0 < 0.2 < axes.dataLim.x1
-    level = poses(walled("north"), BURGER, 0, 0, 0)
+    level = resting_poses(walled("north"), BURGER, 0, 0, 0)
     assert RobotDrawing(body=BURGER, rests=level).describe().startswith("the robot tilts by 0.0 degrees, ")
     assert not RobotDrawing(body=BURGER, rests=level).describe().endswith(("slides", "on"))
-    edge = poses(walled("north"), BURGER, 0, 0.25, 0)
+    edge = resting_poses(walled("north"), BURGER, 0, 0.25, 0)
     assert RobotDrawing(body=BURGER, rests=edge).describe() == "the robot tips over"
 
 

@@ -14,9 +14,9 @@ from benchmarks import rests
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body
-from rsegen.standing.pushing import below_samples
-from rsegen.standing.resting import has_stood, poses
-from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
+from rsegen.standing.pushing import sample_heights
+from rsegen.standing.resting import has_stood, resting_poses
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
 from tests.standing.stands import BODIES, field_of, settled
 
 KINDS = sorted(BODIES)
@@ -33,7 +33,7 @@ UNITS = {kind: unit / 100 for kind, unit in rests.UNITS.items()}
 @settings(max_examples=20, deadline=None)
 def test_on_a_plane_a_robot_stands_level_at_its_own_height(kind: str, level: int, yaw: float) -> None:
     field = field_of(np.full((20, 20), level))
-    found = poses(field, BODIES[kind], np.array([0.0]), np.array([0.0]), np.array([yaw]))
+    found = resting_poses(field, BODIES[kind], np.array([0.0]), np.array([0.0]), np.array([yaw]))
     assert found.z[0] == pytest.approx(0.01 * level, abs=5e-4)
     assert np.degrees([found.roll[0], found.pitch[0]]) == pytest.approx([0, 0], abs=0.2)
     assert np.array([found.x[0], found.y[0]]) == pytest.approx([0, 0], abs=1e-3)
@@ -46,7 +46,7 @@ def test_on_a_plane_a_robot_stands_level_at_its_own_height(kind: str, level: int
 def test_with_its_front_wheels_on_a_block_the_jackal_is_as_steep_as_its_wheelbase_says(height: float) -> None:
     levels = np.zeros((20, 20), int)
     levels[10:] = 1
-    found = poses(field_of(levels, height), BODIES["jackal"], np.array([0.0]), np.array([0.0]), np.array([0.0]))
+    found = resting_poses(field_of(levels, height), BODIES["jackal"], np.array([0.0]), np.array([0.0]), np.array([0.0]))
     base = 0.262
     assert degrees(found.pitch[0]) == pytest.approx(-degrees(asin(height / base)), abs=0.2)
     assert degrees(found.roll[0]) == pytest.approx(0, abs=0.05)
@@ -57,7 +57,9 @@ def test_with_one_wheel_on_a_block_the_burger_rolls_as_its_track_says(height: fl
     levels = np.zeros((20, 20), int)
     levels[:, 10:] = 1
     # Its caster is 8 cm behind the axle; beside the edge, so that it and the other wheel are on the ground.
-    found = poses(field_of(levels, height), BODIES["burger"], np.array([0.0]), np.array([-0.02]), np.array([0.0]))
+    found = resting_poses(
+        field_of(levels, height), BODIES["burger"], np.array([0.0]), np.array([-0.02]), np.array([0.0])
+    )
     between = 0.160
     assert degrees(abs(found.roll[0])) == pytest.approx(degrees(asin(height / between)), abs=0.3)
 
@@ -87,7 +89,7 @@ def test_a_field_that_is_turned_moved_or_mirrored_turns_moves_or_mirrors_the_pos
 
 def poses_on(levels: Ints, unit: float, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
     """Robots at rest on a field."""
-    return settle(PaddedGround.of(field_of(levels, unit), reach_of(body)), body, x, y, yaw)
+    return settle(PaddedGround.of(field_of(levels, unit), outer_radius(body)), body, x, y, yaw)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -95,18 +97,18 @@ def test_nothing_is_below_the_ground_and_three_contacts_bear_the_robot(kind: str
     body, rng = BODIES[kind], np.random.default_rng(4)
     field = field_of(rng.integers(0, 5, (30, 30)), UNITS[kind])
     x, y, yaw = (rng.uniform(-most, most, 300) for most in (1.0, 1.0, pi))
-    ground = PaddedGround.of(field, reach_of(body))
+    ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, x, y, yaw)
     stood = np.flatnonzero(has_stood(rest))
     assert len(stood) > 250
     # Against the side of a block a part never comes to rest at the very edge, and the last round still turns it.
     resting = stood[rest.turn[stood] < 1e-4]
     assert len(resting) > 0.8 * len(stood)
-    _, above = below_samples(ground, body, rest, resting)
+    _, above = sample_heights(ground, body, rest, resting)
     assert above.min() > -1e-3
     contacts = np.take_along_axis(above, rest.contacts[resting], axis=1)
     assert (np.abs(contacts).max(axis=1) < 1e-3).mean() > 0.99  # or it is just at the edge of a block
-    loads = poses(field, body, x, y, yaw).loads[resting]
+    loads = resting_poses(field, body, x, y, yaw).loads[resting]
     assert (loads > -1e-6).all()
     assert loads.sum(axis=1) == pytest.approx(1)
 
@@ -116,7 +118,7 @@ def test_a_pose_does_not_depend_on_the_poses_that_are_found_with_it(kind: str) -
     body, rng = BODIES[kind], np.random.default_rng(5)
     field = field_of(rng.integers(0, 5, (30, 30)), UNITS[kind])
     x, y, yaw = (rng.uniform(-most, most, 40) for most in (1.4, 1.4, pi))
-    together = settle(PaddedGround.of(field, reach_of(body)), body, x, y, yaw)
+    together = settle(PaddedGround.of(field, outer_radius(body)), body, x, y, yaw)
     for k in range(0, 40, 3):
         alone = settled(field, body, x[k], y[k], yaw[k])
         assert (alone.contacts[0] == together.contacts[k]).all()
@@ -128,13 +130,13 @@ def test_a_robot_is_below_the_ground_by_no_more_than_the_turn_that_it_would_stil
     body, rng = BODIES[kind], np.random.default_rng(6)
     field = field_of(rng.integers(0, 8, (20, 20)), 0.05)
     x, y, yaw = (rng.uniform(-most, most, 200) for most in (0.9, 0.9, pi))
-    ground = PaddedGround.of(field, reach_of(body))
+    ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, x, y, yaw)
     stood = np.flatnonzero(has_stood(rest))
     # With blocks like these many go to and fro over an edge.
     assert (rest.turn[stood] > 1e-4).mean() > 0.1
-    _, above = below_samples(ground, body, rest, stood)
-    assert ((above.min(axis=1) > -rest.turn[stood] * reach_of(body) - 1e-3).mean()) > 0.99  # or just at an edge
+    _, above = sample_heights(ground, body, rest, stood)
+    assert ((above.min(axis=1) > -rest.turn[stood] * outer_radius(body) - 1e-3).mean()) > 0.99  # or just at an edge
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -157,7 +159,7 @@ def test_mujoco_agrees(kind: str) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     robot, body = ROBOTS[kind], BODIES[kind]
     scene = rests._scene(1, rests.UNITS[kind])
-    ground = PaddedGround.of(scene.field, reach_of(body))
+    ground = PaddedGround.of(scene.field, outer_radius(body))
     found = [
         rests._rest("mujoco", robot, 1, number, ground, start, rests._in_mujoco(scene, robot, start))
         for number, start in enumerate(rests._starts(scene, body, 1)[:20])
@@ -168,7 +170,9 @@ def test_mujoco_agrees(kind: str) -> None:
 
 def test_no_place_at_all_gives_no_poses() -> None:
     nothing = np.empty(0)
-    assert poses(field_of(np.zeros((3, 3), int)), BODIES["burger"], nothing, nothing, nothing).support.shape == (
+    assert resting_poses(
+        field_of(np.zeros((3, 3), int)), BODIES["burger"], nothing, nothing, nothing
+    ).support.shape == (
         0,
         11,
         3,
@@ -176,7 +180,7 @@ def test_no_place_at_all_gives_no_poses() -> None:
 
 
 def test_the_margin_on_a_plane_is_that_of_the_nearest_edge() -> None:
-    found = poses(field_of(np.zeros((20, 20), int)), BODIES["jackal"], *np.zeros((3, 1)))
+    found = resting_poses(field_of(np.zeros((20, 20), int)), BODIES["jackal"], *np.zeros((3, 1)))
     centre = BODIES["jackal"].centre
     # From axle to axle 26.2 cm, less than across; of a wheel the samples next to the lowest one are in contact too.
     high, aside = float(centre[2]), 0.131 - abs(float(centre[0]))

@@ -16,10 +16,20 @@ from rsegen import Random, Recipe, StepField, build
 from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import drive
-from rsegen.standing.resting import poses
-from rsegen.standing.settling import PaddedGround, reach_of
-from rsegen.standing.spots import MOST_TILT, Bounds, Outline, Spot, apart, body_of_size, fits, spots, spots_of_parts
+from rsegen.standing.lanes import drive_lanes
+from rsegen.standing.resting import resting_poses
+from rsegen.standing.settling import PaddedGround, outer_radius
+from rsegen.standing.spots import (
+    MOST_TILT,
+    Bounds,
+    Outline,
+    Spot,
+    apart,
+    body_of_size,
+    find_spots,
+    fits,
+    spots_of_parts,
+)
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
 
@@ -44,7 +54,7 @@ def flat(blocks: int = 20) -> StepField:
 
 
 def spots_of(field: StepField, robot: Body, count: int, seed: int, gap: float = 0.0) -> tuple[Spot, ...]:
-    return spots(field, robot, count, np.random.default_rng(seed), gap=gap)
+    return find_spots(field, robot, count, np.random.default_rng(seed), gap=gap)
 
 
 @pytest.mark.slow
@@ -56,7 +66,7 @@ def spots_of(field: StepField, robot: Body, count: int, seed: int, gap: float = 
 def test_a_robot_at_a_spot_stands_level_on_its_feet_and_drives_away(kind: str, seed: int) -> None:
     field, robot = rough(seed), body(kind)
     for spot in spots_of(field, robot, 1, seed):
-        rest = poses(field, robot, spot.x, spot.y, spot.yaw)
+        rest = resting_poses(field, robot, spot.x, spot.y, spot.yaw)
         assert rest.stands.all()
         assert rest.pushes.all()
         # Four wheels may stand on three of them in two ways.
@@ -67,7 +77,7 @@ def test_a_robot_at_a_spot_stands_level_on_its_feet_and_drives_away(kind: str, s
         assert spot.tip_angle > radians(10)
         at = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
         lane = 1.25 * robot.length  # a little more than its length
-        assert drive(PaddedGround.of(field, reach_of(robot) + 1), robot, *at, lane).passed.all()
+        assert drive_lanes(PaddedGround.of(field, outer_radius(robot) + 1), robot, *at, lane).passed.all()
         assert spot.reason == ""
 
 
@@ -104,7 +114,7 @@ def test_where_all_is_towers_the_reason_is_that_it_cannot_drive_away() -> None:
     levels[[0, -1]] = levels[:, [0, -1]] = 9  # over the rim it would get away
     with pytest.raises(ParameterError, match="robot: no spot on this map: at the best place it cannot drive away"):
         spots_of(field_of(levels), body("burger"), 1, 1)
-    (spot,) = spots(field_of(levels), body("burger"), 1, np.random.default_rng(1), evenest=True)
+    (spot,) = find_spots(field_of(levels), body("burger"), 1, np.random.default_rng(1), evenest=True)
     assert spot.reason.startswith("cannot drive away")
     assert spot.tilt <= MOST_TILT
 
@@ -137,7 +147,7 @@ def test_a_larger_tilt_may_be_allowed_and_is_kept() -> None:
     gentle = replace(slope, unit=0.01)  # a centimetre per block: 5.7 degrees
     with pytest.raises(ParameterError, match=r"at the best place it tilts by 5\.\d+ degrees"):
         spots_of(gentle, body("jackal"), 1, 1)
-    (spot,) = spots(gentle, body("jackal"), 1, np.random.default_rng(1), most_tilt=radians(8))
+    (spot,) = find_spots(gentle, body("jackal"), 1, np.random.default_rng(1), most_tilt=radians(8))
     assert 4 < degrees(spot.tilt) < 8
 
 
@@ -197,7 +207,7 @@ def test_spots_of_parts_are_those_of_each_part_as_it_lies_in_the_field(kind: str
             assert (corners >= np.array(low) - 1e-6).all()
             assert (corners <= np.array(high) + 1e-6).all()
             if not spot.reason:
-                rest = poses(field, robot, spot.x, spot.y, spot.yaw)
+                rest = resting_poses(field, robot, spot.x, spot.y, spot.yaw)
                 assert rest.pushes.all()
                 assert float(rest.tilt[0]) < MOST_TILT + 1e-6
 

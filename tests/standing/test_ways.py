@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.standing import ways
 from rsegen.standing.lanes import End, straight
-from rsegen.standing.ways import BEST, Lattice, crossing, events, no_way, reach
+from rsegen.standing.ways import BEST, Lattice, best_way, events, no_way, reach
 from tests.standing.stands import BODIES, field_of
 from tests.support.long import long_unless
 
@@ -66,13 +66,13 @@ def test_on_a_flat_field_all_is_reached_and_the_way_is_straight() -> None:
 def test_a_way_over_a_high_edge_tells_where_the_robot_falls() -> None:
     levels = np.zeros((16, 8), int)
     levels[4:8], levels[8:11] = 9, 18
-    way = crossing(field_of(levels), BODIES["crawler"], 0)
+    way = best_way(field_of(levels), BODIES["crawler"], 0)
     assert way.crosses
     edge = 1.1 - 0.8
     assert way.drops
     assert all(edge < x < edge + BODIES["crawler"].length for x, _ in way.drops)
     assert events(way)[0].startswith("drops at 0.")
-    flat = crossing(field_of(np.zeros((16, 8), int)), BODIES["crawler"], 0)
+    flat = best_way(field_of(np.zeros((16, 8), int)), BODIES["crawler"], 0)
     assert (flat.drops, flat.slips, events(flat)) == ((), (), [])
 
 
@@ -90,7 +90,7 @@ def test_a_robot_goes_through_the_gap_of_a_wall_and_nowhere_else() -> None:
     assert way.crosses
     at_wall = way.points[np.abs(way.points[:, 0]) < 0.06]
     assert ((at_wall[:, 1] > 0.05) & (at_wall[:, 1] < 0.35)).all()
-    assert not crossing(field_of(walled(has_gap=False), 0.1), BURGER, 0).crosses
+    assert not best_way(field_of(walled(has_gap=False), 0.1), BURGER, 0).crosses
 
 
 def test_a_tower_in_the_way_is_gone_around() -> None:
@@ -99,7 +99,7 @@ def test_a_tower_in_the_way_is_gone_around() -> None:
     field = field_of(levels, 0.1)
     passed = straight(field, BURGER, 0).passed
     assert passed.tolist() == [True, True, *[False] * 5, True, True]
-    way = crossing(field, BURGER, 0)
+    way = best_way(field, BURGER, 0)
     assert way.crosses
     assert way.length_ratio == pytest.approx(1)
     assert np.abs(way.points[:, 1]).min() > 0.2
@@ -121,9 +121,9 @@ def test_a_robot_crosses_frames_but_does_not_drive_along_them(wall: int | None) 
         assert field.inside(across)[line].all()
     assert found.region[~frame].all()
     blocked = replace(field, levels=np.where(frame, 0, np.arange(8)[:, None] == 4).astype(np.int16))
-    assert not crossing(blocked, BURGER, 0).crosses
+    assert not best_way(blocked, BURGER, 0).crosses
     assert Lattice(blocked, BURGER).way(0) is None
-    assert crossing(blocked, BURGER, 1).crosses
+    assert best_way(blocked, BURGER, 1).crosses
 
 
 @pytest.mark.slow
@@ -132,7 +132,7 @@ def test_the_best_way_is_the_shortest_the_most_level_or_that_with_the_largest_ma
     levels = np.zeros((7, 9), int)
     levels[3, 2:7] = 1
     field = field_of(levels, 0.008)
-    by = {best: crossing(field, BURGER, 0, best) for best in BEST}
+    by = {best: best_way(field, BURGER, 0, best) for best in BEST}
     assert all(way.crosses for way in by.values())
     assert by["length"].length_ratio == pytest.approx(1)
     assert (by["tilt"].length or 0) >= (by["length"].length or 0) - 1e-9

@@ -206,7 +206,7 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
     return recipe.alone(index)
 
 
-def scene_of(arguments: argparse.Namespace) -> Scene:
+def scene_of_flags(arguments: argparse.Namespace) -> Scene:
     """Return the scene of that map."""
     from rsegen.run.resources import refuse_too_large
     from rsegen.scene.scene import compose

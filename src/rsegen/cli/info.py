@@ -10,7 +10,7 @@ from rsegen.cli.flags import (
     add_target_flags,
     add_target_recipe_flags,
     is_of_flags,
-    scene_of,
+    scene_of_flags,
     which_map,
 )
 from rsegen.cli.generate import SHOWN
@@ -44,7 +44,7 @@ def run_info(arguments: argparse.Namespace) -> Report:
     """Summarise the map, or verify a folder."""
     if arguments.verify:
         return _verified(arguments)
-    scene = scene_of(arguments)
+    scene = scene_of_flags(arguments)
     content = _summary(scene)
     return Report(lines=_lines(scene, content), content=content, notes=which_map(arguments.target, arguments.map))
 

@@ -18,7 +18,7 @@ from itertools import takewhile
 from typing import Any, NoReturn
 
 from rsegen import __version__
-from rsegen.errors import UnknownName, line_of, nearest, shown
+from rsegen.errors import UnknownName, did_you_mean, line_of, shown
 from rsegen.params.capabilities import commands
 
 
@@ -193,7 +193,7 @@ class Parser(argparse.ArgumentParser):
             if text.startswith("-"):
                 name = text.partition("=")[0]
                 flags = [flag for action in self._actions for flag in action.option_strings]
-                self.error(f"unknown flag {shown(name)}{nearest(name, flags)}")
+                self.error(f"unknown flag {shown(name)}{did_you_mean(name, flags)}")
             self.error(f"unexpected argument {shown(text)}")
         return parsed, unknown
 

@@ -29,7 +29,7 @@ from rsegen.params.sorts import Choice, Flag, Float, Integer
 from rsegen.run.sidecars import Sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
-    from rsegen.datasets.making import Progress
+    from rsegen.datasets.making import SeriesProgress
     from rsegen.datasets.reading import Dataset
     from rsegen.datasets.series import Series
     from rsegen.datasets.series_rows import SeriesRow
@@ -103,7 +103,7 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
     workers: Workers = 1,
     scheduler: Scheduler = None,
     sync: Sync = True,
-    progress: Progress | None = None,
+    progress: SeriesProgress | None = None,
 ) -> Dataset:
     """Write the maps of one or several recipes as a data set: block levels as arrays, metrics as tables, in shards.
 
@@ -131,13 +131,13 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
     TooLarge
         If there is too little space.
     """
-    from rsegen.datasets.difficulty_tiles import recipes_of
+    from rsegen.datasets.difficulty_tiles import as_recipes
     from rsegen.datasets.layout import ShardLayout
     from rsegen.datasets.making import make_shards, plan_dataset
     from rsegen.run.execute import Execution
     from rsegen.run.plan import OnExisting
 
-    layout = ShardLayout(recipes=recipes_of(recipe), shard_maps=shard_maps, metrics=metrics)
+    layout = ShardLayout(recipes=as_recipes(recipe), shard_maps=shard_maps, metrics=metrics)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_dataset(layout, Path(folder), OnExisting.of(force=force, resume=resume), execution)
     return make_shards(plan, progress)
@@ -279,7 +279,7 @@ def _described(dataset: Dataset) -> str:
 
 
 @contextmanager
-def shards_bar(maps: int) -> Iterator[Progress]:
+def shards_bar(maps: int) -> Iterator[SeriesProgress]:
     """Yield a function for maps in shards; those that exist already are of no weight in the time that is left."""
     with progress_shown(maps, "map", unit_scale=True) as bar:
 

@@ -55,7 +55,7 @@ def tile_levels(recipe: Recipe, index: int) -> Levels:
     return np.where(field.frame, np.int16(frame), field.levels).astype(np.int16)
 
 
-def recipes_of(given: Recipe | Sequence[Recipe]) -> tuple[Recipe, ...]:
+def as_recipes(given: Recipe | Sequence[Recipe]) -> tuple[Recipe, ...]:
     """Return one recipe or several as a tuple; ParameterError if it is neither."""
     recipes = (given,) if isinstance(given, Recipe) else given
     if not isinstance(recipes, list | tuple) or not all(isinstance(recipe, Recipe) for recipe in recipes):
@@ -106,7 +106,7 @@ class Span(NamedTuple):
         return self.level + difficulty * (self.full - self.level)
 
 
-def mean_of(spans: Sequence[Span], name: str) -> Span:
+def mean_span(spans: Sequence[Span], name: str) -> Span:
     """Return the mean of several spans of the metric `name`; ParameterError if its level and full are equal."""
     level, full = (
         fsum(values) / len(spans) for values in zip(*((span.level, span.full) for span in spans), strict=True)

@@ -26,7 +26,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from rsegen.datasets.difficulty_tiles import recipes_of, refuse_unlike
+from rsegen.datasets.difficulty_tiles import as_recipes, refuse_unlike
 from rsegen.errors import DatasetDamaged, FileError, ParameterError, inside, shown
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.input_files import JOURNAL, Checksum, checksum_of
@@ -35,7 +35,7 @@ from rsegen.params.sorts import Choice, Integer, Text, parameters, validate
 from rsegen.recipe.building import field_of
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe, Representation
-from rsegen.recipe.recipe_file import content
+from rsegen.recipe.recipe_file import recipe_content
 
 CELLS = 1_000_000
 """Cells in a shard, about: a second of work or less, a megabyte."""
@@ -65,7 +65,7 @@ class ShardLayout:
 
     def __post_init__(self) -> None:
         validate(self)
-        object.__setattr__(self, "recipes", recipes_of(self.recipes))
+        object.__setattr__(self, "recipes", as_recipes(self.recipes))
         _check_kinds(self.recipes)
         n_x, n_y = self.grid_shape
         least = -(-self.maps // (MOST - len(self.recipes) + 1))
@@ -242,7 +242,7 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
         if (folder / JOURNAL).is_file():
             why = "is not finished; the command that began it goes on with resume=True"
         raise FileError(f"{folder}: {why}")
-    entries = content(path)
+    entries = recipe_content(path)
     try:
         if not isinstance(entries, Mapping) or entries.get("dataset") != FORMAT:
             raise ParameterError("", f"is not a manifest of a data set in format {FORMAT}")

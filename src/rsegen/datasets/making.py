@@ -18,10 +18,11 @@ from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from rsegen.datasets.layout import MANIFEST, Shard, ShardLayout, identity, manifest
-from rsegen.datasets.reading import Dataset, arrow, npy, table
+from rsegen.datasets.reading import Dataset, arrow, table
 from rsegen.errors import OutputError
 from rsegen.input_files import Checksum
 from rsegen.measuring.batch import batch_metrics
+from rsegen.npy_files import npy_bytes
 from rsegen.recipe.batch import build_many
 from rsegen.run.execute import Execution
 from rsegen.run.journal import Journal, is_empty, is_intact, read_errors, read_journal
@@ -32,7 +33,7 @@ from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceabl
 HOLDS = "data set"
 
 
-class Progress(Protocol):
+class SeriesProgress(Protocol):
     """A function that is called when further maps exist."""
 
     def __call__(self, maps: int, *, already: bool) -> None:
@@ -126,7 +127,7 @@ def complete_shards(layout: ShardLayout, folder: Path, journal: Journal) -> list
     ]
 
 
-def make_shards(plan: DatasetPlan, progress: Progress | None) -> Dataset:
+def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
     """Make the shards that are missing, then the manifest; return the data set."""
     layout, shards_run = plan.layout, plan.run
     with _opened(plan) as store:
@@ -178,7 +179,7 @@ def _shard(layout: ShardLayout, number: int) -> Output[int]:
     levels = wide.astype(layout.dtype)
     if (levels != wide).any():
         raise OverflowError(f"a level of shard {number} is no {layout.dtype}")
-    files = {PurePosixPath(names["levels"]): [npy(levels)]}
+    files = {PurePosixPath(names["levels"]): [npy_bytes(levels)]}
     if layout.metrics != "none":
         content = table(layout.metrics, layout.indices(number), batch_metrics(levels, layout.flat_field))
         files[PurePosixPath(names["metrics"])] = [content]

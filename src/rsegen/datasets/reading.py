@@ -33,13 +33,6 @@ from rsegen.recipe.building import blocks
 from rsegen.recipe.recipe import Recipe
 
 
-def npy(array: NDArray[Any]) -> bytes:
-    """Return an array as the content of a .npy file."""
-    file = io.BytesIO()
-    np.save(file, array, allow_pickle=False)
-    return file.getvalue()
-
-
 def table(form: str, maps: range, figures: Table) -> bytes:
     """Return the metrics of maps, given by their indices, as the content of a file: rows of ROW, or Parquet."""
     if form == "parquet":
@@ -51,10 +44,10 @@ def table(form: str, maps: range, figures: Table) -> bytes:
     rows["map"] = maps
     for name in COLUMNS:
         rows[name] = figures[name]
-    return npy(rows)
+    return npy_files.npy_bytes(rows)
 
 
-def mapped(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+def mapped_array(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
     """Return the array in a file, mapped into memory; FileError if it has another shape or type, or does not exist."""
     array = npy_files.mapped(path)
     if array.shape != shape or array.dtype != dtype:
@@ -105,7 +98,7 @@ class LevelsOfMaps:
 
     def _mapped(self, number: int) -> Ints:
         path = self._folder / self._layout.names(number)["levels"]
-        return mapped(path, self._layout.shape(number), self._layout.dtype)
+        return mapped_array(path, self._layout.shape(number), self._layout.dtype)
 
     def __reduce__(self) -> tuple[type[LevelsOfMaps], tuple[ShardLayout, Path]]:
         return LevelsOfMaps, (self._layout, self._folder)
@@ -263,7 +256,7 @@ class Dataset:
             }
         if self.layout.metrics == "parquet":
             return read_parquet(self.folder / name, len(maps))
-        rows = mapped(self.folder / name, (len(maps),), ROW)
+        rows = mapped_array(self.folder / name, (len(maps),), ROW)
         return {column: rows[column] for column in ROW.names or ()}
 
     def tiles(

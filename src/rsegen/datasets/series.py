@@ -22,7 +22,7 @@ from rsegen.datasets.series_rows import SeriesPlan, SeriesRow, map_target, mean,
 from rsegen.field.stepfield import Array
 from rsegen.measuring.catalogue import RMS
 from rsegen.params.numbers import lengths_in
-from rsegen.params.watch import tell
+from rsegen.params.watch import report_share
 from rsegen.pictures.plan import draw_cells
 from rsegen.pictures.preview import encoded, swatches
 from rsegen.recipe.codec import to_json
@@ -111,7 +111,7 @@ def plan_series(
     spans: list[Span] = []
     for batch in execute(partial(_spans, plan), plan.fields, 2 * _seconds_per_value(plan), execution):
         spans += batch
-        tell("fields as designed", len(spans) / len(plan.fields))
+        report_share("fields as designed", len(spans) / len(plan.fields))
     line = mean(plan, spans)
     existing = _existing(plan, line, folder, sidecars) if keeps else []
     searched = 0 if plan.by == RMS else HALVINGS * _seconds_per_value(plan)

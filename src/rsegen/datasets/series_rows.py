@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from math import fsum, isnan
 from typing import Annotated, NamedTuple
 
-from rsegen.datasets.difficulty_tiles import Span, bisected, mean_of, share_of, span_of
+from rsegen.datasets.difficulty_tiles import Span, bisected, mean_span, share_of, span_of
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.steps import steps
@@ -111,7 +111,7 @@ def mean(plan: SeriesPlan, spans: Sequence[Span]) -> Span:
     """Return the values from which and to which a series rises; ParameterError if a metric does not rise."""
     if plan.by == RMS:
         return Span(0.0, fsum(field.full for field in spans) / len(spans))
-    return mean_of(spans, plan.metric.name)
+    return mean_span(spans, plan.metric.name)
 
 
 def map_target(plan: SeriesPlan, number: int, line: Span) -> MapTarget:

@@ -93,8 +93,8 @@ def _along(field: StepField, robot: DrivableRobot, way: PlannedWay) -> Route:
 
 
 def _random(field: StepField, robot: DrivableRobot, seed: int, index: int) -> Route:
-    reach = max(robot.size[:2])
-    half_x, half_y = (max(along / 2 - reach, 0.0) for along in field.extent)
+    clearance = max(robot.size[:2])
+    half_x, half_y = (max(along / 2 - clearance, 0.0) for along in field.extent)
     rng = generator(seed, index, "route")
     return Wandering(speed=robot.driving_speed, turn=robot.turn, half=(half_x, half_y), rng=rng)
 

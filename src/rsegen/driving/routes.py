@@ -23,8 +23,8 @@ import numpy as np
 from rsegen.field.stepfield import StepField
 from rsegen.simulators.live_world import Pose
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import entry
-from rsegen.standing.ways import Way, crossing
+from rsegen.standing.lanes import entry_distance
+from rsegen.standing.ways import Way, best_way
 
 
 class Motion(NamedTuple):
@@ -196,7 +196,7 @@ class PlannedWay(Way):
 
 def planned_way(field: StepField, body: Body, best: str = "length") -> PlannedWay:
     """Return the way of a robot across a field from west to east that is best, as in rsegen.standing.ways.BEST."""
-    return followed(field, body, crossing(field, body, 0, best))
+    return followed(field, body, best_way(field, body, 0, best))
 
 
 def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
@@ -204,6 +204,6 @@ def followed(field: StepField, body: Body, way: Way) -> PlannedWay:
     parts = {part.name: getattr(way, part.name) for part in fields(way)}
     if not way.crosses:
         line = (way.at or (0.0, 0.0))[1]
-        ends = -entry(field, body, 0), field.extent[0] / 2 - float(body.low[0])
+        ends = -entry_distance(field, body, 0), field.extent[0] / 2 - float(body.low[0])
         parts["points"] = np.array([(x, line) for x in ends])
     return PlannedWay(**parts)

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from rsegen.errors import FileError, SimulatorFailed
 from rsegen.gazebo.sdf import numbers
-from rsegen.input_files import elements, text_of
+from rsegen.input_files import text_of, xml_root
 from rsegen.robots.drives import system
 
 ALWAYS = ("Physics", "UserCommands", "SceneBroadcaster")
@@ -42,7 +42,7 @@ def add_systems(world: Element, backend: str) -> None:
             world.append(fromstring(system(kind, backend)))  # noqa: S314  # ours
 
 
-_MOST_MIB = 512
+_MAX_WORLD_MIB = 512
 """The largest world that is read, MiB; parsed it takes several times this in memory."""
 
 _ABSOLUTE = re.compile(r"[a-z][a-z0-9+.-]*:|/|\s*$")
@@ -57,7 +57,7 @@ def world_with_robots(
     unthrottled: simulated as fast as the machine can, else in real time; backend: that of the installation, whose
     systems are added where the world does not name them. FileError if the file is not a world.
     """
-    root = elements(text_of(world, _MOST_MIB, "a world"), str(world))
+    root = xml_root(text_of(world, _MAX_WORLD_MIB, "a world"), str(world))
     element = root.find("world")
     if root.tag != "sdf" or element is None:
         raise FileError(f"{world}: no <world> in <sdf>")

@@ -74,9 +74,9 @@ def experiment(  # noqa: PLR0913  # each is a flag
         Before the first trial, if the plan is wrong, a simulator is not installed, or the folder has other files of
         these names.
     """
-    from rsegen.experiments.run import run_experiment
+    from rsegen.experiments.run import run_trials
 
-    return run_experiment(
+    return run_trials(
         plan,
         Path(output),
         simulator,

@@ -21,7 +21,7 @@ from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.sorts import Choice, Float, Integer, Json, ListOf, Reference, Text, parameters, validate
 from rsegen.recipe.codec import decode
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import content
+from rsegen.recipe.recipe_file import recipe_content
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import is_robot_file
@@ -203,7 +203,7 @@ def load_plan(name: str) -> ExperimentPlan:
     if not path.suffix:
         raise UnknownName.among("", "plan", name, PLANS)
     try:
-        return read_plan(path.stem, content(path))
+        return read_plan(path.stem, recipe_content(path))
     except ParameterError as error:
         raise error.of(str(path)) from None
 

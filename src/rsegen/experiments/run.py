@@ -79,7 +79,7 @@ class ExperimentResult:
         return report_page(self.plan, self.results, self.machine, self.command)
 
 
-def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
+def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
     plan: str | os.PathLike[str] | ExperimentPlan,
     folder: Path,
     simulators: Sequence[str] | None,
@@ -108,7 +108,7 @@ def run_experiment(  # noqa: PLR0913  # as `rsegen.experiment`
                     trial = run_trial(plan, cell, repeat, installed[str(plan.rows[cell.row].simulator)], watch)
                     if files := track_files(plan, cell, repeat, trial):
                         store.put(files, force=True, holds=HOLDS)
-                    store.note(entry(cell, repeat, trial.outcome))
+                    store.note(journal_entry(cell, repeat, trial.outcome))
                     done[cell, repeat] = trial.outcome
                 except KeyboardInterrupt:
                     there = f"{len(done)} of {len(plan.cells) * plan.repeats} trials are complete in {folder}"
@@ -177,7 +177,7 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], s
 
     FileError if it is damaged.
     """
-    content = recipe_file.content(file)
+    content = recipe_file.recipe_content(file)
     try:
         plan = read_plan(file.stem, content["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
         results = {
@@ -234,7 +234,7 @@ Entries = dict[tuple[Cell, int], Outcome]
 """The outcome of each repeat of a cell that was tried, by its number."""
 
 
-def entry(cell: Cell, repeat: int, outcome: Outcome) -> dict[str, Json]:
+def journal_entry(cell: Cell, repeat: int, outcome: Outcome) -> dict[str, Json]:
     """Return an outcome as the journal has it."""
     return {"cell": asdict(cell), "repeat": repeat, "outcome": asdict(outcome)}
 

@@ -303,7 +303,9 @@ def driving_figures(
     course = Course.over(field) if field else PLANE
     every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
     parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
-    shares = [covered(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
+    shares = (
+        [covered_share(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []
+    )
     return {
         "driven": round(fmean(metrics.distance for metrics in every), 3),
         "stuck": round(fmean(metrics.stuck / metrics.seconds if metrics.seconds else 0.0 for metrics in every), 4),
@@ -314,7 +316,7 @@ def driving_figures(
     }
 
 
-def covered(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
+def covered_share(track: Trajectory, robot: DrivableRobot, field: StepField) -> float:
     """Return the share of a field's cells over which some part of a robot's footprint has been, 0..1.
 
     The footprint is the rectangle of its length and width; it is there at points half a block apart or less, at every

@@ -26,7 +26,7 @@ def neighbours(shape: tuple[int, ...]) -> tuple[Ints, Ints]:
     return low, high
 
 
-def connected(nodes: int, a: Ints, b: Ints) -> Ints:
+def component_labels(nodes: int, a: Ints, b: Ints) -> Ints:
     """Return for each node the smallest node of its connected component, for undirected edges a - b.
 
     Every root is attached to the smallest adjacent root and pointers are shortened, until no edge joins two roots.
@@ -51,7 +51,7 @@ def strongly_connected(nodes: int, a: Ints, b: Ints, onward: Mask, back: Mask) -
     the components that they form, one-way edges may close cycles.
     """
     both, either = onward & back, onward != back
-    labels, place = np.unique(connected(nodes, a[both], b[both]), return_inverse=True)
+    labels, place = np.unique(component_labels(nodes, a[both], b[both]), return_inverse=True)
     tails, heads = (place[np.where(onward, first, second)[either]] for first, second in ((a, b), (b, a)))
     tails, heads = _on_cycles(len(labels), tails, heads)
     used, ends = np.unique(np.concatenate([tails, heads]), return_inverse=True)

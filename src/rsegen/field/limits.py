@@ -79,5 +79,5 @@ class StepLimits(CrossingModel):
 
         written = lengths_in(units)
         up, down = (f"{written.short(limit)} {written.unit}" for limit in self.limits)
-        wide = f", {written.said(self.width, 3)} wide" if self.width_cm else ""
+        wide = f", {written.with_unit(self.width, 3)} wide" if self.width_cm else ""
         return f"a path of steps of up to {up} up and {down} down{wide}"

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.field.crossing import NO_CAP
-from rsegen.field.graphs import connected, strongly_connected
+from rsegen.field.graphs import component_labels, strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.field.steps import steps
 from rsegen.params.sorts import NANOMETRES
@@ -283,7 +283,7 @@ def _minimax(ground: PathGround) -> int:
     first, last, limits = 0, heights.size - 1, np.unique(steps)
     while len(limits) > 1:
         limit = limits[(len(limits) - 1) // 2]
-        root = connected(heights.size, low[steps <= limit], high[steps <= limit])
+        root = component_labels(heights.size, low[steps <= limit], high[steps <= limit])
         opens = root[first] == root[last]
         limits = limits[limits <= limit] if opens else limits[limits > limit]
         if not opens:

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from rsegen.formats.base import Format, Step, register
-from rsegen.formats.encoded import as_json, mat, metadata, npy
+from rsegen.formats.encoded import as_json, mat, metadata
+from rsegen.npy_files import npy_bytes
 from rsegen.recipe.codec import encode
 from rsegen.scene.scene import Scene, csv
 
@@ -48,9 +49,9 @@ class Arrays(Format):
         matlab = {} if self.left_out else {"levels.mat": [mat(variables)]}
         meaning = {name: text for name, text in _FILES.items() if matlab or name != self.mat_file}
         return {
-            "levels.npy": [npy(field.levels)],
-            "heights.npy": [npy(field.heights)],
-            "frame.npy": [npy(field.frame)],
+            "levels.npy": [npy_bytes(field.levels)],
+            "heights.npy": [npy_bytes(field.heights)],
+            "frame.npy": [npy_bytes(field.frame)],
             "levels.csv": csv(field),
             **matlab,
             "meta.json": [as_json({**metadata(scene), "files": meaning, "recipe": encode(scene.alone)})],

@@ -21,7 +21,7 @@ from rsegen.formats import MAT
 from rsegen.formats.encoded import as_json
 from rsegen.gazebo import Bundle
 from rsegen.params.extras import Extra, pip_install
-from rsegen.params.registry import Contract, Registry, clash
+from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import Json, parameters, validate
 from rsegen.recipe.codec import map_json
 from rsegen.scene.scene import Scene
@@ -85,7 +85,7 @@ def _problem(cls: type[Format]) -> str:
     """Return the problem of the name and the options of a plug-in's format; an empty text if there is none."""
     if not (cls.name.isidentifier() and cls.name.islower()):
         return f"has the name {cls.name!r}; give one of small letters, digits and _, as its folder is called so"
-    return clash(cls, RESERVED_FLAGS | READING, others=FORMATS.own()) or (
+    return name_conflict(cls, RESERVED_FLAGS | READING, others=FORMATS.own()) or (
         "" if cls() else "cannot be made without options"
     )
 

@@ -5,10 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from io import BytesIO
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from rsegen import __version__
 from rsegen.params.sorts import Json
@@ -18,13 +14,6 @@ AXES = "axis 0 along +x, axis 1 along +y, cell (0, 0) in the corner of smallest 
 
 _MAT_HEAD = b"MATLAB 5.0 MAT-file, written by rsegen".ljust(116)
 """The header text of 116 bytes, which MATLAB ignores; scipy writes the date into it."""
-
-
-def npy(array: NDArray[Any]) -> bytes:
-    """Return an array as the bytes of an NPY file."""
-    buffer = BytesIO()
-    np.lib.format.write_array(buffer, np.ascontiguousarray(array), allow_pickle=False)
-    return buffer.getvalue()
 
 
 def mat(variables: Mapping[str, object]) -> bytes:

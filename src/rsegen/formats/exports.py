@@ -142,7 +142,7 @@ class MapExport:
 
 ExportsPlan = RunPlan[MapExport, ExportedMap]
 
-Progress = Callable[[ExportedMap], None]
+ExportProgress = Callable[[ExportedMap], None]
 
 
 def plan_exports(
@@ -297,7 +297,7 @@ def export_joined(
     folder: Path,
     chosen: Format,
     on_existing: OnExisting,
-    progress: Progress | None,
+    progress: ExportProgress | None,
     *,
     sync: bool,
 ) -> tuple[ExportedMap, ...]:

@@ -55,23 +55,23 @@ class Mjcf(Format):
         body = self._body(scene)
         return {f"{scene.name}.xml": utf8(_map(scene, body)), "scene.xml": utf8(_scene(scene)), **body.files}
 
-    def _body(self, scene: Scene) -> _Body:
+    def _body(self, scene: Scene) -> _BodyElements:
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
             problem = "'hfield' has one friction coefficient, but the recipe gives several; give boxes or mesh"
             raise ParameterError("shape", problem)
         if not scene.field.stands():
-            return _Body()
+            return _BodyElements()
         if self.shape == "hfield":
             return _height_field(scene, self.pixels)
         if self.shape == "mesh" or scene.recipe.is_textured:  # only meshes have texture coordinates in MuJoCo
             return _meshes(scene)
         boxes = list(columns(scene.field))
         geoms = (_box(scene, column, f' material="{_material(scene, column.material)}"') for column in boxes)
-        return _Body(assets=_materials(scene, {column.material for column in boxes}), geoms=geoms)
+        return _BodyElements(assets=_materials(scene, {column.material for column in boxes}), geoms=geoms)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Body:
+class _BodyElements:
     """The parts of a body: assets, <geom> elements, the files that they need, defaults of collision geoms."""
 
     assets: Iterable[str] = ()
@@ -80,7 +80,7 @@ class _Body:
     collisions: str = ""
 
 
-def _meshes(scene: Scene) -> _Body:
+def _meshes(scene: Scene) -> _BodyElements:
     """Return visual meshes, one per material and texture, and collision boxes in group 3, which viewers hide."""
     images, files = texture_files(scene), {}
     assets = [f'    <texture name="{name.removesuffix(".png")}" type="2d" file="{name}"/>\n' for name in images]
@@ -96,7 +96,7 @@ def _meshes(scene: Scene) -> _Body:
         f'      <geom type="mesh" mesh="{name}" material="{name}" mass="0" contype="0" conaffinity="0" group="2"/>\n'
         for name in files
     )
-    return _Body(
+    return _BodyElements(
         assets=chain(assets, meshes),
         geoms=chain(visuals, (_box(scene, column) for column in columns(scene.field))),
         files={f"{name}.obj": content for name, content in files.items()} | images,
@@ -104,7 +104,7 @@ def _meshes(scene: Scene) -> _Body:
     )
 
 
-def _height_field(scene: Scene, pixels: int) -> _Body:
+def _height_field(scene: Scene, pixels: int) -> _BodyElements:
     """Return a height field of samples at the centres of small squares, `pixels` per side of a cell, less half a one.
 
     MuJoCo scales samples to 0..1, so the position of the geom gives the lowest one; and it puts the first and the last
@@ -115,7 +115,7 @@ def _height_field(scene: Scene, pixels: int) -> _Body:
     low, high = float(heights.min()), float(heights.max())
     sides = ((extent - extent / count) / 2 for extent, count in zip(scene.field.extent, heights.shape, strict=True))
     size = numbers((*sides, high - low or 1.0, low or _BASE))
-    return _Body(
+    return _BodyElements(
         assets=[
             *_materials(scene, {scene.recipe.top_level}),
             f'    <hfield name="{scene.name}" file="{scene.name}.hfield" size="{size}"/>\n',
@@ -146,7 +146,7 @@ def _sampled(field: StepField, pixels: int) -> Array:
     return heights
 
 
-def _map(scene: Scene, body: _Body) -> Iterator[str]:
+def _map(scene: Scene, body: _BodyElements) -> Iterator[str]:
     """Yield the file of the body alone, to be included or attached."""
     # In pieces, as a large map has many geoms; names have the map's name, so that two maps can be in a scene.
     name = scene.name

@@ -17,7 +17,7 @@ from rsegen.gazebo.obj import PARTS, obj
 from rsegen.geometry import surface, texture_coordinates
 from rsegen.geometry.mesh import label_grid
 from rsegen.geometry.rectangles import merge
-from rsegen.scene.colours import Colour, linear, rounded
+from rsegen.scene.colours import Colour, linear, rounded_colour
 from rsegen.scene.scene import Scene
 
 
@@ -66,4 +66,4 @@ def objs(scene: Scene, *, textured: bool = False) -> Iterator[tuple[int, str, It
 
 def srgb_to_linear(colour: Colour) -> Colour:
     """Return the linear colour of an sRGB colour as files have it."""
-    return rounded(linear(colour), 6)
+    return rounded_colour(linear(colour), 6)

@@ -65,7 +65,9 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         what = f"{asked.get('robot')} drives"
         if "robot" not in asked:
             written = lengths_in(scene.units)
-            climb, drop, width = (written.said(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width"))
+            climb, drop, width = (
+                written.with_unit(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width")
+            )
             what = f"a path of steps of {climb} up and {drop} down, {width} wide, leads"
         yield f"{what} across from {' and from '.join(paths or ['no side'])}"
         if "lowered" in crossable:
@@ -136,11 +138,11 @@ def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]
     """Return the numbers of blocks by level: owned, used, missing for the map as it would be without an inventory, and
     left if the map has fewer blocks than that one.
     """
-    from rsegen.recipe.constraints.inventory import blocks
+    from rsegen.recipe.constraints.inventory import block_counts
 
     fields = _built(replace(scene.recipe, inventory=None), scene.index), scene.field
     design, used = ({level: n for level, n in field.level_counts().items() if level} for field in fields)
-    there = blocks(owned, max(len(owned), *design, *used, 0) + 1)
+    there = block_counts(owned, max(len(owned), *design, *used, 0) + 1)
     report = {
         "owned": dict(enumerate(owned, 1)),
         "used": used,

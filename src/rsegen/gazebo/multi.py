@@ -18,7 +18,7 @@ from rsegen.scene.scene import Scene
 
 def files(scene: Scene) -> dict[str, Iterable[bytes]]:
     """Return the world file, generated while it is written, and the meshes of textured blocks, VARIANTS per level."""
-    contents: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, boxes(scene)))}
+    contents: dict[str, Iterable[bytes]] = {f"{scene.name}.world": sdf.utf8(sdf.world(scene, block_models(scene)))}
     for material in _heights(scene.field) if scene.recipe.is_textured else ():
         for variant in range(VARIANTS):
             # A row of cells with one block or frame, whose cell decides its texture.
@@ -42,7 +42,7 @@ def collision_count(scene: Scene) -> int:
     return model_count(scene)
 
 
-def boxes(scene: Scene) -> Iterator[str]:
+def block_models(scene: Scene) -> Iterator[str]:
     """Yield the SDF text of one model per cell above the ground, row by row of x.
 
     Names are `block_X_Y` by block cell, `frame_I_J` by cell with frames counted.
@@ -76,13 +76,13 @@ for one pair; each is a mesh file."""
 def _templates(scene: Scene, material: int, height: float) -> list[str]:
     """Return the models of a box, one per variant, each with three placeholders: its name, x and y."""
     width = scene.field.block_width
-    collision = sdf.box("collision", (width, width, height))._replace(friction=scene.friction_of(material))
-    visual = sdf.box("visual", (width, width, height))._replace(material=sdf.material(scene.colour(material)))
+    collision = sdf.box_geometry("collision", (width, width, height))._replace(friction=scene.friction_of(material))
+    visual = sdf.box_geometry("visual", (width, width, height))._replace(material=sdf.material(scene.colour(material)))
     visuals = [visual] * VARIANTS
     if scene.recipe.is_textured:
         # A mesh has its block in one of several cells, and is moved until that is in the middle.
         visuals = [
-            sdf.mesh("visual", f"meshes/{_mesh_name(scene, material, variant)}")._replace(
+            sdf.mesh_geometry("visual", f"meshes/{_mesh_name(scene, material, variant)}")._replace(
                 centre=((VARIANTS - 1 - 2 * variant) / 2 * width, 0, -height / 2)
             )
             for variant in range(VARIANTS)

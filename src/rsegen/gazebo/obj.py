@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rsegen.field.stepfield import Ints, StepField
 from rsegen.geometry import NORMALS, TILES, Mesh, TextureCoordinates, texture_coordinates
 from rsegen.params.numbers import decimal
-from rsegen.params.watch import LARGE, tell
+from rsegen.params.watch import LARGE, report_share
 from rsegen.scene.looks.looks import textures
 from rsegen.scene.scene import Scene
 
@@ -126,7 +126,7 @@ def _strips(count: int, what: str) -> Iterator[slice]:
     for low in range(0, count, STRIP):
         yield slice(low, min(low + STRIP, count))
         if count > LARGE:
-            tell(f"{what} of an OBJ file", min(low + STRIP, count) / count)
+            report_share(f"{what} of an OBJ file", min(low + STRIP, count) / count)
 
 
 def _texts(texts: Sequence[str]) -> _Texts:

@@ -86,12 +86,12 @@ class Shape(NamedTuple):
     friction: float = 1.0
 
 
-def mesh(name: str, uri: str) -> Shape:
+def mesh_geometry(name: str, uri: str) -> Shape:
     """Return the shape of a mesh file."""
     return Shape(name, f"<mesh><uri>{uri}</uri></mesh>")
 
 
-def box(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape:
+def box_geometry(name: str, size: Iterable[float], centre: Sequence[float] = ()) -> Shape:
     """Return the shape of an axis-aligned box, its size in metres."""
     return Shape(name, f"<box><size>{numbers(size)}</size></box>", centre)
 

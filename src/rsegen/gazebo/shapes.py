@@ -39,7 +39,7 @@ def material_files(scene: Scene) -> dict[str, Iterable[bytes]]:
 def shapes(scene: Scene, field: StepField, stem: str, root: str = "") -> tuple[list[sdf.Shape], Iterator[sdf.Shape]]:
     """Return the visual and the collision shapes of a field; the URIs of their meshes start with `root`."""
     names = [f"{root}meshes/{name}.obj" for name, _ in _parts(scene, field, stem)]
-    visuals = [sdf.mesh(shape, uri) for shape, uri in zip(_called("visual", len(names)), names, strict=True)]
+    visuals = [sdf.mesh_geometry(shape, uri) for shape, uri in zip(_called("visual", len(names)), names, strict=True)]
     return visuals, _collisions(scene, field, stem, root)
 
 
@@ -48,12 +48,12 @@ def _collisions(scene: Scene, field: StepField, stem: str, root: str) -> Iterato
     if scene.recipe.collision == "mesh":
         cut = list(_collision_meshes(scene, field, stem))
         for shape, (path, friction, _) in zip(_called("collision", len(cut)), cut, strict=True):
-            yield sdf.mesh(shape, root + path)._replace(friction=friction)
+            yield sdf.mesh_geometry(shape, root + path)._replace(friction=friction)
         return
     numbers = count()
     for friction, part in _boxes(scene, field):
         for size, centre in zip(part.sizes.tolist(), part.centres.tolist(), strict=True):
-            yield sdf.box(f"collision_{next(numbers)}", size, centre)._replace(friction=friction)
+            yield sdf.box_geometry(f"collision_{next(numbers)}", size, centre)._replace(friction=friction)
 
 
 def collision_count(scene: Scene, field: StepField) -> int:

@@ -93,7 +93,7 @@ class Faces(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Lattice:
+class VertexGrid:
     """The intersections of lines along x, y and z, numbered row by row; coordinates in metres."""
 
     lines: tuple[Array, Array, Array]
@@ -177,7 +177,7 @@ class LabelGrid(NamedTuple):
 
     labels: Ints
     materials: int
-    lattice: Lattice
+    lattice: VertexGrid
 
     @property
     def cells(self) -> Ints:
@@ -207,7 +207,7 @@ def label_grid(field: StepField, window: CellWindow | None = None) -> LabelGrid:
     around[x : x + labels.shape[0], y : y + labels.shape[1]] = labels
     edges_x, edges_y = field.edges()
     lines = edges_x[cells_x.start : cells_x.stop + 1], edges_y[cells_y.start : cells_y.stop + 1], tops
-    return LabelGrid(around, materials, Lattice(lines=lines))
+    return LabelGrid(around, materials, VertexGrid(lines=lines))
 
 
 def split_window(window: CellWindow, side: int) -> Iterator[CellWindow]:

@@ -173,12 +173,12 @@ def _drop_neighbours(a: Ints, b: Ints, rank: Ints, kept: Mask) -> None:
 
 def _shorter_cuts(concave: Mask, along_u: _Runs, along_v: _Runs, kept_v: _Runs) -> tuple[_Runs, _Runs]:
     """Return the cuts along u of corners whose cut along u is shorter than along v; they end at a kept chord."""
-    reach = np.zeros(len(concave), dtype=np.int32)
-    reach[along_v.start] = reach[along_v.end] = along_v.length
+    length_along_v = np.zeros(len(concave), dtype=np.int32)
+    length_along_v[along_v.start] = length_along_v[along_v.end] = along_v.length
     stop = np.zeros(len(concave), dtype=bool)
     stop[kept_v.corners(last=True)[0]] = True
-    forward = along_u.rows(concave[along_u.start] & (along_u.length < reach[along_u.start]))
-    back = along_u.rows(concave[along_u.end] & (along_u.length < reach[along_u.end]))
+    forward = along_u.rows(concave[along_u.start] & (along_u.length < length_along_v[along_u.start]))
+    back = along_u.rows(concave[along_u.end] & (along_u.length < length_along_v[along_u.end]))
     back = _Runs(back.end, back.length, -back.step)
     backward = _until(stop, back)
     return _until(stop, forward), _Runs(backward.end, backward.length, along_u.step)

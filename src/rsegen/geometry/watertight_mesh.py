@@ -47,9 +47,9 @@ from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.geometry.exposed_faces import risers, tops
-from rsegen.geometry.mesh import Faces, LabelGrid, Lattice, Mesh, label_grid, welded
+from rsegen.geometry.mesh import Faces, LabelGrid, Mesh, VertexGrid, label_grid, welded
 from rsegen.geometry.rectangles import merge, ragged
-from rsegen.params.watch import LARGE, tell
+from rsegen.params.watch import LARGE, report_share
 
 _FLAT = 1e-6
 """Share of the smallest area on the lattice below which a triangle counts as degenerate: real triangles are larger by
@@ -75,7 +75,7 @@ class _Fan(NamedTuple):
     normal: Ints
 
 
-def _decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Faces, Ints]:
+def _decimated(pieces: Sequence[Faces], points: _Points, ways: Ints, lattice: VertexGrid) -> tuple[Faces, Ints]:
     """Return the triangles of all pieces without removable vertices, and which vertices are left.
 
     pieces: corners (m, 3), codes of vertices, all of which are used; in the result, indices of those left, which are in
@@ -115,7 +115,7 @@ def _by_material(pieces: Iterable[Faces], number: Ints) -> Faces:
     return Faces(corners, normals, materials)
 
 
-def _collapsed(parts: Sequence[Faces], points: _Points, ways: Ints, lattice: Lattice) -> tuple[Ints, Ints, Mask]:
+def _collapsed(parts: Sequence[Faces], points: _Points, ways: Ints, lattice: VertexGrid) -> tuple[Ints, Ints, Mask]:
     """Return the numbers of the vertices of triangles that have a removable one; the index among them of the vertex
     onto which each is moved in the end, its own if it stays; and which triangles are kept.
     """
@@ -300,7 +300,7 @@ def watertight(field: StepField) -> Mesh:
     def told(share: float) -> None:
         """Tell the share of the time that a map of a thousand cells to each side has taken by then."""
         if large:
-            tell("a closed mesh", share)
+            report_share("a closed mesh", share)
 
     told(0.3)
     places, corners = welded(corners, prod(grid.lattice.shape))
@@ -394,7 +394,7 @@ class _Orders(NamedTuple):
     along_y: Ints
 
     @classmethod
-    def of(cls, points: _Points, code: Ints, lattice: Lattice) -> _Orders:
+    def of(cls, points: _Points, code: Ints, lattice: VertexGrid) -> _Orders:
         # By number, points on one line along z are consecutive: (x, y, z). Sorted by z again, those on a line along y
         # are: (z, x, y); and those along x after one more sort by y: (y, z, x). Both sorts keep the order of equals; of
         # 16 bits they are radix sorts, which are linear.

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rsegen.cli.parameters import RESERVED_FLAGS
 from rsegen.errors import FileError, ParameterError
-from rsegen.params.registry import Contract, Registry, clash
+from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import CENTIMETRES as UNITS
 from rsegen.params.sorts import Cell, validate
 from rsegen.recipe.recipe import Recipe
@@ -261,7 +261,7 @@ def _problem(cls: type[Importer]) -> str:
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
             return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"
-    return clash(cls, RESERVED_FLAGS) or ("" if cls() else "cannot be made without options")
+    return name_conflict(cls, RESERVED_FLAGS) or ("" if cls() else "cannot be made without options")
 
 
 IMPORTERS: Registry[type[Importer]] = Registry(

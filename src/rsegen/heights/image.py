@@ -152,7 +152,7 @@ class OccupancyImage(Importer):
 
         from rsegen.recipe import recipe_file
 
-        content = recipe_file.content(path)
+        content = recipe_file.recipe_content(path)
         if not isinstance(content, Mapping):
             raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
         try:

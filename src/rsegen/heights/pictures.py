@@ -35,5 +35,5 @@ def rounding_plot(scene: Scene, errors_cm: Array, holes: Mask, format: str = "pn
             colour = "white" if abs(error) > 0.6 * half or holes[x, y] else "black"
             axes.text(x, y, text, ha="center", va="center", fontsize=7, color=colour)
     filled = f"; grey: {int(holes.sum()):,} filled" if holes.any() else ""
-    figure.suptitle(f"{scene.name}: rounded to {written.said(scene.recipe.unit_cm / 100, 3)}{filled}")
+    figure.suptitle(f"{scene.name}: rounded to {written.with_unit(scene.recipe.unit_cm / 100, 3)}{filled}")
     return figure_bytes(figure, scene, format)

@@ -116,7 +116,7 @@ def _cell(where: str, row: list[str], delimiter: str) -> tuple[Cell, float]:
         raise FileError(f"{where}: height_cm {shown(height)} is not a number") from None
 
 
-_MOST_MIB = 128
+_MAX_TABLE_MIB = 128
 """The largest table that is read, MiB: 4096 x 4096 cells of seven letters."""
 
 _OURS = re.compile(r"# block levels in units of ([0-9.]{1,12}) cm")
@@ -140,7 +140,7 @@ class Table(Measured):
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of a table, or of a build sheet, which has all its parameters in itself."""
-        text = text_of(path, _MOST_MIB, "a table of heights")
+        text = text_of(path, _MAX_TABLE_MIB, "a table of heights")
         if head := _head().search(text):
             written = head["unit"]
             if self.values not in ("auto", written):

@@ -35,7 +35,7 @@ def array_like(other: Any, values: Any, dtype: Any = None) -> Any:
     return library.asarray(values, dtype=dtype, **({"device": other.device} if library.__name__ == "torch" else {}))
 
 
-def put(array: Any, place: tuple[Any, ...], values: Any) -> Any:
+def with_values(array: Any, place: tuple[Any, ...], values: Any) -> Any:
     """Return an array with values at a place: the same one, in place, but for jax, whose arrays do not change."""
     if hasattr(array, "at"):
         return array.at[place].set(values)

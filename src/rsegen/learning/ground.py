@@ -30,7 +30,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, put
+from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, with_values
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
 
@@ -114,7 +114,7 @@ class Ground:
             worlds = f"{many[0] if many else 1} maps of {n_x} x {n_y} blocks"
             raise TooLarge(f"levels: {worlds} are more than this machine's memory; give fewer") from None
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
-        self._cells = put(around, (..., slice(1, -1), slice(1, -1)), self._checked(given))
+        self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), self._checked(given))
         self._scene: Scene | None = None
 
     @classmethod
@@ -153,7 +153,7 @@ class Ground:
         if tuple(given.shape) != shape:
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give {shape}")
         place = (... if rows is None else rows, slice(1, -1), slice(1, -1))
-        self._cells = put(self._cells, place, array_like(self._cells, self._checked(given)))
+        self._cells = with_values(self._cells, place, array_like(self._cells, self._checked(given)))
 
     def heights(self, points: Any, worlds: Any = None) -> Any:
         """Return the height of the ground at points, (...,), metres."""
@@ -261,12 +261,16 @@ class Ground:
     def _materials(self, points: Any, radius: float | Array, worlds: Any) -> Any:
         """Return the material of the highest block in squares around points: an index into the tables."""
         # The places are less than a block apart: a whole block between two of them would be missed.
-        reach = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
-        shares = np.linspace(-1, 1, floor(2 * float(reach.max())) + 2)
-        reach_x, reach_y = (reach, reach) if reach.ndim == 0 else (reach[..., 0], reach[..., 1])
+        radius_in_blocks = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
+        shares = np.linspace(-1, 1, floor(2 * float(radius_in_blocks.max())) + 2)
+        along_x, along_y = (
+            (radius_in_blocks, radius_in_blocks)
+            if radius_in_blocks.ndim == 0
+            else (radius_in_blocks[..., 0], radius_in_blocks[..., 1])
+        )
         i, j = (
             [self._cell(points[..., axis], share * own, axis) for share in shares]
-            for axis, own in enumerate((reach_x, reach_y))
+            for axis, own in enumerate((along_x, along_y))
         )
         worlds_of = self._along(points, worlds)
         return reduce(self._library.maximum, [self._cells[(*worlds_of, *cell)] for cell in product(i, j)])

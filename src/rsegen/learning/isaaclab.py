@@ -24,7 +24,7 @@ from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.field.stepfield import Array
 from rsegen.geometry.mesh_kinds import MESHES
 from rsegen.learning import MESH
-from rsegen.learning.tile import check_recipe, index_of, tile
+from rsegen.learning.tile import check_recipe, hashed_index, tile
 from rsegen.params.extras import pip_install
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.recipe import Recipe
@@ -39,7 +39,7 @@ def step_field(difficulty: float, cfg: StepFieldTerrainCfg) -> tuple[list[Trimes
         import trimesh
     except ImportError:
         raise UserError(f"trimesh is not installed; {pip_install([MESH.name])}") from None
-    index = index_of(getattr(cfg, "seed", None), difficulty, cfg.tile)
+    index = hashed_index(getattr(cfg, "seed", None), difficulty, cfg.tile)
     ground = tile(_recipe(cfg.recipe), difficulty, index, cfg.size)
     vertices, triangles = ground.mesh(cfg.mesh)
     return [trimesh.Trimesh(vertices, triangles, process=False)], ground.origin_above(cfg.spawn_radius)

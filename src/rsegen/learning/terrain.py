@@ -19,11 +19,11 @@ import numpy as np
 from rsegen.datasets.difficulty_tiles import (
     Span,
     amid,
+    as_recipes,
     check_tile,
     eased,
     kind_of_column,
-    mean_of,
-    recipes_of,
+    mean_span,
     refuse_unlike,
     share_of,
     span_of,
@@ -109,7 +109,7 @@ class Terrain(TerrainDesign):
 
     @property
     def _kinds(self) -> tuple[Recipe, ...]:
-        return recipes_of(self.recipes)
+        return as_recipes(self.recipes)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -287,7 +287,7 @@ class Terrain(TerrainDesign):
         for kind, recipe in enumerate(self._kinds):
             indices = (i for i in range(self.rows * self.columns) if self._kind_of(i % self.columns) == kind)
             spans = {index: span_of(recipe, index, metric) for index in indices}
-            spans_of_kinds.append((spans, mean_of(list(spans.values()), metric.name)))
+            spans_of_kinds.append((spans, mean_span(list(spans.values()), metric.name)))
         return spans_of_kinds
 
     def _tell_progress(self) -> None:

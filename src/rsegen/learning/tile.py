@@ -121,7 +121,7 @@ def check_recipe(recipe: object) -> None:
     check_tile(recipe)
 
 
-def index_of(*numbers: float | None) -> int:
+def hashed_index(*numbers: float | None) -> int:
     """Return the index of a map by a hash of some numbers, so that equal ones always give the same map."""
     words = b"".join(struct.pack("<d", np.nan if value is None else value) for value in numbers)
     return int.from_bytes(hashlib.blake2b(words, digest_size=8).digest(), "little") % SEEDS

@@ -17,7 +17,7 @@ import torch
 
 from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.recipe.batch import build_many as of_numpy
-from rsegen.recipe.batch import checked, fill
+from rsegen.recipe.batch import checked_indices, fill
 from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**22
@@ -30,7 +30,7 @@ def build_many(recipe: MapDesign, indices: Iterable[int], device: str | torch.de
     ParameterError if the device is not there or has no floats of 64 bits, or an index is no whole number from 0 on;
     TooLarge if the device has not enough memory.
     """
-    wanted = checked(indices)
+    wanted = checked_indices(indices)
     try:  # floats of 64 bits can be added there
         place = torch.device(device)
         (torch.ones(1, dtype=torch.float64, device=place) + 1).item()

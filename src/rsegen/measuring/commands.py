@@ -243,21 +243,22 @@ def _page(scene: Scene, found: Metrics, crosser: CrossingModel | None) -> Iterat
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
     spread, plane = found.spread, found.plane
     of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
-    heights = f"{written.measured(spread.lowest)}..{written.said(spread.highest)}"
-    yield f"heights  {heights}, mean {written.said(spread.mean)}"
-    yield f"         standard deviation {written.said(spread.deviation)}{of_mean}, entropy {spread.entropy:.2f} bits"
+    heights = f"{written.measured(spread.lowest)}..{written.with_unit(spread.highest)}"
+    yield f"heights  {heights}, mean {written.with_unit(spread.mean)}"
+    deviation = written.with_unit(spread.deviation)
+    yield f"         standard deviation {deviation}{of_mean}, entropy {spread.entropy:.2f} bits"
     yield from _steps(found.steps, written)
-    off = f"heights deviate by {written.said(plane.residual)} (rms) from their plane of least squares"
+    off = f"heights deviate by {written.with_unit(plane.residual)} (rms) from their plane of least squares"
     yield f"plane    {off}, which rises by {plane.slope:.1%}"
     yield _scale(found.scale, written)
     yield _spectrum(found.spectrum)
     rugged, opens = found.ruggedness, found.opening
-    tri = f"{written.said(rugged.tri)} (root mean), {written.said(rugged.riley)} (Riley)"
+    tri = f"{written.with_unit(rugged.tri)} (root mean), {written.with_unit(rugged.riley)} (Riley)"
     yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
     yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
     wide = " for its width" if found.reach else ""
-    ways = f"{written.said(opens.west_east)} west to east, {written.said(opens.south_north)} south to north"
+    ways = f"{written.with_unit(opens.west_east)} west to east, {written.with_unit(opens.south_north)} south to north"
     yield f"climb    that is needed to cross{wide}: {ways}"
     if found.reach and crosser:
         yield from _reach(found.reach, crosser, scene.units)
@@ -269,7 +270,7 @@ def _page(scene: Scene, found: Metrics, crosser: CrossingModel | None) -> Iterat
 
 def _steps(found: Steps, written: Lengths) -> Iterator[str]:
     pairs = sum(found.counts.values())
-    mean, rms, highest = map(written.said, (found.mean, found.rms, found.highest))
+    mean, rms, highest = map(written.with_unit, (found.mean, found.rms, found.highest))
     yield f"steps    mean {mean}, rms {rms}, highest {highest}"
     if len(found.counts) > _SIZES:
         yield f"         of {len(found.counts):,} sizes, which --json lists"
@@ -282,7 +283,7 @@ def _scale(found: Scale, written: Lengths) -> str:
     if found.hurst is None:
         return "scale    no exponent: the map is too small, or flat"
     weak = f"; weak, of {len(found.lags)} lags" if found.hurst_is_weak else ""
-    first, last = ((written.said(found.rms[at]), written.said(found.lags[at])) for at in (0, -1))
+    first, last = ((written.with_unit(found.rms[at]), written.with_unit(found.lags[at])) for at in (0, -1))
     grows = f"rms difference {first[0]} at {first[1]}, {last[0]} at {last[1]}"
     return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
 
@@ -318,7 +319,7 @@ def _poses(found: Any, written: Lengths) -> Iterator[str]:
         half, most = (whole_degrees(tilt) for tilt in (found.tilt_median, found.tilt_p90))
         yield f"         tilt {half} or less in half of these, {most} or less in 90 %"
     if found.clearance_median is not None and found.clearance_least is not None:
-        half, least = written.said(found.clearance_median), written.said(found.clearance_least)
+        half, least = written.with_unit(found.clearance_median), written.with_unit(found.clearance_least)
         yield f"         clearance {half} or more in half of these, {least} at the least"
 
 

@@ -54,7 +54,7 @@ class Question(UserError):
         self.kind = kind
 
 
-def call(function: _F) -> _F:
+def call_of_document(function: _F) -> _F:
     """Let pages call a function of a document; of one document, one such function runs at a time."""
     OF_DOCUMENT[function.__name__] = function
     return function
@@ -66,7 +66,7 @@ def call_at_once(function: _F) -> _F:
     So what takes seconds holds up no change.
     """
     AT_ONCE.add(function.__name__)
-    return call(function)
+    return call_of_document(function)
 
 
 def call_of_host(function: _F) -> _F:
@@ -84,7 +84,7 @@ def load_calls() -> None:
         pass
 
 
-def checked(function: Callable[..., Any], arguments: Mapping[str, Any]) -> dict[str, Any]:
+def checked_arguments(function: Callable[..., Any], arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return arguments for the keyword parameters of a function; a ParameterError for wrong names, types, or missing
     ones.
     """

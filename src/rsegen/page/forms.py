@@ -29,11 +29,11 @@ from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
-from rsegen.page.jobs import Job, Jobs, Run, ToldJob
+from rsegen.page.jobs import Job, JobRun, Jobs, ToldJob
 from rsegen.page.places import Places, names_in
 from rsegen.params.capabilities import capabilities, commands
 from rsegen.params.command import Declared, declared
-from rsegen.params.registry import summary
+from rsegen.params.registry import first_line
 from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
@@ -161,7 +161,7 @@ class Kind(TypedDict):
     place: list[Field]  # first, last, blend, key
 
 
-class Command(TypedDict):
+class DescribedCommand(TypedDict):
     """A command that may be run."""
 
     name: str
@@ -197,7 +197,7 @@ class Hello(TypedDict):
     kinds: list[Kind]
     examples: list[Described]
     robots: list[Titled]
-    commands: list[Command]
+    commands: list[DescribedCommand]
     formats: list[Described]
     metrics: list[Titled]  # by which maps can be sorted
 
@@ -268,7 +268,7 @@ def kinds() -> list[Kind]:
         {
             "name": name,
             "title": title_of(name),
-            "help": summary(cls),
+            "help": first_line(cls),
             "default_place": cls.default_place,
             "fields": [
                 field(declared(cls)[each])
@@ -334,7 +334,7 @@ class CommandForm:
         # A data set's is one of two flags of which one is needed, and the other is no field.
         return self.output is not None and (self.output.required or self.name == "dataset")
 
-    def described(self) -> Command:
+    def described(self) -> DescribedCommand:
         """Return it as pages have it."""
         return {
             "name": self.name,
@@ -474,7 +474,7 @@ def hello(host: Host) -> Hello:
         "commands": [form.described() for form in command_forms().values()],
         "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
         "formats": [
-            {"name": name, "description": summary(cls)} for name, cls in dict(_words().get("formats", {})).items()
+            {"name": name, "description": first_line(cls)} for name, cls in dict(_words().get("formats", {})).items()
         ],
     }
 
@@ -512,7 +512,7 @@ def run(
     )
     # A command without arguments takes no -- before them either.
     arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
-    made = Run(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
+    made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
     # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
     made.is_told = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
     host.jobs.start(made)
@@ -538,7 +538,7 @@ def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
     return place
 
 
-def _refuse_if_taken(jobs: Jobs, made: Run) -> None:
+def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
     """Wait for a moment whether a command refuses what exists; then the Question whether to replace it, if it may."""
     until = time.monotonic() + _REFUSED_WITHIN
     while not made.ended.wait(0.05) and time.monotonic() < until and not made.job.done:

@@ -17,11 +17,11 @@ from tempfile import TemporaryDirectory
 from threading import Lock, RLock
 from typing import Any, Literal, TypedDict
 
-from rsegen.errors import FileError, ParameterError, TooLarge, UserError, nearest
-from rsegen.page.calls import call, call_of_host
+from rsegen.errors import FileError, ParameterError, TooLarge, UserError, did_you_mean
+from rsegen.page.calls import call_of_document, call_of_host
 from rsegen.page.jobs import Jobs, ToldJob
 from rsegen.page.model.actions import Action, Ends, act, ends_of
-from rsegen.page.model.document import Document, Journal
+from rsegen.page.model.document import Document, DraftFile
 from rsegen.page.model.session import Entry, Session, is_enabled
 from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Kind, Places, kind_of, names_in
@@ -129,7 +129,7 @@ class FileChanged(TypedDict):
     changed_on_disk: bool
 
 
-class Progress(TypedDict):
+class SearchProgress(TypedDict):
     """How far a search is, 0 to 1."""
 
     event: Literal["progress"]
@@ -143,7 +143,7 @@ class Alive(TypedDict):
     event: Literal["alive"]
 
 
-Event = StateChanged | JobChanged | FileChanged | Progress | Alive
+Event = StateChanged | JobChanged | FileChanged | SearchProgress | Alive
 
 MOST_DOCUMENTS = 100
 """Documents that are open at once at most; of those that no page has open, saved ones are closed first."""
@@ -286,7 +286,7 @@ class Host:
         with self._lock:
             taken = {opened.document.journal.name for opened in self.all()}
             names = (f"{self.folder.resolve()}: untitled {number}" for number in count(1))
-            journal = Journal(name=next(name for name in names if name not in taken))
+            journal = DraftFile(name=next(name for name in names if name not in taken))
             return self._add(Document(session=session, journal=journal, title=title, text=text))
 
     def open_file(self, path: Path) -> Opened:
@@ -347,7 +347,9 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
         return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
     is_example = what in EXAMPLES and not path.exists()
     if not is_example and not path.exists():
-        raise FileError(f"{what}: neither a file in {host.folder} nor the name of an example{nearest(what, EXAMPLES)}")
+        raise FileError(
+            f"{what}: neither a file in {host.folder} nor the name of an example{did_you_mean(what, EXAMPLES)}"
+        )
     file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
     if file.is_relative_to(host.folder.resolve()):
         return {"doc": host.open_file(file).id}
@@ -366,27 +368,27 @@ def files(host: Host, *, folder: str = "") -> Listing:
     return {"folder": "" if below == Path() else str(below), "entries": entries}
 
 
-@call
+@call_of_document
 def state(opened: Opened, *, page: str = "", index: int | None = None) -> State:
     """Return all that pages show of a document; index: the map that the page shows."""
     return state_of(opened, opened.index_of(page, index))
 
 
-@call
+@call_of_document
 def edit(opened: Opened, *, actions: list[Action], page: str = "", index: int | None = None) -> EditedState:
     """Change a document by some actions, all or none of them, and return its state and the row to select."""
     selected = act(opened.session, actions, opened.index_of(page, index, or_first=True))
     return {**state_of(opened, opened.index_of(page, index, or_first=True)), "selected": selected}
 
 
-@call
+@call_of_document
 def reload(opened: Opened, *, page: str = "") -> State:
     """Take over what is in the file."""
     opened.document.reload()
     return state(opened, page=page)
 
 
-@call
+@call_of_document
 def texts(opened: Opened) -> Texts:
     """Return the document as the text of its file, as Python, and as a command line."""
     document, recipe = opened.document, opened.session.recipe

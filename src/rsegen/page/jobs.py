@@ -84,7 +84,7 @@ ToldJob = Annotated[dict[str, Any], Job]
 
 
 @dataclass(kw_only=True)
-class Run:
+class JobRun:
     """The parts of a job: its arguments, the recipe that stands for one of them, and the program while it runs.
 
     is_told: whether its changes are told; said: the lines of stderr that are no progress
@@ -108,11 +108,11 @@ class Jobs:
     def __init__(self, changed: Callable[[ToldJob], None] = lambda _: None) -> None:
         self.changed = changed
         self._ids = count(1)
-        self._runs: dict[int, Run] = {}
+        self._runs: dict[int, JobRun] = {}
         self._lock = threading.Lock()
         self._pool = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="job")
 
-    def start(self, run: Run) -> None:
+    def start(self, run: JobRun) -> None:
         """Start a command, or let it wait for others."""
         with self._lock:
             self._runs[run.job.id] = run
@@ -157,19 +157,19 @@ class Jobs:
             self._stop(run)
         self._pool.shutdown(cancel_futures=True)
 
-    def _stop(self, run: Run) -> None:
+    def _stop(self, run: JobRun) -> None:
         run.is_cancelled = True
         with suppress(ProcessLookupError):
             if run.program and run.program.exit_code is None:
                 # SIGTERM stops a command as Ctrl-C does, and is not ignored by what was started in the background.
                 run.program.process.send_signal(signal.SIGTERM)
 
-    def tell(self, run: Run) -> None:
+    def tell(self, run: JobRun) -> None:
         """Tell that a job has changed, also what was held back."""
         if run.is_told:
             self.changed(asdict(run.job))
 
-    def _work(self, run: Run) -> None:
+    def _work(self, run: JobRun) -> None:
         """Run a command from its start to its end."""
         try:
             if run.is_cancelled:
@@ -183,7 +183,7 @@ class Jobs:
             self.tell(run)
             run.ended.set()
 
-    def _run(self, run: Run) -> None:
+    def _run(self, run: JobRun) -> None:
         began = time.time()
         loaded = os.pathsep.join(plugin.module.__file__ or plugin.module.__name__ for plugin in plugins())
         with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
@@ -203,7 +203,7 @@ class Jobs:
                 result = output.read(_MOST_RESULT + 1)
         self._conclude(run, code, result, began)
 
-    def _watched(self, run: Run, launch: LaunchCommand, output: IO[str]) -> int:
+    def _watched(self, run: JobRun, launch: LaunchCommand, output: IO[str]) -> int:
         """Return the exit code of a command, and tell what it says until then."""
         read, write = os.pipe()
         with os.fdopen(read, encoding="utf-8", errors="replace") as said, os.fdopen(write, "w") as end:
@@ -217,7 +217,7 @@ class Jobs:
             listener.join()
             return code
 
-    def _listen(self, run: Run, said: Any) -> None:
+    def _listen(self, run: JobRun, said: Any) -> None:
         """Take what a command says on stderr: progress, its report, or words."""
         for line in said:
             heard: Any = {}
@@ -233,7 +233,7 @@ class Jobs:
                 run.said.append(line.strip())
                 del run.said[:-_MOST_LINES]
 
-    def _conclude(self, run: Run, code: int, result: str, began: float) -> None:
+    def _conclude(self, run: JobRun, code: int, result: str, began: float) -> None:
         """Say how a command ended: its report and files, or the one line of its error."""
         job = run.job
         if len(result) <= _MOST_RESULT:
@@ -252,7 +252,7 @@ class Jobs:
         job.state = "done"  # last, as a page that lists its jobs meanwhile takes it for the whole outcome
 
 
-def _exit_code(run: Run, program: RunningProgram) -> int:
+def _exit_code(run: JobRun, program: RunningProgram) -> int:
     """Return the exit code of a command once it has ended, by itself or because it was stopped long enough ago."""
     until = None
     while True:

@@ -25,7 +25,7 @@ from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.actions import Ends, ends_of
 from rsegen.page.model.session import Entry, is_enabled, short_seed
-from rsegen.page.shown_map import Drawing, MapData, ShownMap, base64_of, content, drawn
+from rsegen.page.shown_map import Drawing, MapData, ShownMap, base64_of, drawn, shown_content
 from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
@@ -90,7 +90,7 @@ def ghost(opened: Opened, *, entry: Entry, index: int | None = None, page: str =
 
 def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int, index: int) -> DocumentMap:
     """Return a map of a recipe as it is drawn, with what an editor knows of the rows of a list."""
-    drawn = kept(opened, ("drawn", recipe, index), lambda: _drawn(scene_of(opened, recipe, index)))
+    drawn = cached(opened, ("drawn", recipe, index), lambda: _drawn(scene_of_map(opened, recipe, index)))
     ends = ((row, ends_of(entry, recipe, index)) for row, entry in enumerate(rows) if is_enabled(entry))
     return {
         **drawn.content,
@@ -101,7 +101,7 @@ def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int,
     }
 
 
-def scene_of(opened: Opened, recipe: Recipe, index: int) -> Scene:
+def scene_of_map(opened: Opened, recipe: Recipe, index: int) -> Scene:
     """Return map `index` of a recipe; TooLarge if it needs more memory than is free."""
 
     def made() -> Scene:
@@ -111,10 +111,10 @@ def scene_of(opened: Opened, recipe: Recipe, index: int) -> Scene:
         except MemoryError:
             raise TooLarge("this map needs more memory than is free; give fewer chunks or smaller ones") from None
 
-    return kept(opened, ("scene", recipe, index), made)
+    return cached(opened, ("scene", recipe, index), made)
 
 
-def kept(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
+def cached(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
     """Return what was made for a key, or make it, and keep it with the document."""
     with opened.lock:
         if key in opened.kept:
@@ -143,7 +143,7 @@ def _drawn(made: Scene) -> _Drawn:
     rows = np.full(made.field.shape, -1, dtype=np.int32)
     rows[np.ix_(made.field.inside(0), made.field.inside(1))] = owners(made.recipe, made.index)
     shown: JudgedMap = {
-        **content(ShownMap.of(made, "", ".yaml"), factor),
+        **shown_content(ShownMap.of(made, "", ".yaml"), factor),
         "factor": factor,
         "warnings": list(warnings(made)) if made.recipe.obstacles else [],
         "cost": _cost(made) if n_x * n_y <= COUNTED else "",
@@ -242,7 +242,7 @@ def _sorted(opened: Opened, recipe: Recipe, metric: Metric, check: Callable[[], 
         taken = [all_maps[at * len(all_maps) // _MOST_SORTED] for at in range(_MOST_SORTED)]
         return sorted(dict.fromkeys(taken), key=measured)
 
-    return kept(opened, ("sorted", recipe, metric.name), made)
+    return cached(opened, ("sorted", recipe, metric.name), made)
 
 
 def _variant(recipe: Recipe, index: int, metric: Metric | None = None) -> Variant:

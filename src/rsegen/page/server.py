@@ -31,7 +31,7 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rsegen.errors import FileError, ParameterError, RsegenError, said_by, shown
+from rsegen.errors import FileError, ParameterError, RsegenError, library_message, shown
 from rsegen.page import calls
 from rsegen.page.host import Event, Host, Listener, Opened
 from rsegen.page.shown_map import editor_page, policy
@@ -148,7 +148,7 @@ def parsed(body: bytes) -> dict[str, Any]:
         found = json.loads(body or b"{}", parse_constant=_no_constant)
         _check_values(found)
     except (ValueError, RecursionError) as error:
-        raise Refused(400, f"not JSON: {said_by(error)}") from None
+        raise Refused(400, f"not JSON: {library_message(error)}") from None
     if not isinstance(found, dict):
         raise Refused(400, f"{shown(found)} is not an object of arguments")
     return found
@@ -212,7 +212,7 @@ async def _refusal(_: Request, error: Exception) -> Response:
 
 async def _internal(request: Request, error: Exception) -> Response:
     _LOG.error("%s failed", request.url.path, exc_info=error)
-    text = f"internal error, please report it: {type(error).__name__}: {said_by(error)}"
+    text = f"internal error, please report it: {type(error).__name__}: {library_message(error)}"
     return Answer({"error": {"where": "", "text": text}}, 500)
 
 
@@ -269,7 +269,7 @@ class Desk:
 
     async def events(self, request: Request) -> Response:
         """Stream the events of a document, a line each, as long as the page is open."""
-        known = calls.checked(_heard, await self._arguments(request))
+        known = calls.checked_arguments(_heard, await self._arguments(request))
         lines = self._lines(self.host.opened(known["doc"]), known.get("page") or secrets.token_hex(8))
         return StreamingResponse(lines, media_type="application/x-ndjson")
 
@@ -282,7 +282,7 @@ class Desk:
 
     async def file(self, request: Request) -> Response:
         """Return the bytes of a file in the server's folder, or of one that a page sent."""
-        known = calls.checked(_named, await self._arguments(request))
+        known = calls.checked_arguments(_named, await self._arguments(request))
         path = self.host.places.inside(known["path"])
         if not path.is_file():
             raise Refused(404, f"{known['path']}: there is no such file")
@@ -354,7 +354,7 @@ def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:
     # A page names itself, and its document, in every call, also to functions to which it is all the same.
     named = {"page"} if name in calls.OF_HOST else {"page", "doc"}
     own = {key: value for key, value in arguments.items() if key not in named - {*calls.keywords(function)[0]}}
-    known = calls.checked(function, own)
+    known = calls.checked_arguments(function, own)
     doc, page = arguments.get("doc", ""), arguments.get("page", "")
     if not isinstance(doc, str):
         raise ParameterError("doc", f"{shown(doc)} is not a text")

@@ -18,7 +18,7 @@ from urllib.parse import quote
 import uvicorn
 from starlette.types import ASGIApp
 
-from rsegen.errors import ParameterError, said_by, shown
+from rsegen.errors import ParameterError, library_message, shown
 from rsegen.page.host import Host
 from rsegen.page.host import open as open_document
 from rsegen.page.model.session import Session
@@ -126,7 +126,9 @@ def _listening(address: str, port: int | None) -> socket.socket:
     try:
         family, _, _, _, place = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
-        raise ParameterError("host", f"{shown(address)} is no address of this machine ({said_by(error)})") from None
+        raise ParameterError(
+            "host", f"{shown(address)} is no address of this machine ({library_message(error)})"
+        ) from None
     if port is None:
         with suppress(OSError):
             return socket.create_server((place[0], _PORT), family=family)

@@ -125,7 +125,7 @@ class ShownMap:
         return cls(drawn=ColouredField(field=field), name=name)
 
 
-def content(shown: ShownMap, factor: int = 1) -> MapData:
+def shown_content(shown: ShownMap, factor: int = 1) -> MapData:
     """Return everything that the page needs of a map, as JSON values: it as it is drawn, and its metrics."""
     return {**drawn(shown, factor), "metrics": list(figures(shown.drawn.field, lengths_in(shown.drawn.units)))}
 
@@ -212,7 +212,7 @@ def _nanometres(metres: float) -> int:
 def page(maps: Sequence[ShownMap]) -> bytes:
     """Return the page that shows maps, one at a time, as the bytes of an HTML file; equal maps give equal bytes."""
     title = maps[0].name if len(maps) == 1 else f"{maps[0].name} and {len(maps) - 1} more"
-    frozen: Frozen = {"maps": [content(shown) for shown in maps], "version": __version__}
+    frozen: Frozen = {"maps": [shown_content(shown) for shown in maps], "version": __version__}
     data = json.dumps(frozen, separators=(",", ":"))
     for sign in "<>&":  # so that no tag of HTML can begin or end in it
         data = data.replace(sign, f"\\u{ord(sign):04x}")

@@ -113,7 +113,7 @@ def ranks_of_draws(values: Any) -> Any:
     return places
 
 
-def along(values: Any, indices: Any) -> Any:
+def take_along_rows(values: Any, indices: Any) -> Any:
     """Return the values of each row at the indices of that row."""
     return np.take_along_axis(values, indices, 1) if namespace(values) is np else values.gather(1, indices)
 

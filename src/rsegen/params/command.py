@@ -199,7 +199,7 @@ def flags_in_errors(*owners: Callable[..., Any]) -> Iterator[None]:
         raise type(error)(f"{flags[name]}{bracket}{rest}", error.problem) from None
 
 
-def schema(owner: Callable[..., Any]) -> dict[str, Json]:
+def command_schema(owner: Callable[..., Any]) -> dict[str, Json]:
     """Return the JSON Schema (2020-12) of the parameters of a command, of which a form can be made."""
     properties: dict[str, Json] = {}
     needed = []

@@ -22,7 +22,7 @@ Widths of scans are off by 0.1 to 0.3 % (docs/scan.md), gaps between posts add u
 1.2 %, so the nearest counts."""
 
 
-def rounded(metres: float, others: Sequence[float] = ()) -> float:
+def sold_length(metres: float, others: Sequence[float] = ()) -> float:
     """Return the length of sold lumber, or one of some others, that is nearest to a length, else whole millimetres [m].
 
     others: lengths that are as likely, such as the width of a block for its height

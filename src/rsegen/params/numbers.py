@@ -68,7 +68,7 @@ class Lengths:
         """Return a measured length, rounded to some decimals of the unit, without its name; a dash for none."""
         return "-" if metres is None else decimal(round(metres * 1e9 / self.size, digits) + 0)
 
-    def said(self, metres: float | None, digits: int = 2) -> str:
+    def with_unit(self, metres: float | None, digits: int = 2) -> str:
         """Return a measured length with its unit, rounded to some decimals of it."""
         return f"{self.measured(metres, digits)} {self.unit}"
 

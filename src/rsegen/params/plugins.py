@@ -39,7 +39,7 @@ class Source(NamedTuple):
         return cls(name=name, version=version) if name and not text.endswith(".py") else cls(name=text)
 
     @property
-    def remedy(self) -> str:
+    def install_hint(self) -> str:
         """Remedy for a missing plug-in, to be appended to its name."""
         if self.version:
             return f"of {self} is not installed; {sys.executable} -m pip install '{self.name}=={self.version}'"
@@ -129,10 +129,10 @@ Work = TypeVar("Work", bound=Callable[..., Any])
 
 def with_plugins(work: Work) -> Work:
     """Return work that loads the plug-ins of this process first if it runs in another one."""
-    return _Carried(work) if _LOADED else work  # type: ignore[return-value]  # it is called alike
+    return _CallableWithPlugins(work) if _LOADED else work  # type: ignore[return-value]  # it is called alike
 
 
-class _Carried:
+class _CallableWithPlugins:
     """A callable whose pickle holds the names of plug-ins, and after them the callable that may need these."""
 
     __slots__ = ("work",)
@@ -147,7 +147,7 @@ class _Carried:
         return _unpacked, (tuple(_LOADED), pickle.dumps(self.work))
 
 
-def _unpacked(origins: tuple[str, ...], content: bytes) -> _Carried:
+def _unpacked(origins: tuple[str, ...], content: bytes) -> _CallableWithPlugins:
     for origin in origins:
         load_plugin(origin)
-    return _Carried(pickle.loads(content))  # noqa: S301  # from this user's own process
+    return _CallableWithPlugins(pickle.loads(content))  # noqa: S301  # from this user's own process

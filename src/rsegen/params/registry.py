@@ -32,12 +32,12 @@ from rsegen.params.sorts import parameters
 class Contract:
     """Requirements of a registry: a plug-in is a class below `base` or, unless `is_class`, an object of it.
 
-    names: under which it is kept; kept: the object that is kept of it; check: any other problem, or an empty text.
+    names: under which it is stored; stored_object: the object to store; check: any other problem, or an empty text.
     """
 
     base: type
     names: Callable[[Any], tuple[str, ...]]
-    kept: Callable[[Any], Any] = lambda plugin: plugin
+    stored_object: Callable[[Any], Any] = lambda plugin: plugin
     check: Callable[[Any], str] = lambda plugin: ""
     is_class: bool = True
 
@@ -67,13 +67,13 @@ class Contract:
             names = self.names(offered)
             if not names or not all(isinstance(name, str) and name for name in names):
                 return f"has the name {', '.join(map(repr, names))}; give a text"
-            self.kept(offered)
+            self.stored_object(offered)
             return self.check(offered)
         except Exception as error:  # it is somebody else's class, and may do anything
             return failure(error)
 
 
-def clash(cls: type, reserved: Collection[str], base: type = object, others: Iterable[type] = ()) -> str:
+def name_conflict(cls: type, reserved: Collection[str], base: type = object, others: Iterable[type] = ()) -> str:
     """Return what is wrong with the parameters that a class declares; an empty text if nothing is.
 
     A name may be reserved, without help, or have another meaning in one of the `others`. Parameters that only `base`
@@ -148,7 +148,7 @@ class Registry(Mapping[str, Thing]):
     def register(self, offered: Offered) -> Offered:
         """Make one of rsegen's own known under its names, as a plug-in's by the contract; a decorator of its class."""
         for name in self._contract.names(offered):
-            self.add(name, self._contract.kept(offered))
+            self.add(name, self._contract.stored_object(offered))
         return offered
 
     def named(self, name: str, where: str) -> Thing:
@@ -237,7 +237,7 @@ class Registry(Mapping[str, Thing]):
         if problem := contract.problem(offered) or self._misnamed(offered, contract.names(offered), wanted):
             raise PluginError(f"{where}: {problem}")
         for name in contract.names(offered):
-            self._things.setdefault(name, contract.kept(offered))
+            self._things.setdefault(name, contract.stored_object(offered))
             self._sources[name] = source
 
     def _misnamed(self, offered: Any, names: Iterable[str], wanted: str | None) -> str:
@@ -272,6 +272,6 @@ def _registering_files(package: str) -> list[str]:
     return sorted(path.stem for path in files if registers.search(path.read_text("utf-8")))
 
 
-def summary(cls: type) -> str:
+def first_line(cls: type) -> str:
     """Return what a class is in a line: the first one of its docstring."""
     return (cls.__doc__ or "").strip().splitlines()[0]

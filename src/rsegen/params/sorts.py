@@ -25,7 +25,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Protocol
 
-from rsegen.errors import ParameterError, nearest, shown
+from rsegen.errors import ParameterError, did_you_mean, shown
 
 Json = Any
 """A value of JSON or YAML: a dict, list, str, int, float, bool or None."""
@@ -133,7 +133,7 @@ class Choice(Parameter):
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and value in self.values:
             return value
-        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}{nearest(value, self.values)}")
+        raise ParameterError(where, f"{shown(value)} is not one of {self.describe()}{did_you_mean(value, self.values)}")
 
     def schema(self) -> dict[str, Json]:
         return {"enum": list(self.values)}

@@ -113,7 +113,7 @@ class Streams:
         """Return streams that go on from the same place."""
         return Streams(self._state, self._increment)
 
-    def beside(self, array: Any) -> Streams:
+    def on_device_of(self, array: Any) -> Streams:
         """Return the streams where an array is: as they are, or as tensors on its device."""
         from rsegen.params.arrays import asarray
 

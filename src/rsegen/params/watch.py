@@ -14,7 +14,7 @@ Watcher = Callable[[str, float], None]
 _WATCHER: ContextVar[Watcher | None] = ContextVar("who watches long work", default=None)
 
 
-def tell(what: str, share: float) -> None:
+def report_share(what: str, share: float) -> None:
     """Tell that a share of some work is done, 0..1; at 1 it has ended. `what`: the work, in words."""
     if watcher := _WATCHER.get():
         watcher(what, share)

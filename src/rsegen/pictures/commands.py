@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from rsegen.cli.flags import (
     add_target_flags,
     add_target_recipe_flags,
-    scene_of,
+    scene_of_flags,
     which_map,
 )
 from rsegen.cli.parameters import Force
@@ -75,7 +75,7 @@ def run_preview(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--at", "is the place of a robot; give --robot too")
     robot: Any = robot_that_crosses(drawing.robot, "--robot") if drawing.robot else None
     x, y, heading = drawing.at or (0.0, 0.0, 0.0)
-    scene = scene_of(arguments)
+    scene = scene_of_flags(arguments)
     try:
         at = x, y, radians(heading)
         picture.write(partial(preview, scene, outlines=drawing.outlines, robot=robot, at=at, paper=drawing.paper))

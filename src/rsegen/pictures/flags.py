@@ -13,7 +13,7 @@ PictureName = Annotated[str | None, FilePath("a picture"), Shell(("-o", "--outpu
 """The flag for a picture that a command draws besides its report; each says of what."""
 
 
-class Picture(NamedTuple):
+class PictureRequest(NamedTuple):
     """A picture that a command is asked for; `picture_of` has found that its name is one, and may be written."""
 
     path: Path
@@ -27,14 +27,14 @@ class Picture(NamedTuple):
         write_file([draw(image_format(self.path))], self.path, force=self.force)
 
 
-def picture_of(name: str | None, *, force: bool | None) -> Picture | None:
+def picture_of(name: str | None, *, force: bool | None) -> PictureRequest | None:
     """Return the picture of a name if one is wanted; a UserError if it is no picture or may not be replaced."""
     from rsegen.pictures.preview import image_format
     from rsegen.run.store import refuse_taken_file
 
     if name is None:
         return None
-    picture = Picture(Path(name), bool(force))
+    picture = PictureRequest(Path(name), bool(force))
     image_format(picture.path)
     refuse_taken_file(picture.path, force=picture.force)
     return picture

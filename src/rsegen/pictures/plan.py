@@ -143,7 +143,7 @@ def draw_outlines(axes: Axes, scene: Scene) -> list[tuple[str, str]]:
     shown = []
     for index, obstacle in scene.recipe.enabled_obstacles:
         colour = _COLOURS[index % len(_COLOURS)]
-        cells = covered(scene, obstacle)
+        cells = covered_cells(scene, obstacle)
         lines = boundary(cells, *edges)
         for line, drawn in ((width + 1.6, "white"), (width, colour)):
             axes.add_collection(LineCollection(list(lines), colors=drawn, linewidths=line, capstyle="projecting"))
@@ -158,7 +158,7 @@ def draw_outlines(axes: Axes, scene: Scene) -> list[tuple[str, str]]:
     return shown
 
 
-def covered(scene: Scene, obstacle: Obstacle) -> Mask:
+def covered_cells(scene: Scene, obstacle: Obstacle) -> Mask:
     """Return the cells that an obstacle covers at first, with frames between them, (n_x, n_y)."""
     _, _, patch = placed(scene.recipe, obstacle, scene.index)
     cells = np.zeros(scene.field.shape, dtype=bool)

@@ -85,7 +85,7 @@ _TITLE, _HEAD = 0.35, 0.35
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Layout:
+class PictureLayout:
     """Width and height of the picture in inches; the boxes of plan and view, and the left edge of the legend."""
 
     size: tuple[float, float]
@@ -99,13 +99,13 @@ class Layout:
         return left / wide, low / high, width / wide, height / high
 
 
-def layout(plan: float, view: float, legend: float) -> Layout:
+def layout(plan: float, view: float, legend: float) -> PictureLayout:
     """Return the layout for a plan and a view of some ratios of width to height and a legend of a width in inches."""
     if plan > _LONG:  # one below the other
         width = WIDTH - 2 * _BESIDE - legend - _EDGE
         below, above = min(width / view, _TALLEST), width / plan
         low = _EDGE + below + _HEAD + _BELOW
-        return Layout(
+        return PictureLayout(
             size=(WIDTH, low + above + _ABOVE + _TITLE),
             plan=(_BESIDE, low, width, above),
             view=(_BESIDE, _EDGE, width, below),
@@ -117,7 +117,7 @@ def layout(plan: float, view: float, legend: float) -> Layout:
     height = min((free - more * view) / (plan + view), _TALLEST)
     left = _BESIDE + height * plan + _BESIDE + _GAP
     right = left + (height + more) * view + _EDGE
-    return Layout(
+    return PictureLayout(
         size=(right + legend, _BELOW + height + _ABOVE + _TITLE),
         plan=(_BESIDE, _BELOW, height * plan, height),
         view=(left, _EDGE, (height + more) * view, height + more),
@@ -138,13 +138,13 @@ _COLUMN, _DPI, _TALL = 3.5, 300, 5.0
 """Inches of a column of a paper with two; pixels per inch; inches of a plan whose heights have their usual size."""
 
 
-def _in_a_column(plan: float, view: float, entries: int) -> Layout:
+def _in_a_column(plan: float, view: float, entries: int) -> PictureLayout:
     """Return the layout for a column of a paper: plan, view, and a legend of some entries below them."""
     number, head, gap = 0.45, 0.2, 0.05
     width, below = _COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
     above, middle = min(width / plan, _TALLEST / 2), min((_COLUMN - 2 * gap) / view, _TALLEST / 2)
     low = below + middle + head + number
-    return Layout(
+    return PictureLayout(
         size=(_COLUMN, low + above + number + head),
         plan=(number, low, width, above),
         view=(gap, below, _COLUMN - 2 * gap, middle),
@@ -324,7 +324,7 @@ def preview_figure(
     # A swatch for every height that the map has, at most _SWATCHES of them, and one for its frames.
     entries = swatches(drawn, [level for level in drawn.field.level_counts() if level], _SWATCHES)
     if drawn.field.frame.any():
-        frame = lengths_in(drawn.units).said(drawn.field.frame_height, 3)
+        frame = lengths_in(drawn.units).with_unit(drawn.field.frame_height, 3)
         entries.append(Patch(facecolor=drawn.plan_colour(0), label=f"frame, {frame}"))
     if paper:
         placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
@@ -406,7 +406,7 @@ def swatches(drawn: Drawable, levels: Sequence[int], most: int) -> list[Any]:
 
     unit, written = drawn.field.unit, lengths_in(drawn.units)
     shown = levels[:: -(-len(levels) // most) or 1]
-    return [Patch(facecolor=drawn.plan_colour(level), label=written.said(level * unit, 3)) for level in shown]
+    return [Patch(facecolor=drawn.plan_colour(level), label=written.with_unit(level * unit, 3)) for level in shown]
 
 
 def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[str, str]], left: float | None) -> None:

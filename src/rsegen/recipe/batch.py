@@ -24,7 +24,7 @@ from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.obstacles import Grid, Obstacle, Patch
 from rsegen.field.obstacles.base import EVERYWHERE, Region, is_elementwise
 from rsegen.field.stepfield import Ints, Levels, Mask
-from rsegen.params.arrays import along, asarray
+from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
 from rsegen.recipe.building import blocks, flat_ground, impose, placed_by
@@ -62,13 +62,13 @@ def build_many(recipe: MapDesign, indices: Iterable[int]) -> Levels:
     TooLarge
         If the array does not fit into memory.
     """
-    wanted = checked(indices)
+    wanted = checked_indices(indices)
     levels = flat_ground(recipe.grid, len(wanted))
     fill(levels, recipe, wanted, _CELLS_AT_ONCE, _CELLS_SCALED_AT_ONCE)
     return levels
 
 
-def checked(indices: Iterable[int]) -> Sequence[int]:
+def checked_indices(indices: Iterable[int]) -> Sequence[int]:
     """Return map indices as a sequence; ParameterError if any is no whole number or out of range."""
     try:
         wanted = indices if isinstance(indices, range) else [operator.index(index) for index in indices]
@@ -172,8 +172,8 @@ class _InManyMaps:
         ends = zip(*self._ends_of(streams), self._grid.shape, strict=True)
         (x, in_x, _), (y, in_y, n_y) = (_between(*pair) for pair in ends)
         number = np.where(in_x[:, :, None] & in_y[:, None], x[:, :, None] * n_y[:, None] + y[:, None], 0)
-        uniform = streams.beside(like).arrays((int(number.max()) + 1,))
-        drawn = along(uniform, asarray(number.reshape(len(number), -1), like)).reshape(number.shape)
+        uniform = streams.on_device_of(like).arrays((int(number.max()) + 1,))
+        drawn = take_along_rows(uniform, asarray(number.reshape(len(number), -1), like)).reshape(number.shape)
         return Patch(EVERYWHERE, obstacle.drawn(drawn), in_x[:, :, None] & in_y[:, None])
 
     def _ends_of(self, streams: Streams) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
@@ -219,6 +219,8 @@ def _drawn_by_cell(grid: Grid, obstacle: Region, ends: tuple[Cell, Cell], stream
     """Return the patch of every map of an obstacle that draws a number for each cell between fixed ends."""
     window = obstacle.window(grid, *ends)
     shape = tuple(part.stop - part.start for part in window)
-    beside = streams.beside(like) if is_elementwise(obstacle.drawn) else streams  # a tensor only where one is expected
-    uniform = beside.arrays((obstacle.draws_per_cell, *shape))[:, -1]
+    on_device = (
+        streams.on_device_of(like) if is_elementwise(obstacle.drawn) else streams
+    )  # a tensor only where one is expected
+    uniform = on_device.arrays((obstacle.draws_per_cell, *shape))[:, -1]
     return Patch(window, obstacle.levels_in_maps(uniform), np.ones(shape, dtype=bool))

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError, PluginWarning, inside, refuse_unknown,
 from rsegen.field.obstacles import KINDS, Obstacle, kind
 from rsegen.field.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
-from rsegen.params.registry import summary
+from rsegen.params.registry import first_line
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer
 from rsegen.recipe.recipe import Recipe
 
@@ -60,7 +60,7 @@ def check_plugins(recorded: Mapping[str, str], rows: object) -> None:
     used = {name for name in kinds if isinstance(name, str)}
     for name in (name for name in recorded if name in used):
         if name not in KINDS:
-            raise ParameterError("", f"the obstacle kind {name!r} {Source.parse(recorded[name]).remedy}")
+            raise ParameterError("", f"the obstacle kind {name!r} {Source.parse(recorded[name]).install_hint}")
         source = str(KINDS.source(name) or "rsegen's own")
         if source != recorded[name]:
             text = f"{name} of {recorded[name]} was used to make this, and {source} is here: maps may differ"
@@ -173,7 +173,7 @@ def schema() -> dict[str, Json]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": SCHEMA_ID,
         "title": "rsegen recipe",
-        "description": summary(Recipe),
+        "description": first_line(Recipe),
         "type": "object",
         "properties": properties | {"obstacles": rows},
         "additionalProperties": False,
@@ -184,7 +184,7 @@ def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
     own = {name: _property(parameter) for name, parameter in row_parameters(cls).items()}
     return {
         "title": cls.kind,
-        "description": summary(cls),
+        "description": first_line(cls),
         "type": "object",
         "properties": {"kind": {"const": cls.kind}} | own,
         "required": ["kind", *required_parameters(cls)],

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.field.graphs import connected
+from rsegen.field.graphs import component_labels
 from rsegen.field.stepfield import Levels
 from rsegen.params.arrays import (
     asarray,
@@ -53,7 +53,9 @@ def scaled_to_difficulty(levels: Levels, design: MapDesign, index: int) -> Level
     if not asked:
         return scaled(field, 0.5, difficulty).astype(np.int16)  # type: ignore[no-any-return]  # as the field
     rounding = _rounding(levels[None], generator(design.seed, index, _KEY).random((1, *levels.shape)))[0]
-    levels_at_scale: Levels = nearest(partial(scaled, field, rounding), measure, asked, int(_halvings(levels[None])[0]))
+    levels_at_scale: Levels = nearest_field(
+        partial(scaled, field, rounding), measure, asked, int(_halvings(levels[None])[0])
+    )
     return levels_at_scale.astype(np.int16)
 
 
@@ -66,9 +68,11 @@ def scaled_to_difficulties(levels: Any, design: MapDesign, indices: Sequence[int
     steep = places_of((asked > 0) & (difficulties < 1))
     if len(steep):
         chosen = levels[steep]
-        drawn = Streams.of(design.seed, indices, _KEY).part(steep.tolist()).beside(levels).arrays(levels.shape[1:])
+        drawn = (
+            Streams.of(design.seed, indices, _KEY).part(steep.tolist()).on_device_of(levels).arrays(levels.shape[1:])
+        )
         at = partial(scaled, maps_last(chosen), maps_last(_rounding(chosen, drawn)))
-        result[steep] = maps_first(nearest(at, measure, asked[steep], _halvings(chosen)))
+        result[steep] = maps_first(nearest_field(at, measure, asked[steep], _halvings(chosen)))
     return namespace(levels).where(difficulties[:, None, None] == 1, levels, result)
 
 
@@ -106,7 +110,7 @@ def roughness(field: Any, parts: tuple[int, int]) -> Any:
     return xp.sqrt(cast(sum((rise * rise).sum((0, 1, 2)) for rise in rises), "float64"))
 
 
-def nearest(at: Callable[[Any], Any], measure: Callable[[Any], Any], asked: Any, halvings: Any) -> Any:
+def nearest_field(at: Callable[[Any], Any], measure: Callable[[Any], Any], asked: Any, halvings: Any) -> Any:
     """Return the field `at(scale)` whose measure is nearest to `asked`, by bisection over the scale; or many fields.
 
     asked, halvings: numbers, or (maps,). Larger `asked` never gives a smaller scale, so the fields of rising difficulty
@@ -140,7 +144,7 @@ def _plateaus(levels: Any) -> Any:
     on_x[:, :-1], on_y[:, :, :-1] = levels[:, :-1] == levels[:, 1:], levels[:, :, :-1] == levels[:, :, 1:]
     x, y = places_of(on_x.reshape(-1)), places_of(on_y.reshape(-1))
     join = namespace(levels).concatenate
-    return connected(maps * n_x * n_y, join([x, y]), join([x + n_y, y + 1]))
+    return component_labels(maps * n_x * n_y, join([x, y]), join([x + n_y, y + 1]))
 
 
 def _halvings(levels: Any) -> Any:

@@ -13,7 +13,7 @@ from rsegen.params.sorts import CENTIMETRES, MOST_LEVELS, Float, Integer
 
 COLUMNS = ["height_cm", "count"]
 _IN_INCHES = ["height_in", "count"]
-_MOST_MIB = 1
+_MAX_INVENTORY_MIB = 1
 
 
 def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
@@ -32,7 +32,7 @@ def inventory_in(path: Path, unit_cm: float) -> tuple[int, ...]:
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield the header and the rows below it, each with its line."""
-    lines = text_of(path, _MOST_MIB, "an inventory").splitlines()
+    lines = text_of(path, _MAX_INVENTORY_MIB, "an inventory").splitlines()
     lines = ["" if not line.strip() or line.startswith("#") else line for line in lines]  # they keep their numbers
     semicolons = ";" in next(filter(None, lines), "")
     rows = filter(None, reader := csv.reader(lines, delimiter=";" if semicolons else ","))

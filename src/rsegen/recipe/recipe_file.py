@@ -14,7 +14,7 @@ from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
 
-MAX_MIB = {".json": 64, ".yaml": 4}
+MAX_RECIPE_MIB = {".json": 64, ".yaml": 4}
 """The largest files that are read, MiB: a minute's work for PyYAML, a second's for JSON."""
 
 
@@ -40,15 +40,15 @@ def load(path: str | Path) -> Recipe:
     """
     path = Path(path)
     try:
-        return decode(content(path))
+        return decode(recipe_content(path))
     except ParameterError as error:
         raise error.of(str(path)) from None
 
 
-def content(path: Path) -> object:
+def recipe_content(path: Path) -> object:
     """Return the content of a YAML or JSON file as plain values; FileError if it cannot be read."""
-    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"])
-    text = text_of(path, most, f"a recipe (JSON: up to {MAX_MIB['.json']} MiB)")
+    most = MAX_RECIPE_MIB.get(path.suffix.lower(), MAX_RECIPE_MIB[".yaml"])
+    text = text_of(path, most, f"a recipe (JSON: up to {MAX_RECIPE_MIB['.json']} MiB)")
     return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
 
 

@@ -17,21 +17,21 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.robots.drives import Drive, Wheels
-from rsegen.robots.links import Box, Cylinder, Link, framed, posed, turn_about
+from rsegen.robots.links import Box, Cylinder, Link, pose_matrix, posed, turn_about
 from rsegen.robots.meshes import read_mesh
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertials
 from rsegen.standing.body import (
     Body,
-    Part,
+    CollisionPart,
     Shape,
-    Solid,
-    ball,
+    SurfaceSamples,
     body_of_shapes,
-    box,
-    cylinder,
-    ellipsoid,
-    mesh,
     sample_distance,
+    sampled_ball,
+    sampled_box,
+    sampled_cylinder,
+    sampled_ellipsoid,
+    sampled_mesh,
 )
 
 if TYPE_CHECKING:  # both have a body, which is made here
@@ -71,12 +71,16 @@ def _shapes(links: Iterable[tuple[Link, Array]], driven: set[str], distance: flo
                 continue
             mu, mu2 = (min(mu, _GROUND) for mu in (part.surface.mu, part.surface.mu2))
             if isinstance(part.solid, Box):
-                solid = box(part.solid.size, distance)
+                solid = sampled_box(part.solid.size, distance)
             elif isinstance(part.solid, Cylinder):
-                solid = cylinder(part.solid.radius, part.solid.length, distance)
+                solid = sampled_cylinder(part.solid.radius, part.solid.length, distance)
             else:
-                solid = ball(part.solid.radius, distance)
-            yield Part(f"{link.name}::{part.name}", link.name in driven, mu, mu2), solid, pose @ posed(part.pose)
+                solid = sampled_ball(part.solid.radius, distance)
+            yield (
+                CollisionPart(f"{link.name}::{part.name}", link.name in driven, mu, mu2),
+                solid,
+                pose @ posed(part.pose),
+            )
 
 
 def _driven(drive: Drive, children: dict[str, str]) -> set[str]:
@@ -94,13 +98,13 @@ def body_of_file(robot: SdfRobot) -> Body:
     driven = (
         _driven(robot.read_drive.drive, children) if robot.read_drive else {children[name] for name in robot.joints}
     )
-    lifted = framed((0, 0, robot.lift))  # the origin of a robot in a world is below its lowest shape
+    lifted = pose_matrix((0, 0, robot.lift))  # the origin of a robot in a world is below its lowest shape
     shapes: list[Shape] = []
     for link, collision, geometry in frames.collisions():
         name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
         texts = (collision.findtext(f"surface/friction/ode/{mu}") or "1" for mu in ("mu", "mu2"))  # 1 by default
         mu, mu2 = (min(max(floats(text, 1, frames.where)[0], 0.0), _GROUND) for text in texts)
-        part = Part(name, link in driven, mu, mu2)
+        part = CollisionPart(name, link in driven, mu, mu2)
         shapes += [(part, solid, pose @ at) for solid, at in _solids(geometry[0], distance, frames.where, name)]
     masses = inertials(frames).values()
     centre = np.average([link.centre for link in masses], axis=0, weights=[link.mass for link in masses])
@@ -114,19 +118,19 @@ def body_of_file(robot: SdfRobot) -> Body:
     )
 
 
-def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[tuple[Solid, Array]]:
+def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[tuple[SurfaceSamples, Array]]:
     """Yield the solids of a geometry with their poses in it; a capsule is a cylinder and two balls."""
     if kind.tag == "box":
-        yield box(floats(kind.findtext("size"), 3, where), distance), np.eye(4)
+        yield sampled_box(floats(kind.findtext("size"), 3, where), distance), np.eye(4)
     elif kind.tag == "ellipsoid":
-        yield ellipsoid(floats(kind.findtext("radii"), 3, where), distance), np.eye(4)
+        yield sampled_ellipsoid(floats(kind.findtext("radii"), 3, where), distance), np.eye(4)
     elif kind.tag in ("sphere", "cylinder", "capsule", "cone"):
         (radius,) = floats(kind.findtext("radius"), 1, where)
         length = 0.0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0]
         if kind.tag != "sphere":  # a cone has the cylinder around it: no robot is known that stands on one
-            yield cylinder(radius, length, distance), np.eye(4)
+            yield sampled_cylinder(radius, length, distance), np.eye(4)
         for end in {"sphere": (0.0,), "capsule": (-length / 2, length / 2)}.get(kind.tag, ()):
-            yield ball(radius, distance), framed((0, 0, end))
+            yield sampled_ball(radius, distance), pose_matrix((0, 0, end))
     elif kind.tag == "mesh":
         path, scale = file_and_scale(kind, where)
         try:
@@ -134,6 +138,6 @@ def _solids(kind: Element, distance: float, where: str, name: str) -> Iterator[t
         except ImportError:
             problem = "the mesh of a collision shape is read by trimesh, which is not installed"
             raise FileError(f"{path}: {problem}") from None
-        yield mesh(points * scale, corners, distance), np.eye(4)
+        yield sampled_mesh(points * scale, corners, distance), np.eye(4)
     else:
         raise FileError(f"{where}: {name} is a <{kind.tag}>, whose surface is not known")

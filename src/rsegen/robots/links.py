@@ -214,7 +214,7 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
     return np.asarray(about_z @ about_y @ about_x)
 
 
-def framed(place: ArrayLike, turn: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Array:
+def pose_matrix(place: ArrayLike, turn: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Array:
     """Return the pose (4, 4) of a frame that is at a place, (3,), metres, and turned by a rotation, (3, 3)."""
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = turn, place
@@ -223,7 +223,7 @@ def framed(place: ArrayLike, turn: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 def posed(pose: SdfPose) -> Array:
     """Return a pose as a matrix (4, 4)."""
-    return framed(pose[:3], rotation(*pose[3:]))
+    return pose_matrix(pose[:3], rotation(*pose[3:]))
 
 
 _TURNED_UP = 1e-9
@@ -305,8 +305,8 @@ class Lidar:
         kind, tag = ("ray", "ray") if simulator == "classic" else ("gpu_lidar", "lidar")
         circle = element("min_angle", 0) + element("max_angle", 2 * pi - 2 * pi / self.rays)
         scan = element("scan", element("horizontal", element("samples", self.rays) + circle))
-        reach = element("range", element("min", self.nearest) + element("max", self.farthest))
+        limits = element("range", element("min", self.nearest) + element("max", self.farthest))
         pose = element("pose", " ".join(map(str, self.pose)))
-        inside = pose + element("always_on", "true") + element("update_rate", self.rate) + element(tag, scan + reach)
+        inside = pose + element("always_on", "true") + element("update_rate", self.rate) + element(tag, scan + limits)
         inside += publishing
         return f'        <sensor name="lidar" type="{kind}">{inside}</sensor>\n'

@@ -19,7 +19,7 @@ DrivableRobot: TypeAlias = Robot | SdfRobot
 """A robot that can be driven over a map: of a kind, or of a file."""
 
 
-def robot(kind: str, where: str = "robot") -> Robot:
+def robot_of_kind(kind: str, where: str = "robot") -> Robot:
     """Return the robot of a kind, or raise an UnknownName that lists the kinds."""
     return ROBOTS.named(kind, where)
 
@@ -49,7 +49,7 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
         If it is anything else.
     """
     if isinstance(what, str | os.PathLike):
-        return from_file(what) if is_robot_file(what) else robot(os.fspath(what), where)
+        return from_file(what) if is_robot_file(what) else robot_of_kind(os.fspath(what), where)
     if not isinstance(what, Robot | SdfRobot):
         raise ParameterError(where, f"{shown(what)} is no robot; give a kind, as in 'burger', or a file of one")
     return what
@@ -86,4 +86,4 @@ def poses(
     ParameterError
         For a place outside the field, a number that is none, or a robot without collision shapes.
     """
-    return resting.poses(field, robot_of(robot).body, x, y, heading)
+    return resting.resting_poses(field, robot_of(robot).body, x, y, heading)

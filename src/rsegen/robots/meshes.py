@@ -20,13 +20,13 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
-from rsegen.input_files import elements, open_regular, read_by_library, text_of
-from rsegen.robots.links import framed, turn_about
+from rsegen.input_files import open_regular, read_by_library, text_of, xml_root
+from rsegen.robots.links import pose_matrix, turn_about
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb", ".gltf", ".dae")
 """Endings of the files of meshes that are measured."""
 
-_MOST_MIB = 64
+_MAX_MESH_MIB = 64
 """The largest file that is read, MiB: about a million triangles; makers' have some megabytes."""
 
 _MOST = 10_000
@@ -63,7 +63,7 @@ def read_mesh(path: Path) -> Triangles:
 
 def read_collada(path: Path) -> Triangles:
     """Return the triangles of a file; FileError if it has none, or is no COLLADA."""
-    root = elements(text_of(path, _MOST_MIB, "the mesh of a robot"), str(path))
+    root = xml_root(text_of(path, _MAX_MESH_MIB, "the mesh of a robot"), str(path))
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]  # without the name space, of which there are two
     parts = read_by_library(path, lambda: list(_Scene(root).triangles()))
@@ -163,13 +163,13 @@ def _turned(numbers: Array) -> Array:
     """Return the rotation, (4, 4), about an axis x, y, z by an angle in degrees."""
     *axis, angle = numbers
     x, y, z = np.array(axis) / np.linalg.norm(axis)
-    return framed((0, 0, 0), turn_about((x, y, z), radians(angle)))
+    return pose_matrix((0, 0, 0), turn_about((x, y, z), radians(angle)))
 
 
 _TRANSFORMS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
     {
         "matrix": lambda numbers: numbers.reshape(4, 4),
-        "translate": framed,
+        "translate": pose_matrix,
         "rotate": _turned,
         "scale": lambda numbers: np.diag([*numbers, 1.0]),
     }

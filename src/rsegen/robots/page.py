@@ -23,7 +23,7 @@ from rsegen.measuring.catalogue import METRICS, UNITS, custom, flattened, metric
 from rsegen.page.calls import call_of_host
 from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened, Search
-from rsegen.page.scenes import kept, scene_of
+from rsegen.page.scenes import cached, scene_of_map
 from rsegen.page.shown_map import base64_of, hex_colour
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.base import Robot
@@ -35,7 +35,7 @@ from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
 from rsegen.standing.resting import REASONS, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, reach_of, settle
+from rsegen.standing.settling import PaddedGround, outer_radius, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
 from rsegen.standing.ways import Lattice
 from rsegen.standing.ways import Way as LatticeWay
@@ -49,7 +49,7 @@ def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
     """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
     opened = host.opened(doc)
     recipe = opened.session.recipe
-    return opened, recipe, scene_of(opened, recipe, opened.index_of("", index)).field
+    return opened, recipe, scene_of_map(opened, recipe, opened.index_of("", index)).field
 
 
 def _robot(host: Host, robot: str) -> DrivableRobot:
@@ -63,7 +63,7 @@ def stop(host: Host, *, doc: str, of: Search) -> None:
     host.opened(doc).searches.pop(of, None)
 
 
-class Part(TypedDict):
+class DrawnPart(TypedDict):
     """A part of a robot as it is drawn."""
 
     shape: Literal["box", "cylinder", "sphere"]
@@ -73,18 +73,18 @@ class Part(TypedDict):
     wheel: bool
 
 
-class RobotDrawing(TypedDict):
+class DrawnRobot(TypedDict):
     """A robot as it is drawn."""
 
     name: str
     title: str
     size: tuple[float, float, float]
     lift: float  # of the origin of its model in a simulator, above the origin of these parts
-    parts: list[Part]
+    parts: list[DrawnPart]
 
 
 @call_of_host
-def robot(host: Host, *, robot: str) -> RobotDrawing:
+def robot(host: Host, *, robot: str) -> DrawnRobot:
     """Return a robot as it is drawn: the parts of its links, or of a file its visuals.
 
     lift: of the origin of its model in a simulator, above that of what is drawn
@@ -98,7 +98,7 @@ def robot(host: Host, *, robot: str) -> RobotDrawing:
     return {"name": robot, "title": title, "size": known.size, "lift": lift, "parts": list(parts)}
 
 
-def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[Part]:
+def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[DrawnPart]:
     for link in robot.links:
         for part in link.parts:
             shape: _Shape
@@ -113,7 +113,7 @@ def _parts_of_links(robot: Robot, driven: set[str]) -> Iterator[Part]:
             yield _part(shape, lengths, pose, hex_colour(part.colour), wheel=link.name in driven)
 
 
-def _part(shape: _Shape, size: list[float], pose: Array, colour: str, *, wheel: bool) -> Part:
+def _part(shape: _Shape, size: list[float], pose: Array, colour: str, *, wheel: bool) -> DrawnPart:
     """Return a part as it is drawn; without a colour it has that of all others that drive, or do not."""
     colour = colour or (_DRIVEN if wheel else _BODY)
     return {"shape": shape, "size": size, "pose": pose.ravel().tolist(), "colour": colour, "wheel": wheel}
@@ -129,14 +129,14 @@ _BODY, _DRIVEN = "#73757a", "#1f1f21"
 """Colours of the parts of a robot of a file that have none."""
 
 
-def _parts_of_file(robot: SdfRobot) -> list[Part]:
+def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
     """Return the visuals of a robot of a file: boxes, cylinders and spheres as they are, others as boxes around them.
 
     Of a link that has none, or one that cannot be read, the boxes around its collision shapes.
     """
     frames, body = ModelFrames(fromstring(robot.text), robot.kind), robot.body_or_box  # noqa: S314  # was found plain
     driven = {part.name.rpartition("::")[0] for part in body.parts if part.drives}
-    parts: list[Part] = []
+    parts: list[DrawnPart] = []
     for link, element in frames.elements.items():
         if element.tag != "link":
             continue
@@ -173,7 +173,7 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
     return shape, sizes.get(shape, [x, y, z]), pose, hex_colour((r, g, b)) if rgb else ""
 
 
-def _boxes(body: Body, link: str | None = None) -> Iterator[Part]:
+def _boxes(body: Body, link: str | None = None) -> Iterator[DrawnPart]:
     """Yield the boxes around the parts of a body, all of them or those of a link."""
     for number, part in enumerate(body.parts):
         surface = body.surface[body.part_of_surface == number]
@@ -190,7 +190,7 @@ def _refuse_unplaced(**numbers: float) -> None:
             raise ParameterError(name, f"{number} is no place near the map")
 
 
-class Pose(TypedDict):
+class DrawnPose(TypedDict):
     """A robot at rest; one that does not stand is level, where it was put."""
 
     stands: bool
@@ -214,7 +214,7 @@ class Pose(TypedDict):
 @call_of_host
 def pose(  # noqa: PLR0913  # each is named by the page
     host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
-) -> Pose:
+) -> DrawnPose:
     """Return how a robot rests that is put down level at x, y with a heading; also beside the map.
 
     One that does not stand is where it was put: level, on the highest block below it.
@@ -222,7 +222,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
     _refuse_unplaced(x=x, y=y, heading=heading)
     *_, field = _map(host, doc, index)
     body = _robot(host, robot).body
-    ground = PaddedGround.of(field, reach_of(body))
+    ground = PaddedGround.of(field, outer_radius(body))
     found = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
     stands, clearance = bool(found.stands[0]), float(found.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
@@ -287,7 +287,7 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> Pos
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
         every_x, every_y = (grid.ravel() for grid in np.meshgrid(x, y, indexing="ij"))
-        ground = PaddedGround.of(field, reach_of(body))
+        ground = PaddedGround.of(field, outer_radius(body))
         tilt, margin = np.full((2, len(every_x)), np.nan)
         reason = np.full(len(every_x), len(REASONS) - 1)
         for first in range(0, len(every_x), _AT_ONCE):
@@ -317,7 +317,7 @@ class Across(TypedDict):
     crosses: bool
 
 
-class Place(TypedDict):
+class StartOrGoal(TypedDict):
     """A spot for a start or a goal."""
 
     x: float
@@ -327,13 +327,13 @@ class Place(TypedDict):
     name: Literal["S", "G"]
 
 
-class Reach(TypedDict):
+class DrawnReach(TypedDict):
     """Where a robot gets."""
 
     text: str  # "crosses west to east"
     region: str  # base64 of uint8 for each cell: 1 where it gets
     ways: list[Across]
-    spots: list[Place]
+    spots: list[StartOrGoal]
 
 
 _ENDS: tuple[Literal["S", "G"], ...] = ("S", "G")
@@ -341,7 +341,7 @@ _ENDS: tuple[Literal["S", "G"], ...] = ("S", "G")
 
 
 @call_of_host
-def reach(host: Host, *, doc: str, index: int, robot: str) -> Reach:
+def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
     """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
     with host.opened(doc).newest_turn("reach") as watch:
         _, recipe, field = _map(host, doc, index)
@@ -378,7 +378,7 @@ class WayEvent(TypedDict):
     text: str
 
 
-class Way(TypedDict):
+class DrawnWay(TypedDict):
     """A way of a robot between two places."""
 
     found: bool
@@ -400,7 +400,7 @@ def way(  # noqa: PLR0913  # each is named by the page
     start: tuple[float, float],
     goal: tuple[float, float],
     best: Literal["length", "tilt", "margin"] = "length",
-) -> Way:
+) -> DrawnWay:
     """Return the best way of a robot between two places, pose by pose, with its falls and slides."""
     for place in (start, goal):
         _refuse_unplaced(x=place[0], y=place[1])
@@ -408,7 +408,7 @@ def way(  # noqa: PLR0913  # each is named by the page
         opened, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
         # A lattice takes seconds, and answers for every start and goal on the map.
-        lattice = kept(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
+        lattice = cached(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
         lattice.watch = watch
         found = lattice.between(start, goal)
     if found is None:
@@ -437,14 +437,14 @@ def way(  # noqa: PLR0913  # each is named by the page
     }
 
 
-class Measured(TypedDict):
+class MetricRows(TypedDict):
     """All metrics of a map, also those of a robot."""
 
     rows: list[tuple[str, str, str, str]]  # name, value, meaning, key
 
 
 @call_of_host
-def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> Measured:
+def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> MetricRows:
     """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
     crosser = _robot(host, robot) if robot else None
     with host.opened(doc).newest_turn("measure") as watch:

@@ -24,7 +24,7 @@ import numpy as np
 from rsegen.errors import FileError, ParameterError
 from rsegen.field.limits import SIDE
 from rsegen.gazebo.sdf import numbers, prefixes
-from rsegen.input_files import elements, text_of
+from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
@@ -50,7 +50,7 @@ from rsegen.standing.body import Body
 from rsegen.standing.kinds import RobotOnField
 from rsegen.standing.spots import body_of_size
 
-MAX_MIB = 4
+MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
 
 _SUFFIXES = (".sdf", ".urdf", ".xacro")
@@ -198,12 +198,12 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     it. They are for a model that does not say it, or says it otherwise.
     """
     where, arguments = with_arguments(path) if isinstance(path, str) else (os.fspath(path), {})
-    text = text_of(Path(where), MAX_MIB, "a robot")
-    root = elements(text, where)
+    text = text_of(Path(where), MAX_ROBOT_MIB, "a robot")
+    root = xml_root(text, where)
     remarks: list[str] = []
     if is_xacro(root, where):
         text, missing = expanded(text, where, arguments)
-        root = elements(text, where)
+        root = xml_root(text, where)
         remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")

@@ -20,7 +20,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import framed, rotation
+from rsegen.robots.links import pose_matrix, rotation
 from rsegen.robots.meshes import SUFFIXES, read_mesh
 
 _DEEPEST = 30
@@ -161,7 +161,7 @@ def _matrix(pose: Element, where: str) -> Array:
         if pose.get("degrees") in ("1", "true"):
             roll, pitch, yaw = map(radians, (roll, pitch, yaw))
         turn = rotation(roll, pitch, yaw)
-    return framed(place, turn)
+    return pose_matrix(place, turn)
 
 
 def _of_quaternion(x: float, y: float, z: float, w: float, where: str) -> Array:
@@ -277,9 +277,9 @@ def extents(frames: ModelFrames) -> Extents:
             continue
         pose = frames.shape(link, collision)
         # Half the extent of a rotated box is |R| half, that of a rotated ellipsoid sqrt(R^2 radii^2).
-        reach = np.abs(pose[:3, :3]) @ solid.half + np.sqrt((pose[:3, :3] ** 2) @ np.square(solid.radii))
+        half = np.abs(pose[:3, :3]) @ solid.half + np.sqrt((pose[:3, :3] ** 2) @ np.square(solid.radii))
         middle = pose[:3, :3] @ solid.centre + pose[:3, 3]
-        low, high = middle - reach, middle + reach
+        low, high = middle - half, middle + half
         box = known.get(link, Extent(low, high))
         known[link] = Extent(np.minimum(box.low, low), np.maximum(box.high, high))
     lows, highs = [box.low for box in known.values()], [box.high for box in known.values()]

@@ -23,7 +23,7 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import angles, framed, rotation
+from rsegen.robots.links import angles, pose_matrix, rotation
 from rsegen.robots.sdf_shapes import floats, refuse_inertia, tensor_of
 
 _VERSION = "1.7"
@@ -112,7 +112,7 @@ class _Joint(NamedTuple):
     place: Array
 
 
-class _Body(NamedTuple):
+class _Inertial(NamedTuple):
     """A mass, kg, its centre, (3,), metres, and its tensor of inertia about it, (3, 3), kg m^2."""
 
     mass: float
@@ -139,7 +139,7 @@ class _Source:
         return elements[-1] if elements else None
 
 
-_NOTHING = _Body(0.0, np.zeros(3), np.zeros((3, 3)))
+_NOTHING = _Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Converted:
@@ -250,7 +250,7 @@ def _from_the_root_on(above: Mapping[str, _Joint], links: Mapping[str, Element],
 def _heads(
     order: Sequence[str],
     above: Mapping[str, _Joint],
-    bodies: Mapping[str, _Body],
+    bodies: Mapping[str, _Inertial],
     extensions: Mapping[str, Mapping[str, Sequence[Element]]],
     separate: Collection[str],
 ) -> dict[str, str]:
@@ -268,7 +268,7 @@ def _heads(
     return heads
 
 
-def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, _Body]) -> dict[str, None]:
+def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, _Inertial]) -> dict[str, None]:
     """Return the links that have no mass, and those below them; FileError if this is the root."""
     left_out: dict[str, None] = {}
     for head, body in masses.items():
@@ -289,7 +289,7 @@ def _extensions(robot: Element) -> dict[str, dict[str, list[Element]]]:
     return extensions
 
 
-def _body(link: Element, where: str) -> _Body:
+def _body(link: Element, where: str) -> _Inertial:
     """Return the inertial of a link in its frame; nothing if it has none, or no mass, as in sdformat."""
     inertial = link.find("inertial")
     if inertial is None:
@@ -300,15 +300,15 @@ def _body(link: Element, where: str) -> _Body:
     inertia = inertial.find("inertia")
     tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in _MOMENTS])
     refuse_inertia(mass, tensor, where)
-    return _moved(_Body(mass, np.zeros(3), tensor), _origin(inertial, where))
+    return _moved(_Inertial(mass, np.zeros(3), tensor), _origin(inertial, where))
 
 
-def _moved(body: _Body, place: Array) -> _Body:
+def _moved(body: _Inertial, place: Array) -> _Inertial:
     turn = place[:3, :3]
-    return _Body(body.mass, turn @ body.centre + place[:3, 3], turn @ body.tensor @ turn.T)
+    return _Inertial(body.mass, turn @ body.centre + place[:3, 3], turn @ body.tensor @ turn.T)
 
 
-def _sum(parts: Iterable[tuple[_Body, Array]]) -> _Body:
+def _sum(parts: Iterable[tuple[_Inertial, Array]]) -> _Inertial:
     """Return bodies at their places as one; Steiner's theorem moves their tensors to the common centre."""
     bodies = [_moved(body, place) for body, place in parts if body.mass]
     if not bodies:
@@ -319,10 +319,10 @@ def _sum(parts: Iterable[tuple[_Body, Array]]) -> _Body:
     for body in bodies:
         way = body.centre - centre
         tensor += body.tensor + body.mass * (way @ way * np.eye(3) - np.outer(way, way))
-    return _Body(mass, centre, tensor)
+    return _Inertial(mass, centre, tensor)
 
 
-def _append_inertial(link: Element, body: _Body) -> None:
+def _append_inertial(link: Element, body: _Inertial) -> None:
     _put(link, "inertial/pose", f"{_text(body.centre)} 0 0 0")
     _put(link, "inertial/mass", _text([body.mass]))
     for name, value in zip(_MOMENTS, body.tensor[np.triu_indices(3)], strict=True):
@@ -435,7 +435,7 @@ def _placed(extension: Element, place: Array, where: str) -> Element:
     if made.tag in _PLACED and not np.array_equal(place, np.eye(4)):
         text = (made.findtext("pose") or "").strip() or "0 0 0 0 0 0"
         x, y, z, *turn = floats(text, 6, f"{where}: the pose of a <{made.tag}>")
-        _put(made, "pose", _pose(place @ framed((x, y, z), rotation(*turn))))
+        _put(made, "pose", _pose(place @ pose_matrix((x, y, z), rotation(*turn))))
     return made
 
 
@@ -443,7 +443,7 @@ def _origin(element: Element, where: str) -> Array:
     """Return the <origin> of an element, (4, 4); URDF's roll, pitch and yaw are those of SDF."""
     origin = element.find("origin")
     xyz, rpy = (floats(_attribute(origin, name) or "0 0 0", 3, where) for name in ("xyz", "rpy"))
-    return framed(xyz, rotation(*rpy))
+    return pose_matrix(xyz, rotation(*rpy))
 
 
 def _pose(transform: Array) -> str:

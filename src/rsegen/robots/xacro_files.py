@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from rsegen.errors import FileError, UserError, line_of, said_by
+from rsegen.errors import FileError, UserError, library_message, line_of
 from rsegen.params.extras import pip_install
 from rsegen.robots import XACRO
 from rsegen.robots.uris import found_package
@@ -100,7 +100,7 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
     except subprocess.TimeoutExpired:
         raise FileError(f"{where}: its macros are not expanded after {_WAIT * _SECONDS} s") from None
     except (OSError, ValueError) as error:  # a name with a null character, or an output that is no text
-        raise FileError(f"{where}: {said_by(error)}") from None
+        raise FileError(f"{where}: {library_message(error)}") from None
     if ended.returncode == -getattr(signal, "SIGXCPU", 0):
         raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s")
     if ended.returncode:
@@ -131,7 +131,7 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     """Return why a file cannot be expanded, with what may be done about it."""
     inner = getattr(error, "exc", None)
     # Xacro says the class and the message of what $(...) raises, and the message once more.
-    reason = said_by(inner if inner and str(error).startswith("<class") else error)
+    reason = library_message(inner if inner and str(error).startswith("<class") else error)
     undefined = re.search(r"Undefined substitution argument (\w+)", reason)
     if undefined:
         return f"{reason}; give it after the file, as in 'FILE {undefined[1]}:=VALUE'"

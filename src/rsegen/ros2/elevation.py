@@ -12,7 +12,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rsegen.formats.encoded import as_json, npy
+from rsegen.formats.encoded import as_json
+from rsegen.npy_files import npy_bytes
 from rsegen.scene.scene import Scene
 
 _MOST_POINTS = 1_000_000
@@ -40,4 +41,7 @@ def layer_files(scene: Scene, margin: int) -> Mapping[str, list[bytes]]:
         "points_per_cell": points,
         "layers": list(layers),
     }
-    return {"elevation.json": [as_json(about)], **{f"{name}.npy": [npy(values)] for name, values in layers.items()}}
+    return {
+        "elevation.json": [as_json(about)],
+        **{f"{name}.npy": [npy_bytes(values)] for name, values in layers.items()},
+    }

@@ -20,7 +20,7 @@ from rsegen.ros2.elevation import layer_files
 from rsegen.ros2.package import common_files
 from rsegen.ros2.robots import ros_files
 from rsegen.scene.scene import Scene
-from rsegen.standing.spots import spots
+from rsegen.standing.spots import find_spots
 
 _DROP_HEIGHT = 0.1
 """Metres above the ground at which robots are spawned: the origin of many is at the height of their axles."""
@@ -113,7 +113,7 @@ class Ros2(Format):
             return {}
         rng = generator(scene.recipe.seed, scene.index, "start pose")
         try:
-            (spot,) = spots(scene.field, ROBOTS[self.robot].body, 1, rng)
+            (spot,) = find_spots(scene.field, ROBOTS[self.robot].body, 1, rng)
         except ParameterError:
             return {}
         raised = replace(spot, z=spot.z + _CLEARANCE)

@@ -18,7 +18,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, UserError, said_by
+from rsegen.errors import FileError, ParameterError, UserError, library_message
 from rsegen.field.stepfield import Array
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
@@ -30,7 +30,7 @@ from rsegen.scanning.scan_options import CLOUDS
 MOST_POINTS = 20_000_000
 """Points of a file at most: some 2 GB of memory while it is read."""
 
-_MOST_MIB = 1024
+_MAX_CLOUD_MIB = 1024
 """The largest text that is read, MiB: some 20 million lines of three numbers."""
 
 _MOST_VALUES = 1000
@@ -107,7 +107,7 @@ def _image(path: Path) -> tuple[Array, str]:
 
 def _text(path: Path) -> tuple[Array, str]:
     """Return the points of lines of x, y, z and perhaps more, by blanks, commas or semicolons, below any titles."""
-    lines = text_of(path, _MOST_MIB, "a cloud; write it as PLY or PCD").splitlines()
+    lines = text_of(path, _MAX_CLOUD_MIB, "a cloud; write it as PLY or PCD").splitlines()
     first = next((at for at, line in enumerate(lines) if _POINT.match(line)), None)
     if first is None:
         raise FileError(f"{path}: no line has three numbers x, y, z")
@@ -116,7 +116,7 @@ def _text(path: Path) -> tuple[Array, str]:
     try:
         return np.loadtxt(lines[first:], delimiter=separator, usecols=(0, 1, 2), ndmin=2, comments=("#", "//")), "m"
     except ValueError as error:
-        raise FileError(f"{path}: {said_by(error)}") from None
+        raise FileError(f"{path}: {library_message(error)}") from None
 
 
 def _mesh(path: Path) -> tuple[Array, str]:

@@ -95,7 +95,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
 
     scan = scanned.scan
     n_x, n_y = scan.blocks.shape
-    high, unit, width = (written.said(metres, 3) for metres in (scan.frame_height, scan.unit, scan.block_width))
+    high, unit, width = (written.with_unit(metres, 3) for metres in (scan.frame_height, scan.unit, scan.block_width))
     frames = "no frames" if scan.boundary == "none" else f"{scan.boundary} frames {high} high"
     yield (
         f"{len(scanned.points):,} points: {n_x} x {n_y} blocks {width} wide "
@@ -120,7 +120,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
             "or a scan that shows the floor next to it"
         )
     errors = np.abs(scan.errors[scan.seen])
-    mean, most = (written.said(float(error)) for error in (errors.mean(), errors.max()))
+    mean, most = (written.with_unit(float(error)) for error in (errors.mean(), errors.max()))
     yield f"tops are {mean} from their levels in the mean, {most} at most"
     if not scan.seen.all():
         level = "are filled from their neighbours" if scanned.recipe.obstacles[1:] else "get level 0"
@@ -209,7 +209,7 @@ def add_compare(command: Parser) -> None:
 def run_compare(arguments: argparse.Namespace) -> Report:
     """Compare and draw; the exit code is 1 if anything differs or was not seen."""
     from rsegen.run.resources import refuse_too_large
-    from rsegen.scanning.pictures import summary
+    from rsegen.scanning.pictures import cell_counts
 
     *stands, wanted = arguments.paths
     if not stands:
@@ -222,7 +222,7 @@ def run_compare(arguments: argparse.Namespace) -> Report:
     if picture:
         picture.write(compared.picture)
     comparison = compared.comparison
-    lines = [summary(comparison), *_lines(comparison, lengths_in(recipe.units))]
+    lines = [cell_counts(comparison), *_lines(comparison, lengths_in(recipe.units))]
     notes = [line for path in dict.fromkeys(arguments.paths) for line in which_map(path, arguments.map)]
     return Report(lines=lines, content=_content(comparison), notes=notes, code=0 if comparison.is_equal else 1)
 
@@ -251,7 +251,7 @@ def _lines(comparison: Comparison, written: Lengths) -> Iterator[str]:
         yield "x and y count the blocks of MAP from its south-west corner without frames, as on its build sheet"
     for x, y, height, wanted in changes[:_NAMED]:
         way = "too high" if height > wanted else "too low"
-        stands, right = (written.said(metres, 1) for metres in (height, wanted))
+        stands, right = (written.with_unit(metres, 1) for metres in (height, wanted))
         i, j = _numbers(comparison, x, y)
         cell = f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
         yield f"  {cell}: {stands}, should be {right} ({way})"

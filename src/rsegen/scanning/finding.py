@@ -23,7 +23,7 @@ import numpy as np
 
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, StepField
-from rsegen.params.lumber import rounded
+from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import (
     FrameLayout,
@@ -85,7 +85,7 @@ def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
     # Frames count too: 10 cm high around blocks of 20 and 40 cm, they are one unit of 10 cm.
     frame = round(scan.frame_height / scan.unit)
     if settings.unit is None and (times := int(np.gcd(units_per_level(levels), frame))) > 1:
-        return replace(settings, unit=rounded(times * scan.measured_unit, (scan.block_width, scan.block_width / 2)))
+        return replace(settings, unit=sold_length(times * scan.measured_unit, (scan.block_width, scan.block_width / 2)))
     return settings
 
 
@@ -158,7 +158,7 @@ class _Gridded:
         """Return the height of the frames in the map's lengths [m]; a whole number of units if it is nearly one."""
         units = frames.height / self.unit
         near = abs(units - round(units)) < _NEARLY_A_UNIT
-        return round(units) * self.nominal_unit if near else rounded(frames.height)
+        return round(units) * self.nominal_unit if near else sold_length(frames.height)
 
 
 def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepField | None) -> _Gridded:
@@ -174,7 +174,7 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
     unit, grid, pixel = _unit_and_grid(upright, ground, nominal_unit, width)
     tops = on_tops(upright, unit, ground.noise, pixel)
     reading, unit = levelled(read_cells(upright, tops, grid, unit, ground.noise), unit)
-    nominal_width = width or rounded(grid.width)
+    nominal_width = width or sold_length(grid.width)
     return _Gridded(
         reading=reading,
         transform=Transform.of(ground, grid, reading, base).after(middle),
@@ -182,7 +182,7 @@ def _gridded(points: Array, middle: Array, settings: ScanSettings, known: StepFi
         unit=unit,
         width=grid.width,
         # NIST's unit is the width of a post, or half of it.
-        nominal_unit=nominal_unit or rounded(unit, (nominal_width, nominal_width / 2)),
+        nominal_unit=nominal_unit or sold_length(unit, (nominal_width, nominal_width / 2)),
         nominal_width=nominal_width,
         base=base,
     )

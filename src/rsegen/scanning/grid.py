@@ -228,15 +228,15 @@ def _regularity(edges: Array, angle: float, pixel: float) -> float:
     """
     c, s = cos(angle), sin(angle)
     power: Array | float = 0.0
-    reach = float(np.quantile(np.hypot(*edges.T), 0.98))  # of the middle of the field
+    radius = float(np.quantile(np.hypot(*edges.T), 0.98))  # of the middle of the field
     # Slices of half a pixel, and at least as many more without edges, in which the ends of the field cannot meet.
-    count = 1 << int(np.ceil(np.log2(8 * reach / pixel)))
+    count = 1 << int(np.ceil(np.log2(8 * radius / pixel)))
     for along in (edges @ (c, s), edges @ (-s, c)):
-        slices = np.floor((along + reach) / pixel * 2).astype(np.int64)
+        slices = np.floor((along + radius) / pixel * 2).astype(np.int64)
         inside = slices[(slices >= 0) & (slices < count)]
         power = power + np.abs(np.fft.rfft(np.bincount(inside, minlength=count))) ** 2
     frequencies = np.fft.rfftfreq(count, pixel / 2)
-    own = (frequencies >= _FEWEST_BLOCKS / (2 * reach)) & (frequencies <= 1 / (_NARROWEST * pixel))
+    own = (frequencies >= _FEWEST_BLOCKS / (2 * radius)) & (frequencies <= 1 / (_NARROWEST * pixel))
     return float((np.asarray(power)[own] ** 2).sum())
 
 
@@ -415,8 +415,8 @@ class _Tops:
         """Return at most `most` points of a cloud (n, 3) in whose heights a unit is known [m]."""
         raised = points[(points[:, 2] > unit / 2) & (points[:, 2] < (_HIGHEST + 0.5) * unit)]
         low, high = np.quantile(raised[:, :2], 0.02, axis=0), np.quantile(raised[:, :2], 0.98, axis=0)
-        reach = 0.15 * (high - low)  # some floor around the field: two or three of 10 cells
-        inside = ((points[:, :2] > low - reach) & (points[:, :2] < high + reach)).all(axis=1)
+        border = 0.15 * (high - low)  # some floor around the field: two or three of 10 cells
+        inside = ((points[:, :2] > low - border) & (points[:, :2] < high + border)).all(axis=1)
         few = sample(points[inside], most)
         levels = np.rint(few[:, 2] / unit)
         near = (np.abs(few[:, 2] - levels * unit) < _NEAR_LEVEL * unit) & (levels >= 0) & (levels <= _HIGHEST)

@@ -44,8 +44,9 @@ def scan_plot(scan: Scan, points: Array, format: str = "png", units: str = "cm")
     figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
     number_cells(residuals, scan.field)
     seen = int(scan.seen.sum())
+    width, unit = (written.with_unit(metres) for metres in (scan.measured_width, scan.measured_unit))
     figure.suptitle(
-        f"{n_x} x {n_y} cells of {written.said(scan.measured_width)}, unit {written.said(scan.measured_unit)}; "
+        f"{n_x} x {n_y} cells of {width}, unit {unit}; "
         f"{seen} of {scan.seen.size} cells seen; a point is {scan.noise * 1000:.1f} mm off (standard deviation)"
     )
     return encoded(figure, format)
@@ -109,14 +110,14 @@ def comparison_plot(comparison: Comparison, format: str = "png", units: str = "c
     _draw_changes(changes, comparison, lengths_in(units))
     title = draw_heights(wanted, ColouredField(field=comparison.wanted, units=units))
     wanted.set_title(f"as it should be: {title}")
-    figure.suptitle(summary(comparison))
+    figure.suptitle(cell_counts(comparison))
     figure.draw_without_rendering()  # places the axes, so that there is room for as many numbers as are asked for
     for axes in (changes, wanted):
         number_cells(axes, comparison.wanted)
     return encoded(figure, format)
 
 
-def summary(comparison: Comparison) -> str:
+def cell_counts(comparison: Comparison) -> str:
     """Return a line: the numbers of cells that are right, too high, too low and not seen."""
     cells = comparison.wrong.size
     high, low = int((comparison.differences > 0).sum()), int((comparison.differences < 0).sum())

@@ -40,10 +40,10 @@ _Lab = tuple[float, float, float]
 def height_colour(height: float, highest: float = inf) -> Colour:
     """Return the colour of blocks of a height on a map whose highest blocks may have another [m], in sRGB."""
     middle = _MIDDLE / (1 if highest >= _LOW - 1e-9 else 10 if highest >= _LOW / 10 - 1e-9 else 100)
-    return _srgb(along([oklab(colour) for colour in _RAMP], max(height, 0.0) / (max(height, 0.0) + middle)))
+    return _srgb(ramp_colour([oklab(colour) for colour in _RAMP], max(height, 0.0) / (max(height, 0.0) + middle)))
 
 
-def along(ramp: Sequence[Colour], place: float) -> Colour:
+def ramp_colour(ramp: Sequence[Colour], place: float) -> Colour:
     """Return the colour at a place, 0..1, on a ramp of colours, straight between two of them."""
     at = place * (len(ramp) - 1)
     low = min(int(at), len(ramp) - 2)
@@ -51,7 +51,7 @@ def along(ramp: Sequence[Colour], place: float) -> Colour:
     return x, y, z
 
 
-def rounded(colour: Iterable[float], digits: int = 3) -> Colour:
+def rounded_colour(colour: Iterable[float], digits: int = 3) -> Colour:
     """Return a colour as files have it."""
     x, y, z = (round(part, digits) for part in colour)
     return x, y, z

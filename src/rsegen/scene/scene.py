@@ -20,7 +20,7 @@ from rsegen.params.numbers import decimal
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-from rsegen.scene.colours import Colour, along, height_colour, rounded
+from rsegen.scene.colours import Colour, height_colour, ramp_colour, rounded_colour
 from rsegen.scene.looks.looks import mean_colour
 
 _Value = TypeVar("_Value")
@@ -96,7 +96,7 @@ class Scene:
     def tint(self, material: int) -> Colour:
         """Return the colour that the textures of a material are multiplied by, if the recipe's look has textures."""
         if self.recipe.look == "friction":
-            return rounded(along(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
+            return rounded_colour(ramp_colour(_SLIPPERY_TO_ROUGH, min(self.friction_of(material) / _ROUGHEST, 1)))
         if self.recipe.look != "wood":
             return self.colour(material)
         return self._given_colour(material) or (_TIMBER[material % len(_TIMBER)] if material else _BOARDS)
@@ -106,7 +106,7 @@ class Scene:
         if not self.recipe.is_textured:
             return self.colour(material)
         tint, mean = self.tint(material), mean_colour(self.recipe.look)
-        return rounded(own * texture for own, texture in zip(tint, mean, strict=True))
+        return rounded_colour(own * texture for own, texture in zip(tint, mean, strict=True))
 
     def view_colour(self, material: int) -> Colour:
         """Return the colour of a material in views: of its texture if the look has one, else as in plans."""
@@ -114,7 +114,7 @@ class Scene:
 
     def _given_colour(self, material: int) -> Colour | None:
         given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)
-        return rounded(part / 255 for part in bytes.fromhex(given[1:])) if given else None
+        return rounded_colour(part / 255 for part in bytes.fromhex(given[1:])) if given else None
 
     def friction_of(self, material: int) -> float:
         """Return the friction coefficient of a material: 0 is the frame, any other number a level."""
@@ -157,7 +157,7 @@ def compose(recipe: Recipe, index: int = 0) -> Scene:
 
 def level_colour(level: int, top_level: int) -> Colour:
     """Return the default colour of a level between 1 and `top_level`; higher levels have the colour of `top_level`."""
-    return rounded(along(_LOW_TO_HIGH, min(level / max(top_level, 1), 1)))
+    return rounded_colour(ramp_colour(_LOW_TO_HIGH, min(level / max(top_level, 1), 1)))
 
 
 def _given(material: int, frame: _Value | None, levels: Sequence[_Value] | None) -> _Value | None:

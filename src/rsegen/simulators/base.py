@@ -185,7 +185,7 @@ SIMULATORS: Registry[Simulator] = Registry(
     order=lambda simulator: -simulator.generation,
     package="rsegen.simulators",
     group="rsegen.simulators",
-    contract=Contract(base=Simulator, names=lambda cls: (cls.name,), kept=lambda cls: cls()),
+    contract=Contract(base=Simulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls()),
 )
 """Every simulator by its name, the newest first."""
 

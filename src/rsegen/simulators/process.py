@@ -182,7 +182,7 @@ class ErrorRelay:
                 self._on_error(_with_count(line, self._counts[kind]))
 
 
-def counted(lines: Iterable[str]) -> tuple[str, ...]:
+def grouped_line(lines: Iterable[str]) -> tuple[str, ...]:
     """Return the first of all lines that differ in numbers alone, with their count if there are several."""
     relay = ErrorRelay(lambda _: None)
     for line in lines:

@@ -21,7 +21,7 @@ from rsegen.run.programs import LaunchCommand, RunningProgram
 from rsegen.simulators.base import SIMULATORS, Installation, OpenRequest, Simulator, installations, plain_text
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import SECONDS, Patience
-from rsegen.simulators.process import OutputFiles, Work, counted
+from rsegen.simulators.process import OutputFiles, Work, grouped_line
 
 _PAUSE = 0.02
 """Seconds between two looks at a server that loads: each reads its log."""
@@ -70,7 +70,7 @@ class Server:
     @property
     def errors(self) -> list[str]:
         """The error lines of its log, no harmless ones; those that differ in numbers alone are one, with a count."""
-        return list(counted(self.here.simulator.error_lines(self.log)))
+        return list(grouped_line(self.here.simulator.error_lines(self.log)))
 
     @contextmanager
     def connect(self) -> Iterator[LiveWorld]:

@@ -40,7 +40,7 @@ ModelName = Annotated[
 ]
 
 
-class Place(Parameter):
+class SpawnPose(Parameter):
     """A pose on the ground: x and y, then perhaps z, then perhaps yaw, in metres and radians."""
 
     help = "pose in metres and radians, as in --at=-2,0"
@@ -77,7 +77,7 @@ def spawn(  # noqa: PLR0913  # each is a flag
     ] = None,
     at: Annotated[
         Sequence[float] | None,
-        Place(),
+        SpawnPose(),
         Shell(
             metavar="X,Y[,Z[,YAW]]",
             default="for a robot a spot of a map that is there, else the free place nearest to the origin",

@@ -40,7 +40,7 @@ from rsegen.run.targets import recipe_files, recipe_in
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.connecting import connected
 from rsegen.simulators.live_world import DROP_HEIGHT, LiveWorld, Pose
-from rsegen.standing.resting import poses as resting_poses
+from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
 
 _ROUNDING = 1e-3
@@ -96,15 +96,15 @@ class SpawnedMap:
         (x, y), c, s = self.field.extent, abs(cos(self.at.yaw)), abs(sin(self.at.yaw))
         return Area(self.at.x, self.at.y, (x * c + y * s) / 2, (x * s + y * c) / 2)
 
-    def covers(self, at: Pose, reach: float) -> bool:
+    def covers(self, at: Pose, radius: float) -> bool:
         """Return whether a model at a pose, with this radius, is above the map."""
-        return all(abs(x) <= along / 2 + reach for x, along in zip(self._seen(at), self.field.extent, strict=True))
+        return all(abs(x) <= along / 2 + radius for x, along in zip(self._seen(at), self.field.extent, strict=True))
 
-    def top(self, at: Pose, reach: float = 0.0) -> float:
+    def top(self, at: Pose, radius: float = 0.0) -> float:
         """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
         window = []
         for x, along in zip(self._seen(at), self.field.extent, strict=True):
-            first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-reach, reach))
+            first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-radius, radius))
             window.append(slice(max(first, 0), max(last + 1, 0)))
         return self.at.z + float(self.field.heights[tuple(window)].max(initial=0.0))
 
@@ -171,7 +171,7 @@ def _raise_models(live: LiveWorld, new: SpawnedMap, old: SpawnedMap | None) -> t
     return tuple(models)
 
 
-_MOST_MIB = 512
+_MAX_MODEL_MIB = 512
 """The largest model that is read, MiB, and sent to the simulator as one message."""
 
 
@@ -208,7 +208,7 @@ class MapModel:
         """Return its model file under a name, with absolute paths of meshes; the map is written first if need be."""
         if not self.folder.is_dir():
             write_world(self.scene, self.folder.parent)
-        text = text_of(self.folder / "model.sdf", _MOST_MIB, "a model")
+        text = text_of(self.folder / "model.sdf", _MAX_MODEL_MIB, "a model")
         renamed = text.replace(f'<model name="{self.name}">', f'<model name="{name}">', 1)
         return renamed.replace(f"model://{self.name}/", f"{self.folder.resolve()}/")
 

@@ -34,7 +34,7 @@ _NEIGHBOURS = 8
 """Samples of a group: so many of a flat part are some 5 cm across, half a block of 10 cm."""
 
 
-class Solid(NamedTuple):
+class SurfaceSamples(NamedTuple):
     """Points (n, 3) of a solid's surface with their normals (n, 3), and how far inside it any point is, metres.
 
     depth: from (n, 3) in the solid's frame to (n,); rim: which points are on the edge of a flat face, with a wall above
@@ -58,7 +58,7 @@ class Solid(NamedTuple):
         return np.full(len(points), -np.inf)  # a mesh hides nothing, as nobody says that it is closed
 
 
-def box(size: Sequence[float], distance: float) -> Solid:
+def sampled_box(size: Sequence[float], distance: float) -> SurfaceSamples:
     """Return the samples of a box along the axes; sides in metres."""
     half, points, normals, rim = np.array(size) / 2, [], [], []
     for axis in range(3):
@@ -74,10 +74,10 @@ def box(size: Sequence[float], distance: float) -> Solid:
             points.append(face)
             normals.append(normal)
             rim.append((half[0] - np.abs(face[:, 0]) < 1e-6) & (axis != 0))
-    return Solid(np.concatenate(points), np.concatenate(normals), np.concatenate(rim), tuple(size), "box")
+    return SurfaceSamples(np.concatenate(points), np.concatenate(normals), np.concatenate(rim), tuple(size), "box")
 
 
-def cylinder(radius: float, length: float, distance: float) -> Solid:
+def sampled_cylinder(radius: float, length: float, distance: float) -> SurfaceSamples:
     """Return the samples of a cylinder along z, with its ends; metres."""
     around = np.arange(max(2 * ceil(pi * radius / distance), 12))
     turns, heights = np.meshgrid(around * 2 * pi / len(around), _grid(-length / 2, length / 2, 3 * distance))
@@ -89,24 +89,28 @@ def cylinder(radius: float, length: float, distance: float) -> Solid:
     ends = [np.array([(x, y, end) for x, y in disc]).reshape(-1, 3) for end in (-length / 2, length / 2)]
     up = [np.tile([0.0, 0.0, float(np.sign(end))], (len(disc), 1)) for end in (-1, 1)]
     points = np.concatenate([side, *ends])
-    return Solid(points, np.concatenate([normals, *up]), np.zeros(len(points), bool), (radius, length), "cylinder")
+    return SurfaceSamples(
+        points, np.concatenate([normals, *up]), np.zeros(len(points), bool), (radius, length), "cylinder"
+    )
 
 
-def ball(radius: float, distance: float) -> Solid:
+def sampled_ball(radius: float, distance: float) -> SurfaceSamples:
     """Return the samples of a sphere, metres."""
     normals = _directions(min(_FLAT * distance, radius / _ROUND) / radius)
-    return Solid(normals * radius, normals, np.zeros(len(normals), bool), (radius,), "ball")
+    return SurfaceSamples(normals * radius, normals, np.zeros(len(normals), bool), (radius,), "ball")
 
 
-def ellipsoid(radii: Sequence[float], distance: float) -> Solid:
+def sampled_ellipsoid(radii: Sequence[float], distance: float) -> SurfaceSamples:
     """Return the samples of an ellipsoid along the axes; radii in metres."""
     directions = _directions(min(_FLAT * distance / max(radii), 1 / _ROUND))
     normals = directions / np.array(radii)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return Solid(directions * np.array(radii), normals, np.zeros(len(normals), bool), tuple(radii), "ellipsoid")
+    return SurfaceSamples(
+        directions * np.array(radii), normals, np.zeros(len(normals), bool), tuple(radii), "ellipsoid"
+    )
 
 
-def mesh(vertices: Array, faces: Ints, distance: float) -> Solid:
+def sampled_mesh(vertices: Array, faces: Ints, distance: float) -> SurfaceSamples:
     """Return the samples of triangles: vertices (n, 3), metres, and faces (m, 3), which look outward."""
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -122,7 +126,7 @@ def mesh(vertices: Array, faces: Ints, distance: float) -> Solid:
         points.append(np.einsum("ks,msx->mkx", shares, corners[large]).reshape(-1, 3))
         normals.append(np.repeat(normal[large], len(shares), axis=0))
     every = np.concatenate(points)
-    return Solid(every, np.concatenate(normals), np.zeros(len(every), bool), (), "mesh")
+    return SurfaceSamples(every, np.concatenate(normals), np.zeros(len(every), bool), (), "mesh")
 
 
 def _grid(low: float, high: float, distance: float) -> Array:
@@ -141,7 +145,7 @@ def _directions(step: float) -> Array:
     return np.concatenate(rings)
 
 
-class Part(NamedTuple):
+class CollisionPart(NamedTuple):
     """A collision shape of a robot: its name, whether its surface is driven, and its friction along and across."""
 
     name: str
@@ -166,7 +170,7 @@ class Body:
     groups: Ints
     part: Ints
     rim: Mask
-    parts: tuple[Part, ...]
+    parts: tuple[CollisionPart, ...]
     mass: float
     centre: Array
     speed: float
@@ -204,7 +208,7 @@ class Body:
         return np.array([part.drives for part in self.parts])[self.part]
 
 
-Shape = tuple[Part, Solid, Array]
+Shape = tuple[CollisionPart, SurfaceSamples, Array]
 """A part, its solid, and the pose of the solid in the model's frame, (4, 4)."""
 
 

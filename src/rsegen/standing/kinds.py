@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.resting import PoseStatistics, pose_statistics, poses
-from rsegen.standing.ways import Reach, Watch, Way, crossing, events, reach
+from rsegen.standing.resting import PoseStatistics, pose_statistics, resting_poses
+from rsegen.standing.ways import Reach, Watch, Way, best_way, events, reach
 
 if TYPE_CHECKING:
     from rsegen.scene.scene import Scene
@@ -60,7 +60,7 @@ class RobotOnField(CrossingModel):
 
     def crossing(self, field: StepField, axis: int) -> Way:
         """Return its way across a field, along x for axis 0, along y for axis 1."""
-        return crossing(field, self.body, axis)
+        return best_way(field, self.body, axis)
 
     def pose_statistics(self, field: StepField) -> PoseStatistics:
         """Return how it rests all over a field."""
@@ -99,7 +99,7 @@ class RobotOnField(CrossingModel):
         """Return it where it settles after it was put down at x, y [m] with a heading [rad], to be drawn."""
         from rsegen.standing.drawing import RobotDrawing
 
-        return RobotDrawing(body=self.body, rests=poses(field, self.body, x, y, heading))
+        return RobotDrawing(body=self.body, rests=resting_poses(field, self.body, x, y, heading))
 
     def pose_maps(self, scene: Scene, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
         """Return maps of its tilt, margin and reason at a heading [rad], as an image file."""

@@ -25,9 +25,9 @@ import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.pushing import SLIDING, surplus
+from rsegen.standing.pushing import SLIDING, force_margin
 from rsegen.standing.resting import GRAVITY, has_stood
-from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle
 
 _STEPS = 100
 """Steps per length of a robot."""
@@ -112,7 +112,7 @@ def steps_on(body: Body, length: float) -> int:
     return max(round(length / step_of(body)), 1)
 
 
-def drive(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, length: float) -> Lanes:
+def drive_lanes(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, length: float) -> Lanes:
     """Return the lanes of a length [m] that begin at x, y [m] with a heading [rad], (L,)."""
     count = steps_on(body, length) + 1
     step = length / (count - 1)
@@ -136,7 +136,7 @@ def drive(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, leng
     found = joined([looked, settled]).some(place[needed])
     number = (np.cumsum(until + 1) - until - 1)[:, None] + np.minimum(np.arange(count), until[:, None])
     rest = found.some(number.ravel())
-    force = surplus(ground, body, found)[number]
+    force = force_margin(ground, body, found)[number]
     height = rest.z.reshape(lanes, count)
     tips = ~has_stood(rest).reshape(lanes, count)
     hits = _hits(ground, body, rest, lanes, count)
@@ -210,7 +210,7 @@ def across(field: StepField, axis: int) -> Array:
     return field.middles()[1 - axis][lines_along(field, axis)]
 
 
-def entry(field: StepField, body: Body, axis: int) -> float:
+def entry_distance(field: StepField, body: Body, axis: int) -> float:
     """Return how far before a field, along an axis, the origin of a robot is that is wholly outside it, metres."""
     return field.extent[axis] / 2 + max(float(body.high[0]), 0.0) + step_of(body)
 
@@ -222,8 +222,10 @@ def straight(field: StepField, body: Body, axis: int, middles: Array | None = No
     cells but those of frames alone.
     """
     middles = across(field, axis) if middles is None else middles
-    before = entry(field, body, axis)
+    before = entry_distance(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
     along = np.full(len(middles), -before)
     x, y = (along, middles) if axis == 0 else (middles, along)
-    return drive(PaddedGround.of(field, reach_of(body)), body, x, y, np.full(len(middles), axis * np.pi / 2), length)
+    return drive_lanes(
+        PaddedGround.of(field, outer_radius(body)), body, x, y, np.full(len(middles), axis * np.pi / 2), length
+    )

@@ -15,7 +15,7 @@ from rsegen.errors import ParameterError
 from rsegen.field.crossing import NO_CAP
 from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.field.traversability import cells_to_each_side
-from rsegen.params.watch import tell
+from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.meeting import envelope
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import across, lines_along, straight_lane
@@ -43,14 +43,14 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
         if straight_lane(field, body, axis, middles[driven : driven + count]) is not None:
             return None
         driven, count = min(driven + count, len(middles)), _LANES
-        tell(search, (axis + driven / len(middles) / 2) / 2)
+        report_share(search, (axis + driven / len(middles) / 2) / 2)
     lines = [
         line for line in np.flatnonzero(lines_along(field, axis)).tolist() if aside <= line < turned.shape[1] - aside
     ]
     lines = lines or [turned.shape[1] // 2]
     highest = int(field.levels.max(initial=0))
     for limit in range(highest - 1, -1, -1):
-        tell(search, (axis + 1 - (limit + 1) / highest / 2) / 2)
+        report_share(search, (axis + 1 - (limit + 1) / highest / 2) / 2)
         # The lane whose levels need the least lowering, with the level ground at both ends.
         lanes = ((line, _lane_levels(turned, line, aside, limit)) for line in lines)
         line, caps = min(lanes, key=lambda lane: int((turned.levels - np.minimum(turned.levels, lane[1])).sum()))

@@ -16,8 +16,8 @@ from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.drawing import draw_robot
-from rsegen.standing.resting import REASONS, poses
-from rsegen.standing.settling import reach_of
+from rsegen.standing.resting import REASONS, resting_poses
+from rsegen.standing.settling import outer_radius
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +39,7 @@ def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, 
     heading: radians; robot: its name in the title. The margin is the angle by which it must be turned to tip over.
     """
     x, y = _places(scene.field)
-    rests = poses(scene.field, body, x[:, None], y[None, :], np.array(heading))
+    rests = resting_poses(scene.field, body, x[:, None], y[None, :], np.array(heading))
     along_x, along_y = scene.field.extent
     figure = figure_of(15, 3.9 * along_y / along_x + 1.7, 3.2, 16)
     tilt, margin, reason = figure.subplots(1, 3, sharex=True, sharey=True)
@@ -49,8 +49,8 @@ def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, 
     _draw_angles(margin, scene.field, margins.reshape(shape), "margin", colours="viridis", most=_MOST_MARGIN)
     _draw_reasons(reason, scene.field, rests.reason.reshape(shape))
     # The robot is drawn where it is steepest of all places at which it is on the map.
-    reach, drawn = reach_of(body), ""
-    inside = (np.abs(rests.x) < along_x / 2 - reach) & (np.abs(rests.y) < along_y / 2 - reach)
+    radius, drawn = outer_radius(body), ""
+    inside = (np.abs(rests.x) < along_x / 2 - radius) & (np.abs(rests.y) < along_y / 2 - radius)
     if (rests.stands & inside).any():
         draw_robot(tilt, body, rests, int(np.where(rests.stands & inside, rests.tilt, -1).argmax()))
         drawn = "; drawn: the robot where it is steepest"

@@ -23,11 +23,12 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from rsegen.field.graphs import connected, neighbours
+from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.formats.base import Format, Step, register
-from rsegen.formats.encoded import as_json, mat, metadata, npy
+from rsegen.formats.encoded import as_json, mat, metadata
+from rsegen.npy_files import npy_bytes
 from rsegen.params.numbers import decimal
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, Json
 from rsegen.recipe.building import placed
@@ -63,7 +64,7 @@ def peaks_and_pits(field: StepField, limit: float) -> tuple[Ints, Ints]:
     a, b = neighbours(tops.shape)
     height, kind = tops.ravel(), sort.ravel()
     alike = (height[a] == height[b]) & (kind[a] == kind[b])
-    plateau = connected(height.size, a[alike], b[alike])
+    plateau = component_labels(height.size, a[alike], b[alike])
     a, b = plateau[a[~alike]], plateau[b[~alike]]
     peaks, pits = np.full((2, height.size), -1)
     for indices, sign in ((peaks, 1), (pits, -1)):
@@ -221,7 +222,7 @@ class Posture(Format):
         }
         head = f"heights in metres, {self.per_block} x {self.per_block} cells for each block"
         return {
-            "raster.npy": [npy(raster)],
+            "raster.npy": [npy_bytes(raster)],
             "raster.csv": north_up(field.heights, head, self.per_block),
             "edges.csv": _table(COLUMNS, (map(decimal, row) for row in lines.tolist())),
             "tags.csv": _table(["i", "j", "level", "tag", "from", "number"], _tagged(field, obstacles, peaks, pits)),

@@ -35,7 +35,7 @@ SLIDING = -9.0
 """Surplus where no forces balance the weight: the robot slides, turns or tips by itself."""
 
 
-def below_samples(ground: PaddedGround, body: Body, settled: Settled, rows: Ints) -> tuple[Singles, Singles]:
+def sample_heights(ground: PaddedGround, body: Body, settled: Settled, rows: Ints) -> tuple[Singles, Singles]:
     """Return the positions of all samples from the centres of mass, (n, 3, m), and their heights above ground."""
     relative = settled.axes[rows].astype(SINGLE) @ (body.points - body.centre).T.astype(SINGLE)
     middle = ground.middles(settled.x[rows], settled.y[rows])
@@ -53,10 +53,10 @@ def outermost(body: Body, relative: Singles, above: Singles, contacts: Ints) -> 
     low = heights < _of_runs(np.minimum, heights, of_part) + SINGLE(_EVEN)
     rows, columns = rows[low], columns[low]
     turns = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
-    reach = np.outer(relative[rows, 0, columns], np.cos(turns)) + np.outer(relative[rows, 1, columns], np.sin(turns))
+    along = np.outer(relative[rows, 0, columns], np.cos(turns)) + np.outer(relative[rows, 1, columns], np.sin(turns))
     far = np.full((len(contacts), _DIRECTIONS), -1)
     # Of several that are as far the first one stays, as it is written last.
-    at, turn = np.nonzero((reach == _of_runs(np.maximum, reach, rows))[::-1])
+    at, turn = np.nonzero((along == _of_runs(np.maximum, along, rows))[::-1])
     far[rows[::-1][at], turn] = columns[::-1][at]
     return np.concatenate([contacts, far], axis=1)
 
@@ -79,7 +79,7 @@ def stands_easily(body: Body, settled: Settled) -> Mask:
     return np.asarray((settled.contacts >= 0).all(axis=1) & (grips | glides).all(axis=1) & grips.any(axis=1))
 
 
-def surplus(ground: PaddedGround, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
+def force_margin(ground: PaddedGround, body: Body, settled: Settled, *, is_moving: bool = True) -> Array:
     """Return the forward force that each robot has left, in shares of its weight, (n,); SLIDING if nothing balances.
 
     Where it stands easily, it is only known not to be negative, and told as 0. Of a robot that does not move, friction
@@ -94,7 +94,7 @@ def surplus(ground: PaddedGround, body: Body, settled: Settled, *, is_moving: bo
 
 
 def _surplus(ground: PaddedGround, body: Body, settled: Settled, rows: Ints, *, is_moving: bool) -> Array:
-    relative, above = below_samples(ground, body, settled, rows)
+    relative, above = sample_heights(ground, body, settled, rows)
     chosen = outermost(body, relative, above, settled.contacts[rows])
     turned = settled.axes[rows]
     at = relative[np.arange(len(rows))[:, None], :, chosen].astype(np.float64)

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 from rsegen.errors import ParameterError, shown
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
-from rsegen.standing.pushing import SLIDING, below_samples, outermost, surplus
-from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
+from rsegen.standing.pushing import SLIDING, force_margin, outermost, sample_heights
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
 
 GRAVITY = 9.81
 
@@ -92,7 +92,7 @@ class Poses:
         return np.select([~self.stands, ~self.holds, ~self.pushes], [3, 2, 1], 0)
 
 
-def poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> Poses:
+def resting_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> Poses:
     """Return the robot at rest at each x, y [m] and heading [rad]; scalars and arrays go together as in numpy.
 
     ParameterError for a number that is none, and for a place outside the field.
@@ -106,7 +106,7 @@ def poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: Arr
         outside = values[np.abs(values) > extent / 2]
         if len(outside):
             raise ParameterError(name, f"{outside[0]:g} m is outside the field, {-extent / 2:g}..{extent / 2:g} m")
-    ground = PaddedGround.of(field, reach_of(body))
+    ground = PaddedGround.of(field, outer_radius(body))
     return of_settled(ground, body, settle(ground, body, at_x, at_y, yaw))
 
 
@@ -140,8 +140,8 @@ def of_settled(ground: PaddedGround, body: Body, rest: Settled) -> Poses:
         tip_angle=np.where(stands, angle, 0.0),
         tip_energy=np.where(stands, energy, 0.0),
         stands=stands,
-        holds=stands & (surplus(ground, body, rest, is_moving=False) > SLIDING),
-        pushes=stands & (surplus(ground, body, rest) >= 0),
+        holds=stands & (force_margin(ground, body, rest, is_moving=False) > SLIDING),
+        pushes=stands & (force_margin(ground, body, rest) >= 0),
     )
 
 
@@ -168,7 +168,7 @@ def pose_statistics(field: StepField, body: Body, headings: int = 8) -> PoseStat
     i, j = np.nonzero(~field.frame)
     middles = (edges_x[i] + edges_x[i + 1]) / 2, (edges_y[j] + edges_y[j + 1]) / 2
     x, y = (np.repeat(along, headings) for along in middles)
-    ground = PaddedGround.of(field, reach_of(body))
+    ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, x, y, np.tile(np.arange(headings) * 2 * np.pi / headings, len(i)))
     every = of_settled(ground, body, rest)
     tilts, clearances = every.tilt[every.stands], every.clearance[every.stands & np.isfinite(every.clearance)]
@@ -205,7 +205,7 @@ def _nothing() -> list[Array]:
 
 def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tuple[Array, ...]:
     """Return contacts, loads, support, clearance, angle and energy to tip of some of the robots."""
-    relative, above = below_samples(ground, body, rest, rows)
+    relative, above = sample_heights(ground, body, rest, rows)
     centres = np.stack([rest.x[rows], rest.y[rows], rest.z[rows]], axis=1)[:, None, :]
     bearing = rest.contacts[rows]
     each = np.arange(len(rows))[:, None]
@@ -215,8 +215,8 @@ def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tu
     corners = relative[each, :, chosen].astype(np.float64)
     corners[chosen < 0] = np.nan
     turns = np.arange(_EDGES) * 2 * np.pi / _EDGES
-    reach = corners[..., 0, None] * np.cos(turns) + corners[..., 1, None] * np.sin(turns)
-    aside = np.maximum(np.nanmax(np.where(np.isnan(reach), -np.inf, reach), axis=1).min(axis=1), 0.0)
+    along = corners[..., 0, None] * np.cos(turns) + corners[..., 1, None] * np.sin(turns)
+    aside = np.maximum(np.nanmax(np.where(np.isnan(along), -np.inf, along), axis=1).min(axis=1), 0.0)
     high = np.where(np.isnan(corners[..., 2]), 0.0, -corners[..., 2]).sum(axis=1)
     high = np.maximum(high / np.maximum((chosen >= 0).sum(axis=1), 1), 1e-6)
     # What drives, and the parts of the three contacts, are on the ground as they should be; the rest is above it.

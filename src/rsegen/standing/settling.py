@@ -83,9 +83,9 @@ class PaddedGround:
     inside: int
 
     @classmethod
-    def of(cls, field: StepField, reach: float) -> PaddedGround:
-        """Return the ground of a field, for robots that reach so many metres from their centre of mass."""
-        inside = int(np.ceil(reach / field.block_width)) + 1
+    def of(cls, field: StepField, radius: float) -> PaddedGround:
+        """Return the ground of a field, for robots that extend so far from their centre of mass [m]."""
+        inside = int(np.ceil(radius / field.block_width)) + 1
         border = 2 * inside
         heights = np.pad(field.heights, border).astype(SINGLE)
         n_x, n_y = field.shape
@@ -111,7 +111,7 @@ class PaddedGround:
     def under(self, samples: Singles, middle: Array) -> Singles:
         """Return the heights of the ground under samples of robots, (n, m): (n, 2 or more, m) in cells from middles."""
         under = np.empty((len(samples), samples.shape[2]), SINGLE)
-        for part in blocks(*under.shape):
+        for part in row_slices(*under.shape):
             cells = (samples[part, :2] + middle[:, part].T[..., None].astype(SINGLE)).astype(np.int32)
             flat = cells[:, 0]
             flat *= np.int32(self.shape[1])
@@ -155,8 +155,8 @@ def joined(parts: Sequence[_Rows]) -> _Rows:
     return cast("_Rows", type(parts[0])(**values))
 
 
-def reach_of(body: Body) -> float:
-    """Return how far a robot reaches from its centre of mass, metres."""
+def outer_radius(body: Body) -> float:
+    """Return the radius around its centre of mass that holds a whole robot, metres."""
     return float(np.linalg.norm(body.points - body.centre, axis=1).max())
 
 
@@ -275,7 +275,7 @@ class _Settling:
         at = np.einsum("ijn,jkn->ikn", self.axes(rows)[:2], self.points[:, self.three[:, rows]])
         self.find_contacts(rows[~_surrounds(at)])
         left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
-        for part in blocks(len(rows), samples):
+        for part in row_slices(len(rows), samples):
             own = rows[part]
             every, each = _of_each(self.points, len(own)), np.arange(len(own))
             turned, three = self.axes(own), self.three[:, own]
@@ -317,7 +317,7 @@ class _Settling:
         """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
         scaled = np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
         under, middle = np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
-        for part in blocks(*under.shape):
+        for part in row_slices(*under.shape):
             under[part] = self.ground.under(scaled[part] @ few[part], middle[:, part])
         under[:, -3:] = _DEEP
         return under
@@ -336,7 +336,7 @@ def _of_each(array: _Rows, count: int) -> _Rows:
 _AFAR = _FAR * np.array([[1, 0, 0], [-1 / 2, 3**0.5 / 2, 0], [-1 / 2, -(3**0.5) / 2, 0]])
 
 
-def blocks(rows: int, samples: int) -> Iterator[slice]:
+def row_slices(rows: int, samples: int) -> Iterator[slice]:
     """Yield slices of some rows each, whose samples stay in the cache of a core."""
     step = max(_BLOCK // samples, 1)
     yield from (slice(begin, begin + step) for begin in range(0, rows, step))
@@ -396,7 +396,7 @@ def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
 def _highest(under: Singles, few: Singles, turned: Array, plane: Array) -> tuple[Ints, Singles]:
     """Return the sample that is highest above the plane in each row, and its height above it."""
     highest, above = np.empty(len(under), np.intp), np.empty(len(under), SINGLE)
-    for part in blocks(*under.shape):
+    for part in row_slices(*under.shape):
         over = _over(under[part], few[part], turned[:, :, part], plane[:, part])
         over.argmax(axis=1, out=highest[part])
         above[part] = over[np.arange(len(over)), highest[part]]

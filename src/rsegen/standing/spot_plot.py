@@ -30,7 +30,9 @@ def spots_plot(scene: Scene, outline: Outline, spots: Sequence[Spot], format: st
     for index, spot in enumerate(spots):
         _draw_spot(axes, outline, spot, str(index))
     written = lengths_in(scene.units)
-    figure.suptitle(f"{scene.name}: spots for {written.measured(outline.length, 1)} x {written.said(outline.width, 1)}")
+    figure.suptitle(
+        f"{scene.name}: spots for {written.measured(outline.length, 1)} x {written.with_unit(outline.width, 1)}"
+    )
     return figure_bytes(figure, scene, format)
 
 

@@ -30,11 +30,11 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.streams import generator
-from rsegen.standing.body import Body, Part, body_of_shapes, box, sample_distance
-from rsegen.standing.lanes import drive
-from rsegen.standing.pushing import TOUCHING, below_samples
+from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sample_distance, sampled_box
+from rsegen.standing.lanes import drive_lanes
+from rsegen.standing.pushing import TOUCHING, sample_heights
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, Settled, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
 
 MOST_TILT = radians(3)
 """Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at
@@ -187,9 +187,9 @@ def body_of_size(length: float, width: float) -> Body:
     at = np.eye(4)
     at[2, 3] = height / 2
     distance = max(sample_distance(length), max(length, width) / 600)  # of large ones not more than a robot is worth
-    solid = box((length, width, height), distance)
+    solid = sampled_box((length, width, height), distance)
     return body_of_shapes(
-        [(Part("box", drives=True, mu=1.0, mu2=1.0), solid, at)],
+        [(CollisionPart("box", drives=True, mu=1.0, mu2=1.0), solid, at)],
         mass=1.0,
         centre=np.array([0.0, 0.0, height / 2]),
         speed=0.0,
@@ -285,14 +285,14 @@ class _Judge:
     def __init__(self, field: StepField, body: Body, most_tilt: float) -> None:
         self.field, self.body, self.most_tilt = field, body, most_tilt
         self.lane = _LANE * body.length
-        self.ground = PaddedGround.of(field, reach_of(body) + self.lane)
+        self.ground = PaddedGround.of(field, outer_radius(body) + self.lane)
         frame = np.pad(field.frame, self.ground.border).ravel()
         self.blocks = replace(self.ground, heights=np.where(frame, np.nan, self.ground.heights))
         # All else follows from how it stands on level ground.
         level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
         rest = settle(level, body, origin, origin, origin)
         stands = of_settled(level, body, rest)
-        _, above = below_samples(level, body, rest, np.zeros(1, np.intp))
+        _, above = sample_heights(level, body, rest, np.zeros(1, np.intp))
         bearing = np.isin(np.arange(len(body.parts)), body.part[above[0] < TOUCHING])
         self.feet = np.unique(np.nan_to_num(stands.support[0, :, :2]), axis=0)
         self.level = tan(most_tilt) * float(np.ptp(self.feet, axis=0).max()) + TOUCHING
@@ -350,7 +350,7 @@ class _Judge:
         """Yield how a robot rests at each place, and what is wrong about standing there."""
         rest = settle(self.ground, self.body, *at)
         poses = of_settled(self.ground, self.body, rest)
-        _, above = below_samples(self.ground, self.body, rest, np.arange(len(rest.x)))
+        _, above = sample_heights(self.ground, self.body, rest, np.arange(len(rest.x)))
         wrong = {
             _Fault.TIPS: ~has_stood(rest),
             _Fault.TILTS: poses.tilt > self.most_tilt + _EXACT,
@@ -389,7 +389,7 @@ class _Judge:
         again = list(self.put_down((x, y, yaw)))
         leaves = np.array([fault is _Fault.NONE for fault, _ in again])
         if leaves.any():
-            lanes = drive(self.ground, self.body, *_some((x, y, yaw), leaves), self.lane)
+            lanes = drive_lanes(self.ground, self.body, *_some((x, y, yaw), leaves), self.lane)
             heights, steep = (
                 values.reshape(leaves.sum(), -1) for values in (lanes.poses.z, self._is_steep(lanes.poses))
             )
@@ -426,7 +426,7 @@ def _place(fault: _Fault, row: Sequence[float]) -> _Place:
     return fault, Spot(x=x, y=y, z=z, yaw=yaw, roll=roll, pitch=pitch, tilt=tilt, tip_angle=tip_angle, reason=reason)
 
 
-def spots(  # noqa: PLR0913  # the last three by name
+def find_spots(  # noqa: PLR0913  # the last three by name
     field: StepField,
     body: Body,
     count: int,
@@ -556,7 +556,7 @@ class _Part:
     def spots(self, *, evenest: bool) -> tuple[Spot, ...]:
         """Return the spots; ParameterError if there are too few, also with the places at which it stands at all."""
         if evenest:
-            for fault, spot in sorted(self.others, key=_badness):
+            for fault, spot in sorted(self.others, key=_by_fault_and_tilt):
                 if len(self.chosen) < self.count and fault is not _Fault.TIPS and self._is_free(spot):
                     self.chosen.append(spot)
         if len(self.chosen) == self.count:
@@ -564,7 +564,7 @@ class _Part:
         if self.chosen:
             enough = f"found spots for {len(self.chosen)} of {self.count} on this map"
             raise ParameterError("count", f"{enough}; give fewer, or {_HELP}")
-        reason = min(self.others, key=_badness)[1].reason
+        reason = min(self.others, key=_by_fault_and_tilt)[1].reason
         raise ParameterError("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
 
     def _free(self, at: _At) -> _At:
@@ -578,7 +578,7 @@ class _Part:
         return len(self._free(one)[0]) > 0
 
 
-def _badness(place: _Place) -> tuple[int, float]:
+def _by_fault_and_tilt(place: _Place) -> tuple[int, float]:
     return -place[0], place[1].tilt
 
 
@@ -655,7 +655,7 @@ GAP = 0.1
 """Gap, metres, between a robot and the map next to it, and between two robots: more than they drift on the way."""
 
 
-spots_on_map = partial(spots, gap=GAP)
+spots_on_map = partial(find_spots, gap=GAP)
 """Return spots for robots on a map, which do not overlap (`spots`)."""
 
 

@@ -21,14 +21,14 @@ import numpy as np
 
 from rsegen.field.graphs import strongly_connected
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
-from rsegen.params.watch import tell
+from rsegen.params.watch import report_share
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import (
     End,
     Lanes,
     across,
-    drive,
-    entry,
+    drive_lanes,
+    entry_distance,
     lines_along,
     origins,
     step_of,
@@ -36,7 +36,7 @@ from rsegen.standing.lanes import (
     surely_passed,
 )
 from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, pose_statistics
-from rsegen.standing.settling import PaddedGround, Settled, joined, reach_of, settle
+from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -139,7 +139,7 @@ class Lattice:
 
     def __init__(self, field: StepField, body: Body, best: str = "length", watch: Watch = _unwatched) -> None:
         self.field, self.body, self.best, self.watch = field, body, best, watch
-        self.ground = PaddedGround.of(field, reach_of(body))
+        self.ground = PaddedGround.of(field, outer_radius(body))
         self.x, self.y = field.middles()
         shape = (*field.shape, HEADINGS)
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
@@ -152,7 +152,7 @@ class Lattice:
         self._is_settled.ravel()[places] = True
         i, j, k = np.unravel_index(places, self.moves.shape)
         rest = settle(self.ground, self.body, self.x[i], self.y[j], k * np.pi / 4)
-        self._stands.ravel()[places], self._worst_of_places.ravel()[places] = has_stood(rest), self._badness(rest)
+        self._stands.ravel()[places], self._worst_of_places.ravel()[places] = has_stood(rest), self._worst_value(rest)
 
     def _drive_from(self, places: Ints) -> None:
         """Find the moves from places."""
@@ -195,7 +195,7 @@ class Lattice:
         rest = settle(self.ground, self.body, self.x[i], self.y[j], (k + 0.5) * np.pi / 4)
         self.turns.ravel()[places] = has_stood(rest)
         ends = self._worst_of_places.ravel()
-        self.worst_of_turns.ravel()[places] = np.maximum.reduce([ends[places], ends[after], self._badness(rest)])
+        self.worst_of_turns.ravel()[places] = np.maximum.reduce([ends[places], ends[after], self._worst_value(rest)])
 
     def _explore(self, starts: Mapping[_Place, float]) -> None:
         """Find all that the robot can do from places on, wave by wave, each from the places that the last one reached.
@@ -235,15 +235,15 @@ class Lattice:
         passed, worst = [], []
         for begin in range(0, len(x), _LANES):
             part = slice(begin, begin + _LANES)
-            lanes = drive(self.ground, self.body, x[part], y[part], yaw[part], length)
+            lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length)
             passed.append(lanes.passed)
             count = len(lanes.poses.x) // len(lanes.end)
-            badness = self._badness(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
+            values = self._worst_value(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
             worst.append(np.zeros(len(lanes.end)))
-            worst[-1][lanes.passed] = badness.reshape(-1, count).max(axis=1)
+            worst[-1][lanes.passed] = values.reshape(-1, count).max(axis=1)
         return np.concatenate(passed), np.concatenate(worst)
 
-    def _badness(self, rest: Settled) -> Array:
+    def _worst_value(self, rest: Settled) -> Array:
         """Return the tilt of each robot, radians, or its margin with a minus."""
         if self.best == "margin":
             return -margins(self.ground, self.body, rest)
@@ -311,7 +311,7 @@ class Lattice:
         """Return the places of a cell at which the robot stands, with how bad its pose is there."""
         yaw = np.arange(HEADINGS) * np.pi / 4
         rest = settle(self.ground, self.body, np.full(HEADINGS, self.x[i]), np.full(HEADINGS, self.y[j]), yaw)
-        worst = self._badness(rest)
+        worst = self._worst_value(rest)
         return {(i, j, k): float(worst[k]) for k in np.flatnonzero(has_stood(rest)).tolist()}
 
     def _distance_to(self, goal: tuple[int, int]) -> Callable[[_Place], float]:
@@ -406,7 +406,7 @@ class Lattice:
         """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
         numbers, middles = np.flatnonzero(lines_along(self.field, axis)), across(self.field, axis)
         first, last = self.field.middles()[axis][0], self.field.shape[axis] - 1
-        edge, yaw = entry(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
+        edge, yaw = entry_distance(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
         ends = []
         for cell, begin, length in ((0, -edge, edge + first), (last, -first, outward)):
@@ -423,13 +423,16 @@ class Lattice:
         i, j, k = np.array(places).T
         points = np.stack([self.x[i], self.y[j]], axis=1)
         ends = points[[0, -1]].copy()
-        ends[:, axis] = -entry(self.field, self.body, axis), self.field.extent[axis] / 2 - float(self.body.low[0])
+        ends[:, axis] = (
+            -entry_distance(self.field, self.body, axis),
+            self.field.extent[axis] / 2 - float(self.body.low[0]),
+        )
         length = cost + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
         # Once more its lanes from turn to turn, with those at both ends, and where it turns.
         line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
         turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(line) - 1)
         lanes = [
-            drive(self.ground, self.body, begin[:1], begin[1:], np.array([yaw]), float(np.hypot(*(end - begin))))
+            drive_lanes(self.ground, self.body, begin[:1], begin[1:], np.array([yaw]), float(np.hypot(*(end - begin))))
             for begin, end, yaw in zip(line[turns[:-1]], line[turns[1:]], heading[turns[:-1]] * np.pi / 4, strict=True)
             if np.any(begin != end)
         ]
@@ -442,7 +445,7 @@ class Lattice:
             length=length,
             length_ratio=length / float(ends[1, axis] - ends[0, axis]),
             points=np.concatenate([ends[:1], points[kept], ends[1:]]),
-            **_told(self.ground, self.body, lanes, [turned] if len(turned.x) else []),
+            **_summary(self.ground, self.body, lanes, [turned] if len(turned.x) else []),
         )
 
     def _driven_way(self, length: float, places: list[_Place]) -> DrivenWay:
@@ -457,7 +460,7 @@ class Lattice:
                 int(begin) + at
                 for begin, piece in zip(begins, pieces, strict=True)
                 if isinstance(piece, Lanes)
-                for at in _begins(getattr(piece, name)[0])
+                for at in _run_starts(getattr(piece, name)[0])
             )
             for name in ("drops", "slips")
         )
@@ -474,7 +477,7 @@ class Lattice:
             ahead = points[m] - points[begin]
             if ahead.any():
                 x, y = points[begin, :1], points[begin, 1:]
-                yield drive(self.ground, self.body, x, y, yaw[m : m + 1], float(np.hypot(*ahead)))
+                yield drive_lanes(self.ground, self.body, x, y, yaw[m : m + 1], float(np.hypot(*ahead)))
             if turns_on or not last:
                 on = (places[min(m + 1, last), 2] - places[m, 2] + 4) % HEADINGS - 4
                 headings = yaw[m] + np.linspace(0, 1, _TURN_POSES) * on * np.pi / 4
@@ -483,7 +486,7 @@ class Lattice:
             begin = m + 1
 
 
-def _begins(which: Mask) -> list[int]:
+def _run_starts(which: Mask) -> list[int]:
     """Return the numbers of the first of each stretch of a mask."""
     return [int(at) for at in np.flatnonzero(which & ~np.append(False, which[:-1]))]
 
@@ -507,7 +510,9 @@ def events(way: Any) -> list[str]:
     return told
 
 
-def _told(ground: PaddedGround, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()) -> dict[str, Any]:
+def _summary(
+    ground: PaddedGround, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()
+) -> dict[str, Any]:
     """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
     rests = [of_settled(ground, body, rest) for rest in (*turned, *(lane.poses for lane in lanes))]
     return {
@@ -540,7 +545,7 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
 
 
-def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> Way:
+def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> Way:
     """Return the best way across a field along an axis, 0 for x and 1 for y; best: one of BEST.
 
     The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
@@ -549,8 +554,8 @@ def crossing(field: StepField, body: Body, axis: int, best: str = "length") -> W
     direct = _straight_way(lanes, field, body, axis)
     if direct and best == "length":
         return direct
-    way = Lattice(field, body, best, partial(tell, "a way across")).way(axis)
-    tell("a way across", 1)
+    way = Lattice(field, body, best, partial(report_share, "a way across")).way(axis)
+    report_share("a way across", 1)
     return way or direct or no_way(lanes, body)
 
 
@@ -561,14 +566,14 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
     if not passed.any():
         return None
     best = int(np.where(passed, lanes.tilt, np.inf).argmin())
-    low, high = -entry(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
+    low, high = -entry_distance(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
     points = np.array([(low, middles[best]), (high, middles[best])])
     return Way(
         crosses=True,
         length=high - low,
         length_ratio=1.0,
         points=points if axis == 0 else points[:, ::-1].copy(),
-        **_told(PaddedGround.of(field, reach_of(body)), body, [lanes.lane(best)]),
+        **_summary(PaddedGround.of(field, outer_radius(body)), body, [lanes.lane(best)]),
     )
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from rsegen import Obstacle, Pit, Rails, Random, Recipe, Stairs, Stones, build
 from rsegen.errors import ParameterError
-from rsegen.field.graphs import connected, neighbours
+from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Ints
 
 SIDES = st.tuples(st.integers(1, 24), st.integers(1, 24))
@@ -39,7 +39,7 @@ def _pieces(mask: Any) -> int:
     """Number of pieces of a mask whose cells share sides."""
     a, b = neighbours(mask.shape)
     both = mask.ravel()[a] & mask.ravel()[b]
-    return len(np.unique(connected(mask.size, a[both], b[both])[mask.ravel()]))
+    return len(np.unique(component_labels(mask.size, a[both], b[both])[mask.ravel()]))
 
 
 @given(SIDES, LEVELS, WIDTHS, st.data())

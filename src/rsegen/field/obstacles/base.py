@@ -25,7 +25,7 @@ import numpy as np
 from rsegen.errors import PluginError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.params.arrays import greatest, least, where
-from rsegen.params.registry import Contract, Registry, clash
+from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import (
     ANYWHERE,
     MOST_LEVELS,
@@ -234,7 +234,7 @@ class Shaped(Obstacle):
         return type(self).patch is Shaped.patch
 
     @abstractmethod
-    def reach(self, grid: Grid) -> float:
+    def overhang(self, grid: Grid) -> float:
         """Return how far the obstacle may extend beyond the rectangle of its ends, in cells."""
 
     @abstractmethod
@@ -243,7 +243,7 @@ class Shaped(Obstacle):
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels floor((n - 1) f): the highest on the axis or apex alone, lower in steps on the sides."""
-        window = _window(grid, first, last, int(np.ceil(self.reach(grid))))
+        window = _window(grid, first, last, int(np.ceil(self.overhang(grid))))
         x, y = np.ogrid[window]
 
         def part(rows: slice) -> Levels:
@@ -271,7 +271,7 @@ class Shaped(Obstacle):
             f = self.profile(x, y, first, last, grid)
         levels = np.floor((self.levels - 1) * f + SLACK).astype(np.int16)
         footprint = self.covers(levels, x, y, first, last)
-        margin = np.ceil(self.reach(grid))
+        margin = np.ceil(self.overhang(grid))
         for at, a, b in zip((x, y), first, last, strict=True):
             footprint = footprint & (at >= np.minimum(a, b) - margin) & (at <= np.maximum(a, b) + margin)
         return Patch(EVERYWHERE, levels, footprint)
@@ -282,7 +282,7 @@ class Sloped(Shaped):
 
     __slots__ = ()
 
-    def reach(self, grid: Grid) -> float:
+    def overhang(self, grid: Grid) -> float:
         """Return w + 1/2 cells, beyond which the profile is 0."""
         return self.softness / 100 * grid.chunk_size + 0.5
 
@@ -415,7 +415,9 @@ KINDS: Registry[type[Obstacle]] = Registry(
     "obstacle kind",
     package="rsegen.field.obstacles",
     group="rsegen.obstacles",
-    contract=Contract(base=Obstacle, names=lambda cls: (cls.kind,), check=lambda cls: clash(cls, RESERVED, Obstacle)),
+    contract=Contract(
+        base=Obstacle, names=lambda cls: (cls.kind,), check=lambda cls: name_conflict(cls, RESERVED, Obstacle)
+    ),
 )
 """Every obstacle class by the name of its kind."""
 

@@ -29,7 +29,7 @@ class Peak(Shaped):
 
     kind: ClassVar[str] = "peak"
 
-    def reach(self, grid: Grid) -> float:
+    def overhang(self, grid: Grid) -> float:
         """Return 0: the peak stays inside its rectangle."""
         return 0.0
 

@@ -18,7 +18,7 @@ from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
 from rsegen.field.obstacles import Obstacle
 from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Ints, Mask
-from rsegen.page.calls import checked
+from rsegen.page.calls import checked_arguments
 from rsegen.page.model.session import Entry, Session
 from rsegen.params.sorts import MOST_LEVELS, Cell, Json
 from rsegen.params.streams import generator
@@ -63,7 +63,7 @@ def _apply(session: Session, action: Action, index: int) -> int:
     name = given.pop("do", None)
     if not isinstance(name, str) or name not in _ACTIONS:
         raise UnknownName.among("do", "action", name, _ACTIONS)
-    known = checked(_ACTIONS[name], given)
+    known = checked_arguments(_ACTIONS[name], given)
     for where in ("row", "to"):
         if where in known and not (name == "paint" and known["row"] == -1):
             _check_row(session, where, known[where])

@@ -26,7 +26,7 @@ from rsegen.page.model.session import Draft, Session
 from rsegen.page.model.texts import text_after
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import MAX_MIB, load
+from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load
 from rsegen.run.store import write_file
 
 SUFFIXES = (".yaml", ".yml", ".json")
@@ -42,7 +42,7 @@ class Document:
     """
 
     session: Session
-    journal: Journal
+    journal: DraftFile
     title: str = "untitled"
     path: Path | None = None
     text: str = ""
@@ -63,7 +63,7 @@ class Document:
     def of_file(cls, path: Path) -> Document:
         """Return the document of a recipe file, with the changes that an earlier process did not save."""
         text = _read(path)
-        return cls(session=Session.of(load(path)), journal=Journal(name=str(path)), path=path, title="", text=text)
+        return cls(session=Session.of(load(path)), journal=DraftFile(name=str(path)), path=path, title="", text=text)
 
     @property
     def shown_title(self) -> str:
@@ -90,7 +90,7 @@ class Document:
             write_file([text.encode()], target, confirmed=True)
         if target != self.path:
             self.journal.remove()
-            self.journal = Journal(name=str(target))
+            self.journal = DraftFile(name=str(target))
         self.path, self.text = target, text
         self._saved()
 
@@ -163,7 +163,7 @@ _DEFAULT_NAME = next(each.default for each in fields(Recipe) if each.name == "na
 
 def _read(path: Path) -> str:
     """Return the text of a recipe file, line ends as they are; empty if it has none, which loading it then says."""
-    most = MAX_MIB.get(path.suffix.lower(), MAX_MIB[".yaml"]) * 2**20
+    most = MAX_RECIPE_MIB.get(path.suffix.lower(), MAX_RECIPE_MIB[".yaml"]) * 2**20
     return (regular_content(path, most) or b"").decode("utf-8", "replace")
 
 
@@ -174,7 +174,7 @@ def state_folder() -> Path:
 
 
 @dataclass(kw_only=True, slots=True)
-class Journal:
+class DraftFile:
     """The draft of one document on disk.
 
     name: the document's path, or another text that only it has; failed: why the draft is not on disk, if it should be

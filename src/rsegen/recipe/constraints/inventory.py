@@ -48,7 +48,7 @@ def fitted_to_inventory(field: StepField, owned: Sequence[int], rng: np.random.G
     """
     levels = field.levels.astype(np.int64)
     wished, taken = nearest_counts(field, owned)
-    stock, ends = blocks(owned, len(wished)), np.cumsum(wished)
+    stock, ends = block_counts(owned, len(wished)), np.cumsum(wished)
     blocks_in_order = np.repeat(np.arange(len(taken)), taken)  # the lowest cells get the lowest of the blocks
     for level in np.flatnonzero(wished):
         cells = np.flatnonzero((field.levels == level) & ~field.frame)
@@ -64,7 +64,7 @@ def nearest_counts(design: StepField, owned: Sequence[int]) -> tuple[Ints, Ints]
     Of level 0 the first has none, and the second as many as there are cells without a block.
     """
     wished = np.bincount(design.levels[~design.frame].astype(np.int64), minlength=len(owned) + 1)
-    given, wished[0] = blocks(owned, len(wished)), 0
+    given, wished[0] = block_counts(owned, len(wished)), 0
     given[0] = max(int(wished.sum() - given[1:].sum()), 0)  # cells for which there is no block
     return wished, nearest_blocks(wished, given)
 
@@ -75,10 +75,10 @@ def nearest_blocks(wished: Ints, given: Ints) -> Ints:
 
     wished, given: (levels,), the latter at least as many in all. Blocks are matched in the order of their levels.
     """
-    best, below = _Carried(wished, given, len(wished)), -1
+    best, below = _CarriedBlocks(wished, given, len(wished)), -1
     most = len(wished)
     while most - below > 1:  # the least of the largest difference that costs no more
-        tried = _Carried(wished, given, (below + most) // 2)
+        tried = _CarriedBlocks(wished, given, (below + most) // 2)
         if tried.cost == best.cost:
             best, most = tried, (below + most) // 2
         else:
@@ -86,7 +86,7 @@ def nearest_blocks(wished: Ints, given: Ints) -> Ints:
     return best.used()
 
 
-class _Carried:
+class _CarriedBlocks:
     """The blocks carried past each level on a line of levels, as few as possible.
 
     x(k) is the number of blocks used up to level k less that of cells up to it, so |x(k)| of them are carried on to, or
@@ -152,7 +152,7 @@ class _Carried:
             slope -= moved
 
 
-def blocks(owned: Sequence[int], levels: int) -> Blocks:
+def block_counts(owned: Sequence[int], levels: int) -> Blocks:
     """Return an inventory as an array over `levels` levels."""
     return np.array([_ENOUGH, *owned, *[0] * (levels - 1 - len(owned))], dtype=np.int64)
 

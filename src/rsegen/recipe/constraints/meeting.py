@@ -34,11 +34,11 @@ from rsegen.field.obstacles.random import Random
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.arrays import maps_first, maps_last, namespace
 from rsegen.params.streams import generator
-from rsegen.params.watch import tell
+from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.inventory import (
     Blocks,
     Stock,
-    blocks,
+    block_counts,
     fitted_to_inventory,
     left_of,
     lowered_to,
@@ -135,7 +135,7 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
         return met
     if design.max_step is not None:
         met = max(met, _arranged(field, like, design, index, design.inventory), key=used)
-    owned = blocks(design.inventory, len(design.inventory) + 1)
+    owned = block_counts(design.inventory, len(design.inventory) + 1)
     met = refilled(met, used(fitted), like, left_of(met, owned), _is_still_met(met, design))
     if design.max_step is not None and not met.levels.any():
         raise ParameterError(
@@ -174,7 +174,7 @@ def _counts_blocks(design: MapDesign) -> bool:
 
 def _arranged(wished: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
     """Return the blocks of an inventory near `like`, with about the counts of a field; all constraints are met."""
-    owned = blocks(inventory, max(len(inventory), int(wished.levels.max(initial=0))) + 1)
+    owned = block_counts(inventory, max(len(inventory), int(wished.levels.max(initial=0))) + 1)
     stock, rng = Stock(owned=owned, limit=design.max_step or 1), generator(design.seed, index, "arrangement")
     cells, met, caps, empty = int(np.count_nonzero(~wished.frame)), [], None, 0
     # Arrange; if the robot cannot cross, keep its way low and arrange around it. The fullest of all tries counts.
@@ -200,7 +200,7 @@ def _lowered(field: StepField, design: MapDesign, left: Blocks | None, caps: Int
         field = _with(field, lowered_to(field.levels, caps, left))
         caps = _caps(field, design)
     if design.crosser and design.crosser.search:
-        tell(design.crosser.search, 1)
+        report_share(design.crosser.search, 1)
     return field
 
 

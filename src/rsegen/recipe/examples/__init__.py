@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rsegen.errors import FileError, nearest
+from rsegen.errors import FileError, did_you_mean
 
 EXAMPLES = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.yaml"))}
 """Where each one is, by its name."""
@@ -15,6 +15,6 @@ def or_example(path: str | Path) -> Path:
     path = Path(path)
     if path.exists():
         return path
-    if str(path) not in EXAMPLES and "#" not in str(path) and (guess := nearest(str(path), EXAMPLES)):
+    if str(path) not in EXAMPLES and "#" not in str(path) and (guess := did_you_mean(str(path), EXAMPLES)):
         raise FileError(f"{path}: neither a file nor the name of an example{guess}")
     return EXAMPLES.get(str(path), path)

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from rsegen.params.streams import generator
-from rsegen.scene.colours import Colour, rounded
+from rsegen.scene.colours import Colour, rounded_colour
 from rsegen.scene.looks import edged, pine
 from rsegen.scene.looks.images import png
 
@@ -33,4 +33,4 @@ def textures(look: str, seed: int) -> tuple[bytes, bytes]:
 
 def mean_colour(look: str) -> Colour:
     """Return the colour, 0..1, that the textures of a look have from afar."""
-    return rounded(float(part) / 255 for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])
+    return rounded_colour(float(part) / 255 for part in LOOKS[look].PALETTE[LOOKS[look].MEAN])

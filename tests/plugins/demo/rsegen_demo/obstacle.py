@@ -18,7 +18,7 @@ class Ramp(Shaped):
 
     tread: Annotated[int, Integer(1, 100, unit="blocks", help="depth of a step")] = 1
 
-    def reach(self, grid: Grid) -> float:
+    def overhang(self, grid: Grid) -> float:
         """It stays inside its rectangle."""
         return 0.0
 

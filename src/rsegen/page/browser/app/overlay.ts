@@ -1,7 +1,7 @@
 /* What lies on the tops of blocks, or on the plan, as a picture: the poses of a robot, and where it gets. North is up. */
 
 import { bytesOf } from "./field";
-import type { PoseMap, Reach, SceneData } from "./protocol";
+import type { PoseMap, DrawnReach, SceneData } from "./protocol";
 
 export interface Overlay { canvas: HTMLCanvasElement; low: [number, number]; size: [number, number] } // metres
 
@@ -46,7 +46,7 @@ export function ofPoses(map: PoseMap, shown: "tilt" | "margin" | "reason"): Over
 }
 
 /* What a robot does not reach is pale. */
-export function ofReach(reach: Reach, scene: SceneData): Overlay {
+export function ofReach(reach: DrawnReach, scene: SceneData): Overlay {
   const [nX, nY] = scene.cells;
   const region = bytesOf(reach.region);
   const canvas = painted(nX, nY, (i, j) => (region[i * nY + j] ? [0, 0, 0, 0] : [240, 240, 243, 185]));

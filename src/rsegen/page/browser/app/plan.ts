@@ -5,7 +5,7 @@ import { Field, rgb, type Place, type Point } from "./field";
 import { Ink, LEGIBLE, type Box, type Pixel } from "./ink";
 import { poseAt } from "./models";
 import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
-import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
+import type { Playback, DrawnPose, PoseMap, DrawnReach, DrawnRobot, SceneData, DrawnWay } from "./protocol";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
 import type { Board, Grip, Preview, Spot } from "./tools";
 import type { Options, Tool, View, ViewEvents } from "./views";
@@ -19,14 +19,14 @@ interface Shown {
   preview?: Preview | null;
   ghost?: Field | null; // with an obstacle that is not added yet, the row ghostRow
   ghostRow: number;
-  drawing?: RobotDrawing | null;
-  pose?: Pose | null;
+  drawing?: DrawnRobot | null;
+  pose?: DrawnPose | null;
   poses?: Overlay | null;
-  reach?: Reach | null;
-  way?: Way | null;
+  reach?: DrawnReach | null;
+  way?: DrawnWay | null;
   start?: [number, number] | null;
   playback?: Playback | null;
-  drawings: Map<string, RobotDrawing>;
+  drawings: Map<string, DrawnRobot>;
   second: number;
 }
 
@@ -105,7 +105,7 @@ export class Plan implements View, Board {
     this.draws({ ghost: scene && new Field(scene), ghostRow: row });
   }
 
-  robot(drawing: RobotDrawing | null, pose: Pose | null): void {
+  robot(drawing: DrawnRobot | null, pose: DrawnPose | null): void {
     this.draws({ drawing, pose });
   }
 
@@ -113,15 +113,15 @@ export class Plan implements View, Board {
     this.draws({ poses: map && ofPoses(map, shown) });
   }
 
-  reach(reach: Reach | null): void {
+  reach(reach: DrawnReach | null): void {
     this.draws({ reach });
   }
 
-  way(way: Way | null, start: [number, number] | null): void {
+  way(way: DrawnWay | null, start: [number, number] | null): void {
     this.draws({ way, start });
   }
 
-  play(playback: Playback | null, drawings: Map<string, RobotDrawing>): void {
+  play(playback: Playback | null, drawings: Map<string, DrawnRobot>): void {
     this.draws({ playback, drawings, second: 0 });
   }
 

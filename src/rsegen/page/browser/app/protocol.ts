@@ -143,7 +143,7 @@ export interface Hello {
   kinds: Kind[];
   examples: Described[];
   robots: Titled[];
-  commands: Command[];
+  commands: DescribedCommand[];
   formats: Described[];
   metrics: Titled[]; // by which maps can be sorted
 }
@@ -205,7 +205,7 @@ export interface Titled {
 }
 
 /* A command that may be run. */
-export interface Command {
+export interface DescribedCommand {
   name: string;
   help: string;
   group: string;
@@ -244,7 +244,7 @@ export interface MapData {
 }
 
 /* All metrics of a map, also those of a robot. */
-export interface Measured {
+export interface MetricRows {
   rows: [string, string, string, string][]; // name, value, meaning, key
 }
 
@@ -278,7 +278,7 @@ export interface Mark {
 }
 
 /* A robot at rest; one that does not stand is level, where it was put. */
-export interface Pose {
+export interface DrawnPose {
   stands: boolean;
   holds: boolean;
   pushes: boolean;
@@ -298,11 +298,11 @@ export interface Pose {
 }
 
 /* Where a robot gets. */
-export interface Reach {
+export interface DrawnReach {
   text: string; // "crosses west to east"
   region: string; // base64 of uint8 for each cell: 1 where it gets
   ways: Across[];
-  spots: Place[];
+  spots: StartOrGoal[];
 }
 
 /* A way across a map, laid on the blocks. */
@@ -313,7 +313,7 @@ export interface Across {
 }
 
 /* A spot for a start or a goal. */
-export interface Place {
+export interface StartOrGoal {
   x: number;
   y: number;
   z: number;
@@ -343,16 +343,16 @@ export interface State {
 }
 
 /* A robot as it is drawn. */
-export interface RobotDrawing {
+export interface DrawnRobot {
   name: string;
   title: string;
   size: [number, number, number];
   lift: number; // of the origin of its model in a simulator, above the origin of these parts
-  parts: Part[];
+  parts: DrawnPart[];
 }
 
 /* A part of a robot as it is drawn. */
-export interface Part {
+export interface DrawnPart {
   shape: "box" | "cylinder" | "sphere";
   size: number[]; // box x y z; cylinder radius, length along z; sphere radius
   pose: number[]; // 4x4, row by row, in the robot's frame
@@ -379,7 +379,7 @@ export interface PoseMap {
 }
 
 /* A way of a robot between two places. */
-export interface Way {
+export interface DrawnWay {
   found: boolean;
   text: string;
   poses: [number, number, number, number, number, number][]; // x y z roll pitch yaw of the robot's origin
@@ -415,7 +415,7 @@ export interface FileChanged {
 }
 
 /* How far a search is, 0 to 1. */
-export interface Progress {
+export interface SearchProgress {
   event: "progress";
   of: "tilt" | "reach" | "way" | "measure" | "variants";
   share: number;
@@ -441,7 +441,7 @@ export interface Frozen {
 
 export type Search = "tilt" | "reach" | "way" | "measure" | "variants";
 
-export type Event = StateChanged | JobChanged | FileChanged | Progress | Alive;
+export type Event = StateChanged | JobChanged | FileChanged | SearchProgress | Alive;
 
 /* Changes of a document, of the map that the page shows. */
 export type Action =
@@ -493,19 +493,19 @@ export interface Calls {
   /* Return `count` maps of a document's recipe from the place `first` on in their order, or as many as there are. */
   maps: { args: { doc: string; first: number; count: number; by?: string }; result: Variant[] };
   /* Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own. */
-  measure: { args: { doc: string; index: number; robot?: string | null }; result: Measured };
+  measure: { args: { doc: string; index: number; robot?: string | null }; result: MetricRows };
   /* Open a new recipe, a file, an example, or a map of a data set. */
   open: { args: { what?: string }; result: OpenedDocument };
   /* Return the drive that a folder holds. */
   playback: { args: { path: string }; result: Playback };
   /* Return how a robot rests that is put down level at x, y with a heading; also beside the map. */
-  pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: Pose };
+  pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: DrawnPose };
   /* Return where a robot gets on a map, its ways across, and a start and a goal for it. */
-  reach: { args: { doc: string; index: number; robot: string }; result: Reach };
+  reach: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Take over what is in the file. */
   reload: { args: { doc: string; page?: string }; result: State };
   /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
-  robot: { args: { robot: string }; result: RobotDrawing };
+  robot: { args: { robot: string }; result: DrawnRobot };
   /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */
   run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; replace?: boolean }; result: Job };
   /* Write a document to its file, or to another one in the folder. */
@@ -523,5 +523,5 @@ export interface Calls {
   /* Return the first map of a document's recipe at fresh seeds. */
   variants: { args: { doc: string; count: number }; result: Variant[] };
   /* Return the best way of a robot between two places, pose by pose, with its falls and slides. */
-  way: { args: { doc: string; index: number; robot: string; start: [number, number]; goal: [number, number]; best?: "length" | "tilt" | "margin" }; result: Way };
+  way: { args: { doc: string; index: number; robot: string; start: [number, number]; goal: [number, number]; best?: "length" | "tilt" | "margin" }; result: DrawnWay };
 }

@@ -10,7 +10,7 @@ import { ACCENT, BAD, START, TROUBLE } from "./colours";
 import { Field, onRay, outline, type Place, type Point } from "./field";
 import { Player, Robot, dot, drop, letter, linesOf, pairs, restOf, rotationOf } from "./models";
 import { ofPoses, ofReach, type Overlay } from "./overlay";
-import type { Playback, Pose, PoseMap, Reach, RobotDrawing, SceneData, Way } from "./protocol";
+import type { Playback, DrawnPose, PoseMap, DrawnReach, DrawnRobot, SceneData, DrawnWay } from "./protocol";
 import { Stage, rendererOf, type From } from "./stage";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
 import type { Board, Grip, Preview, Spot } from "./tools";
@@ -35,7 +35,7 @@ export class Solid implements View, Board {
   private options: Options = { look: "recipe", grid: true, axes: true, dark: false };
   private from: From = "oblique";
   private row = -1;
-  private shownReach: Reach | null = null;
+  private shownReach: DrawnReach | null = null;
   private shownPoses: Overlay | null = null;
   private shownRobot: Robot | null = null;
   private player: Player | null = null;
@@ -141,7 +141,7 @@ export class Solid implements View, Board {
     this.ask();
   }
 
-  robot(drawing: RobotDrawing | null, pose: Pose | null): void {
+  robot(drawing: DrawnRobot | null, pose: DrawnPose | null): void {
     if (this.shownRobot?.drawing !== drawing) {
       this.part("robot", []);
       this.shownRobot = drawing && new Robot(drawing);
@@ -164,7 +164,7 @@ export class Solid implements View, Board {
     this.lay();
   }
 
-  reach(reach: Reach | null): void {
+  reach(reach: DrawnReach | null): void {
     this.shownReach = reach;
     const ways = (reach?.ways ?? []).map(({ points, crosses }) =>
       linesOf(pairs(points), { colour: crosses ? START : TROUBLE, width: 4, hidden: true }),
@@ -176,7 +176,7 @@ export class Solid implements View, Board {
     this.lay();
   }
 
-  way(way: Way | null, start: [number, number] | null): void {
+  way(way: DrawnWay | null, start: [number, number] | null): void {
     const { field } = this;
     const size = 0.22 * (field?.width ?? 0.1);
     const parts: Object3D[] = [];
@@ -193,7 +193,7 @@ export class Solid implements View, Board {
     this.ask();
   }
 
-  play(playback: Playback | null, drawings: Map<string, RobotDrawing>): void {
+  play(playback: Playback | null, drawings: Map<string, DrawnRobot>): void {
     this.player = playback && new Player(playback, drawings, 0.1 * (this.field?.width ?? 0.1));
     this.part("play", this.player ? [this.player.group] : []);
     this.stage.drives = this.player?.boxes ?? [];

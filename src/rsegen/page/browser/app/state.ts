@@ -6,7 +6,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Failed, call, listen } from "./server";
 import type {
-  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, Playback, Pose, PoseMap, Reach, Row, RobotDrawing, SceneData, State, Way,
+  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, Playback, DrawnPose, PoseMap, DrawnReach, Row, DrawnRobot, SceneData, State, DrawnWay,
 } from "./protocol";
 import type { Hover, Options, Tool } from "./views";
 
@@ -35,15 +35,15 @@ export const dialog = signal<
 >(null);
 
 export const robot = signal(""); // its name; empty: none
-export const drawing = signal<RobotDrawing | null>(null);
+export const drawing = signal<DrawnRobot | null>(null);
 export const heading = signal(0);
 export const put = signal<[number, number] | null>(null); // where it was put: tilted, its origin is a little aside
-export const pose = signal<Pose | null>(null);
+export const pose = signal<DrawnPose | null>(null);
 export const poseMap = signal<PoseMap | null>(null);
 export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
-export const reach = signal<Reach | null>(null);
+export const reach = signal<DrawnReach | null>(null);
 export const wayStart = signal<[number, number] | null>(null);
-export const way = signal<Way | null>(null);
+export const way = signal<DrawnWay | null>(null);
 export type Searched = "tilt" | "reach" | "way";
 export const searching = signal<{ of: Searched; share: number } | null>(null); // of the robot on the map
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
