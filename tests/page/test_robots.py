@@ -138,7 +138,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
 
 @pytest.mark.slow
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hosting, "_TOLD_EVERY", 0.0)
+    monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
     monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 50)
     heard: list[Any] = []
     listener = Listener(page="p", send=heard.append)
@@ -161,7 +161,7 @@ def test_a_search_ends_soon_by(
     rsegen.save(large, host.folder / "large.yaml", force=True)
     doc = hosting.open(host, what=str(host.folder / "large.yaml"))["doc"]
     begun, ended = threading.Event(), list[str]()
-    monkeypatch.setattr(hosting, "_TOLD_EVERY", 0.0)
+    monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
     monkeypatch.setattr(robots, "_AT_ONCE", 1)
     listener = Listener(page="p", send=lambda event: begun.set() if event["event"] == "progress" else None)
     host.opened(doc).add(listener)

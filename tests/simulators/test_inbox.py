@@ -25,7 +25,7 @@ def test_a_message_of_zeros_alone_is_a_message_and_one_that_is_none_is_passed_ov
     inbox = Inbox("Gazebo Sim", SHORT)
     for content in (SIM.encode("WorldStatistics", CLOCK), b"", b"\xff"):
         inbox.add("stats", decoding("WorldStatistics", content))
-    assert inbox.kept("stats") == [CLOCK, {}]
+    assert inbox.messages("stats") == [CLOCK, {}]
     assert inbox.last("stats") == {}
     assert inbox.wait_for_message("stats", lambda clock: clock["iterations"] > 1) == CLOCK
     assert inbox.wait_for_message("stats", lambda _: True) == {}
@@ -35,7 +35,7 @@ def test_nobody_decodes_what_nobody_looks_at() -> None:
     inbox = Inbox("Gazebo Sim", SHORT)
     inbox.add("poses", lambda: pytest.fail("was decoded"))
     inbox.add("stats", decoding("WorldStatistics", b""))
-    assert inbox.kept("stats") == [{}]
+    assert inbox.messages("stats") == [{}]
 
 
 def test_waiting_ends_with_patience_or_with_the_server() -> None:

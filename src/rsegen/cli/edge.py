@@ -121,14 +121,14 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
             return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
         case OSError():
             where = error.filename or "what was to be printed"
-            said = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"
-            return 2 if error.errno in REFUSED else 1, said
+            message = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"
+            return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
             return 1, "out of memory; give fewer chunks or a smaller chunk_size"
-    if said := _of_plugin(error):
-        return 1, said
-    said = f"{type(error).__name__}: {error}"
-    return 1, f"internal error, please report it: {said} (python -X dev -m rsegen shows where)"
+    if message := _of_plugin(error):
+        return 1, message
+    message = f"{type(error).__name__}: {error}"
+    return 1, f"internal error, please report it: {message} (python -X dev -m rsegen shows where)"
 
 
 def _of_plugin(error: BaseException) -> str:
@@ -162,18 +162,20 @@ class Signals:
         can_stop = threading.current_thread() is threading.main_thread()  # no other one may set handlers
         names = ("SIGINT", "SIGTERM", "SIGHUP") if can_stop else ()
         known = [getattr(signal, name) for name in names if hasattr(signal, name)]
-        before = {each: signal.getsignal(each) for each in known if signal.getsignal(each) is not signal.SIG_IGN}
+        before = {
+            number: signal.getsignal(number) for number in known if signal.getsignal(number) is not signal.SIG_IGN
+        }
         stop.STATE.asked, unraisable = False, sys.unraisablehook
-        for each in before:
-            signal.signal(each, self._stop)
+        for number in before:
+            signal.signal(number, self._stop)
         sys.unraisablehook = lambda lost: None if lost.exc_type is KeyboardInterrupt else unraisable(lost)
         try:
             yield
         finally:
             stop.STATE.asked = False  # a later call of this process is not to stop
             sys.unraisablehook = unraisable
-            for each, handler in before.items():
-                signal.signal(each, handler)
+            for number, handler in before.items():
+                signal.signal(number, handler)
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
         if not self.came:

@@ -48,9 +48,9 @@ def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
     """Add --obstacle and every parameter of a recipe, over what a file of that name says."""
     helps = {}
     for name, parameter in declared(Recipe).items():
-        told = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
-        told = told._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
-        helps[told] = told.help
+        shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
+        shown_parameter = shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
+        helps[shown_parameter] = shown_parameter.help
     _add_recipe_group(command, f"each overrides what {over} says", helps)
 
 
@@ -66,8 +66,8 @@ def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str])
     group = command.add_argument_group(RECIPE, text)
     example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
-    for parameter, said in helps.items():
-        add_flag(group, parameter, said, metavar=parameter.metavar)
+    for parameter, meaning in helps.items():
+        add_flag(group, parameter, meaning, metavar=parameter.metavar)
 
 
 def recipe_from(arguments: argparse.Namespace) -> Recipe:
@@ -96,14 +96,14 @@ def recipe_flags(arguments: argparse.Namespace) -> dict[str, Any]:
 def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
     """Return a recipe with the flags over it and their obstacles after its own."""
     added = tuple(obstacle_in(text) for text in arguments.obstacle)
-    said = recipe_flags(arguments)
-    match said:
+    given_flags = recipe_flags(arguments)
+    match given_flags:
         case {"inventory": [str(name)]} if name:
             from rsegen.recipe.inventory_file import inventory_in
 
-            unit = parameters(Recipe)["unit_cm"].check("unit_cm", said.get("unit_cm", start.unit_cm))
-            said["inventory"] = inventory_in(Path(name), unit)
-    return replace(start, **said, obstacles=(*start.obstacles, *added))
+            unit = parameters(Recipe)["unit_cm"].check("unit_cm", given_flags.get("unit_cm", start.unit_cm))
+            given_flags["inventory"] = inventory_in(Path(name), unit)
+    return replace(start, **given_flags, obstacles=(*start.obstacles, *added))
 
 
 def obstacle_in(text: str) -> Obstacle:

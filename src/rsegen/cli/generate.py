@@ -125,11 +125,11 @@ def run_options(function: Callable[..., object], arguments: argparse.Namespace) 
     """Return what the flags say of a run, by default with as many workers as there are cores; not yet checked."""
     from rsegen.run.execute import cores
 
-    said = {"workers": cores()} | given(function, arguments)
-    for note in Sidecars.of(said).notes:
+    options = {"workers": cores()} | given(function, arguments)
+    for note in Sidecars.of(options).notes:
         if not arguments.quiet:
             print(f"rsegen: {note}", file=sys.stderr)
-    return said
+    return options
 
 
 def going_on(arguments: argparse.Namespace, *recipes: Recipe) -> AbstractContextManager[None]:

@@ -120,15 +120,15 @@ def _parted(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     named: list[str] = []
     waiting = list(arguments)
     while waiting:
-        each = waiting.pop(0)
-        if each == "--":
-            return [*rest, each, *waiting], named
-        if each == FLAG and waiting:
+        part = waiting.pop(0)
+        if part == "--":
+            return [*rest, part, *waiting], named
+        if part == FLAG and waiting:
             named.append(waiting.pop(0))
-        elif each.startswith(f"{FLAG}="):
-            named.append(each.partition("=")[2])
+        elif part.startswith(f"{FLAG}="):
+            named.append(part.partition("=")[2])
         else:
-            rest.append(each)
+            rest.append(part)
     return rest, named
 
 

@@ -105,8 +105,8 @@ def call(function: Callable[..., R], arguments: argparse.Namespace, *positional:
 def checked_flags(owner: Callable[..., Any], arguments: argparse.Namespace) -> dict[str, Any]:
     """Return what the flags of a command, or of a dataclass of options, say; errors name the flags."""
     with flags_in_errors(owner):
-        known, said = declared(owner), given(owner, arguments)
-        return {name: known[name].sort.check(name, value) for name, value in said.items()}
+        known, given_values = declared(owner), given(owner, arguments)
+        return {name: known[name].sort.check(name, value) for name, value in given_values.items()}
 
 
 _PROGRESS: ContextVar[str] = ContextVar("how progress is shown", default="bar")
@@ -160,21 +160,21 @@ class ProgressLines:
 
     def __init__(self, total: float, unit: str, step: str, *, is_shown: bool) -> None:
         self._total, self._unit, self._step, self.is_shown = total, unit, step, is_shown
-        self._say()
+        self._print()
 
     def update(self, steps: float = 1) -> None:
         """Go on by some steps; the last one is always said."""
         self.n += steps
-        if steps and (self.n >= self._total or time.monotonic() - self._said > _LINES_APART):
-            self._say()
+        if steps and (self.n >= self._total or time.monotonic() - self._printed_at > _LINES_APART):
+            self._print()
 
     def set_description(self, step: str) -> None:
         """Say what is done now."""
         self._step = step
-        self._say()
+        self._print()
 
-    def _say(self) -> None:
-        self._said = time.monotonic()
+    def _print(self) -> None:
+        self._printed_at = time.monotonic()
         if self.is_shown:
             state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
             print(json.dumps(state), file=sys.stderr, flush=True)

@@ -270,10 +270,10 @@ def _content(dataset: Dataset) -> dict[str, object]:
 def _described(dataset: Dataset) -> str:
     n_x, n_y = dataset.layout.grid_shape
     seeds = [f"{recipe.maps:,} of {recipe.name} (seed {recipe.seed})" for recipe in dataset.recipes]
-    said = ", ".join(seeds) if len(seeds) > 1 else f"seed {dataset.recipe.seed}"
+    seed_text = ", ".join(seeds) if len(seeds) > 1 else f"seed {dataset.recipe.seed}"
     shards = counted(len(dataset.shards), "shard")
     return (
-        f"{counted(len(dataset), 'map')} of {n_x} x {n_y} blocks, {said}: "
+        f"{counted(len(dataset), 'map')} of {n_x} x {n_y} blocks, {seed_text}: "
         f"{dataset.bytes:,} bytes in {shards} in {dataset.folder}"
     )
 

@@ -216,7 +216,9 @@ def header(layout: ShardLayout) -> dict[str, Any]:
 def identity(layout: ShardLayout) -> dict[str, Any]:
     """Return what decides the bytes of the shards: the header, without how maps are represented and named."""
     left_out = {*parameters(Representation), "name"}
-    entries = ({key: value for key, value in encode(each).items() if key not in left_out} for each in layout.recipes)
+    entries = (
+        {key: value for key, value in encode(recipe).items() if key not in left_out} for recipe in layout.recipes
+    )
     return header(layout) | {"recipes": [*entries]}
 
 

@@ -198,9 +198,11 @@ def run_drive(arguments: argparse.Namespace) -> Report:
     """Drive, and report the metrics."""
     with flags_in_errors(drive):
         target = target_of(arguments, _OWN if arguments.target is None else ("seed", *_OWN))
-    said = checked_flags(drive, arguments)
-    with seconds_bar(said.get("duration", default(drive, "duration"))) as progress:
+    given_values = checked_flags(drive, arguments)
+    with seconds_bar(given_values.get("duration", default(drive, "duration"))) as progress:
         result = call(drive, arguments, target, progress=progress)
-    played = [f"to see it drive: rsegen gui {shlex.quote(str(said['output']))}"] if "output" in said else []
+    played = (
+        [f"to see it drive: rsegen gui {shlex.quote(str(given_values['output']))}"] if "output" in given_values else []
+    )
     notes = which_map(arguments.target, arguments.map)
     return Report(lines=chain(result.report(), played), content=result.as_json, notes=notes)

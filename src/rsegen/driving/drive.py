@@ -225,14 +225,14 @@ def drivable(
     robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, tracks: str | None, **limits: object
 ) -> DrivableRobot:
     """Return a robot of a kind or of a file; only a file's takes wheels, tracks, size, speed and turn rate."""
-    said = {name: value for name, value in limits.items() if value is not None}
+    given_limits = {name: value for name, value in limits.items() if value is not None}
     if wheels and tracks:
         raise ParameterError("tracks", "excludes wheels: give those on which the robot drives")
     if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
-        model = from_file(robot, wheels, tracks).given(said)
+        model = from_file(robot, wheels, tracks).given(given_limits)
         _ = model.drive  # an error before anything is driven
         return model
-    for name in [*said, *(["wheels"] if wheels else []), *(["tracks"] if tracks else [])]:
+    for name in [*given_limits, *(["wheels"] if wheels else []), *(["tracks"] if tracks else [])]:
         kind = robot_of(robot).kind
         raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
     return robot_of(robot)

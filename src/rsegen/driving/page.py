@@ -82,7 +82,7 @@ def playback(host: Host, *, path: str) -> Playback:
     """Return the drive that a folder holds."""
     folder = host.places.inside(path)
     drive = _drive(folder)
-    robots = [_robot(folder, each) for each in drive["robots"][:_ROBOTS]]
+    robots = [_robot(folder, name) for name in drive["robots"][:_ROBOTS]]
     return {
         "title": ", ".join(str(drive.get(name, "")) for name in ("map", "route") if drive.get(name)),
         "simulator": str(drive.get("simulator", "")),
@@ -100,8 +100,8 @@ def _drive(folder: Path) -> dict[str, Any]:
         drive = None
     robots = drive.get("robots") if isinstance(drive, dict) else None
     named = isinstance(robots, list) and all(
-        isinstance(each, dict) and isinstance(each.get("name"), str) and isinstance(each.get("kind"), str)
-        for each in robots
+        isinstance(robot, dict) and isinstance(robot.get("name"), str) and isinstance(robot.get("kind"), str)
+        for robot in robots
     )
     if not isinstance(drive, dict) or not named:
         raise FileError(f"{file}: not the drive.json of rsegen drive")
@@ -134,7 +134,7 @@ def _trajectory(file: Path) -> Trajectory:
     if not rows or tuple(rows[0]) != COLUMNS:
         raise FileError(f"{file}: not a trajectory of rsegen drive, whose columns are {','.join(COLUMNS)}")
     try:
-        values = np.array([[float(each) for each in row] for row in rows[1:]], np.float64).reshape(-1, len(COLUMNS))
+        values = np.array([[float(cell) for cell in row] for row in rows[1:]], np.float64).reshape(-1, len(COLUMNS))
     except ValueError:
         raise FileError(f"{file}: has a row that is not {len(COLUMNS)} numbers") from None
     kept = values[np.isfinite(values).all(axis=1)]
@@ -153,7 +153,7 @@ def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:
     if not file.is_file() or not isinstance(shares, dict):
         return
     seldom = {part for part, share in shares.items() if isinstance(share, int | float) and share < _SELDOM}
-    found = set[_Touch]()
+    touches = set[_Touch]()
     for row in csv.DictReader(io.StringIO(text_of(file, _MIB, "contacts"))):
         try:
             touch = float(row["t"]), row["part"], row["other"]
@@ -161,8 +161,8 @@ def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:
         except (KeyError, TypeError, ValueError):
             raise FileError(f"{file}: not the contacts.csv of rsegen drive") from None
         if is_its and row["part"] in seldom:
-            found.add(touch)
-    yield from sorted(found)
+            touches.add(touch)
+    yield from sorted(touches)
 
 
 def _contacts(touches: Sequence[_Touch]) -> Iterator[tuple[float, str]]:

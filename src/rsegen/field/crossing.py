@@ -73,8 +73,8 @@ class CrossingModel(ABC):
 def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> CrossingModel:
     """Return the robot of a kind or, unless `kind_only`, of a file; UnknownName or FileError if there is none."""
     for find in hooks("crossers"):
-        found: CrossingModel = find(what, where, kind_only=kind_only)
-        return found
+        robot: CrossingModel = find(what, where, kind_only=kind_only)
+        return robot
     named = os.fspath(what) if isinstance(what, str | os.PathLike) else what
     raise ParameterError(where, f"{shown(named)}: no robots are installed; give limits of steps")
 

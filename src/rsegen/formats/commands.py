@@ -136,7 +136,9 @@ def run_export(arguments: argparse.Namespace) -> Report:
     maps = sum(recipe.maps for recipe in recipes)
     with going_on(arguments, *recipes), counting(maps) as progress:
         made = call(export_maps, arguments, recipes, **options, progress=progress)
-    return Report(lines=_export_lines(made, maps - len(made)), content=lambda: [_exported(each) for each in made])
+    return Report(
+        lines=_export_lines(made, maps - len(made)), content=lambda: [_exported(exported) for exported in made]
+    )
 
 
 class _List(argparse.Action):
@@ -161,7 +163,7 @@ def _export_lines(made: tuple[ExportedMap, ...], already: int) -> Iterator[str]:
     if len(made) == 1:
         yield from (str(made[0].folder / name) for name in made[0].names)
         return
-    folders = list(dict.fromkeys(each.folder for each in made))
+    folders = list(dict.fromkeys(exported.folder for exported in made))
     yield f"{len(made)} maps:"
     yield from (f"  {folder}" for folder in folders[:SHOWN])
     if len(folders) > SHOWN:

@@ -195,7 +195,7 @@ def planned_export(
     refuse_link(home)
     with read_errors(home):
         journal = read_journal(home)
-        if not _holds(home, recipe, index):
+        if not _has_map(home, recipe, index):
             _refuse_other_map(home, formats, on_existing)
             return MapExport(recipe=recipe, index=index, formats=tuple(formats))
         missing = _missing_formats(home, journal, formats, on_existing)
@@ -224,7 +224,7 @@ def _export(folder: Path, item: MapExport) -> Output[ExportedMap]:
 # Formats that a map has already.
 
 
-def _holds(home: Path, recipe: Recipe, index: int) -> bool:
+def _has_map(home: Path, recipe: Recipe, index: int) -> bool:
     """Return whether a folder holds this map, whatever version of rsegen wrote its recipe.json."""
     text = map_json(recipe, index)
     if regular_content(home / _RECIPE, len(text) + 1) == text:

@@ -47,7 +47,7 @@ class FormatList(Parameter):
         return tuple(_with_options(self.flag, cls, words) for cls, words in named)
 
     def format(self, value: Any) -> str:
-        return ",".join(each.name for each in value)
+        return ",".join(form.name for form in value)
 
     def schema(self) -> dict[str, Json]:
         return {"type": "array", "items": {"type": "string"}}

@@ -27,7 +27,7 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
     if recipe.max_step is not None:
         report["max_step"] = {"asked": recipe.max_step, "is": int(differences(scene.field).max(initial=0))}
     if (crosser := recipe.crosser) is not None:
-        crossable = _asked(recipe)
+        crossable = _crossing_parameters(recipe)
         for axis, name in enumerate(("west_east", "south_north")):
             way = crosser.crossing(scene.field, axis)
             crossable[name] = {"crosses": way.crosses, "length_m": way.length}
@@ -46,7 +46,7 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
     return report
 
 
-def _asked(recipe: Recipe) -> dict[str, Any]:
+def _crossing_parameters(recipe: Recipe) -> dict[str, Any]:
     """Return what is to get across: a robot by its kind, or limits of steps."""
     if isinstance(recipe.crossable_by, str):
         return {"robot": recipe.crossable_by}
@@ -59,7 +59,7 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
     if "max_step" in report:
         yield "largest step between neighbours in units: {is}, allowed: {asked}".format(**report["max_step"])
     if "crossable_by" in report:
-        crossable, asked = report["crossable_by"], _asked(scene.recipe)
+        crossable, asked = report["crossable_by"], _crossing_parameters(scene.recipe)
         # Who or what gets across, from which sides, and which blocks are lower for it.
         paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
         what = f"{asked.get('robot')} drives"

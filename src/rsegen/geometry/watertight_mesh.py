@@ -297,12 +297,12 @@ def watertight(field: StepField) -> Mesh:
     corners = np.concatenate([rings.corners for rings in sides])
     large = corners.size > LARGE
 
-    def told(share: float) -> None:
-        """Tell the share of the time that a map of a thousand cells to each side has taken by then."""
+    def report_work(share: float) -> None:
+        """Report the share of the time that a map of a thousand cells to each side has taken by then."""
         if large:
             report_share("a closed mesh", share)
 
-    told(0.3)
+    report_work(0.3)
     places, corners = welded(corners, prod(grid.lattice.shape))
     sides = [
         Faces(corner, rings.normals.astype(np.int8), rings.materials.astype(np.int16))
@@ -310,7 +310,7 @@ def watertight(field: StepField) -> Mesh:
     ]
     points = _Points.of(places, grid)
     ways = _ways(points)
-    told(0.4)
+    report_work(0.4)
     # A removable vertex has a negative code, so that a triangle's corners say whether it has one.
     number = np.arange(len(ways), dtype=np.int32)
     orders = _Orders.of(points, np.where(ways != _NOWHERE, ~number, number), grid.lattice)
@@ -319,9 +319,9 @@ def watertight(field: StepField) -> Mesh:
         for axes, rings in zip(((0, 1), (1, 2), (0, 2)), sides, strict=True)
         for begin in range(0, max(len(rings.normals), 1), _PIECE)
     ]
-    told(0.7)
+    report_work(0.7)
     faces, left = _decimated(triangles, points, ways, grid.lattice)
-    told(1)
+    report_work(1)
     owner = points.owner.compress(left)
     return grid.lattice.mesh(faces, [at.take(owner) for at in points[1:4]])
 

@@ -61,8 +61,10 @@ def run_import(arguments: argparse.Namespace) -> Report:
     from rsegen.scene.scene import compose
 
     path, picture = Path(arguments.file), picture_of(arguments.errors, force=arguments.force)
-    said, sorts = recipe_flags(arguments), parameters(Recipe)
-    settled = {name: sorts[name].check(name, said[name]) for name in ("unit_cm", "chunk_size") if name in said}
+    given_values, sorts = recipe_flags(arguments), parameters(Recipe)
+    settled = {
+        name: sorts[name].check(name, given_values[name]) for name in ("unit_cm", "chunk_size") if name in given_values
+    }
     heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
     recipe = with_flags(recipe_of(path, heights, settled.get("chunk_size")), arguments)
     if picture and heights.rounding is None:
@@ -81,17 +83,17 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
             raise ParameterError(
                 option.flags[-1], f"is not for this file, which is read as {cls.name} (known: {flags})"
             )
-    said = given(cls, arguments, arguments.units)
+    given_values = given(cls, arguments, arguments.units)
     values: Any = parameters(cls).get("values")
-    if arguments.units == "in" and "values" not in said and "in" in getattr(values, "values", ()):
-        said["values"] = "in"
-    return cls(**said)
+    if arguments.units == "in" and "values" not in given_values and "in" in getattr(values, "values", ()):
+        given_values["values"] = "in"
+    return cls(**given_values)
 
 
 def _add_reading_flags(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("reading")
     for name, option in _options().items():
-        text = "; ".join(f"{', '.join(kinds)}: {said}" for said, kinds in _meanings(name).items())
+        text = "; ".join(f"{', '.join(kinds)}: {meaning}" for meaning, kinds in _meanings(name).items())
         is_switch = isinstance(option.sort, Flag)
         options = {"action": "store_const", "const": True} if is_switch else {"metavar": name.upper()}
         action = add_flag(group, option._replace(default=None), text, **options)

@@ -50,7 +50,7 @@ def _head() -> re.Pattern[str]:
 
 
 @cache
-def _said() -> re.Pattern[str]:
+def _parameter_pattern() -> re.Pattern[str]:
     """Return the pattern of a comment of a build sheet that says a parameter of the recipe."""
     return re.compile(rf'^"?# *({"|".join(RECIPE_KEYS)}): *([^\s,;"]{{1,40}})', re.MULTILINE)
 
@@ -146,7 +146,7 @@ class Table(Measured):
             if self.values not in ("auto", written):
                 problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
                 raise ParameterError("values", problem)
-            own_values = {name: _value(str(path), name, value) for name, value in _said().findall(text)}
+            own_values = {name: _value(str(path), name, value) for name, value in _parameter_pattern().findall(text)}
             unit = unit_cm or own_values.get("unit_cm", USUAL_UNIT_CM)
             return self.measured(path, _listed(path, text, head) * CENTIMETRES[written], unit, own_values)
         ours = _OURS.match(text)

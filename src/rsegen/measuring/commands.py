@@ -108,14 +108,14 @@ def _scenes(arguments: argparse.Namespace) -> Iterator[Scene]:
 
 def _crosser(arguments: argparse.Namespace) -> CrossingModel | None:
     """Return the robot or the limits of steps that the flags give, if any."""
-    said = given(StepLimits, arguments)
+    given_limits = given(StepLimits, arguments)
     if arguments.robot is not None:
-        if said:
+        if given_limits:
             raise ParameterError("--climb-cm", "limits of steps are measured without --robot, which knows its own")
         return robot_that_crosses(arguments.robot, "--robot")
-    if said and "climb_cm" not in said:
+    if given_limits and "climb_cm" not in given_limits:
         raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
-    return StepLimits(**said) if said else None
+    return StepLimits(**given_limits) if given_limits else None
 
 
 def _measured(scene: Scene, crosser: CrossingModel | None) -> Metrics:
@@ -171,11 +171,11 @@ def _table(measured: Iterable[Measured]) -> Iterator[str]:
     from rsegen.measuring.catalogue import METRICS, custom
 
     with_reach = False
-    for number, (scene, found) in enumerate(measured):
+    for number, (scene, measures) in enumerate(measured):
         own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
-        cells = _cells(found, lengths_in(scene.recipe.units)) | own
+        cells = _cells(measures, lengths_in(scene.recipe.units)) | own
         if not number:
-            with_reach = found.reach is not None
+            with_reach = measures.reach is not None
             yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
             yield f"{'':<24}" + "".join(f"{unit:>{_width(name, unit)}}" for name, unit in cells)
         yield f"{scene.name:<24}" + "".join(f"{text:>{_width(*head)}}" for head, text in cells.items())
@@ -209,25 +209,25 @@ _SIZES = 24
 """The largest number of step sizes that a page lists."""
 
 
-def _cells(found: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
+def _cells(measures: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
     """Return the cells of one map in a table, by the heads of its columns and their units; empty without a value."""
     lengths = {
-        "height": found.spread.mean,
-        "sd": found.spread.deviation,
-        "step": found.steps.mean,
-        "max": found.steps.highest,
-        "TRI": found.ruggedness.tri,
-        "climb w-e": found.opening.west_east,
-        "climb s-n": found.opening.south_north,
+        "height": measures.spread.mean,
+        "sd": measures.spread.deviation,
+        "step": measures.steps.mean,
+        "max": measures.steps.highest,
+        "TRI": measures.ruggedness.tri,
+        "climb w-e": measures.opening.west_east,
+        "climb s-n": measures.opening.south_north,
     }
     cells = {
         (name, written.unit): "" if length is None else written.measured(length) for name, length in lengths.items()
     }
-    cells["surface", "x"] = f"{found.ruggedness.surface_ratio:.2f}"
-    if found.reach is not None:
-        cells["region", "%"] = f"{found.reach.coverage:.0%}".rstrip("%")
-        cells["way w-e", "x"] = _ratio(found.reach.west_east)
-        cells["way s-n", "x"] = _ratio(found.reach.south_north)
+    cells["surface", "x"] = f"{measures.ruggedness.surface_ratio:.2f}"
+    if measures.reach is not None:
+        cells["region", "%"] = f"{measures.reach.coverage:.0%}".rstrip("%")
+        cells["way w-e", "x"] = _ratio(measures.reach.west_east)
+        cells["way s-n", "x"] = _ratio(measures.reach.south_north)
     return cells
 
 
@@ -236,60 +236,60 @@ def _ratio(way: Any) -> str:
     return "" if ratio is None else f"{ratio:.2f}"
 
 
-def _page(scene: Scene, found: Metrics, crosser: CrossingModel | None) -> Iterator[str]:
-    blocks, written = sum(found.spread.level_counts.values()), lengths_in(scene.recipe.units)
+def _page(scene: Scene, measures: Metrics, crosser: CrossingModel | None) -> Iterator[str]:
+    blocks, written = sum(measures.spread.level_counts.values()), lengths_in(scene.recipe.units)
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
-    spread, plane = found.spread, found.plane
+    spread, plane = measures.spread, measures.plane
     of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
     heights = f"{written.measured(spread.lowest)}..{written.with_unit(spread.highest)}"
     yield f"heights  {heights}, mean {written.with_unit(spread.mean)}"
     deviation = written.with_unit(spread.deviation)
     yield f"         standard deviation {deviation}{of_mean}, entropy {spread.entropy:.2f} bits"
-    yield from _steps(found.steps, written)
+    yield from _steps(measures.steps, written)
     off = f"heights deviate by {written.with_unit(plane.residual)} (rms) from their plane of least squares"
     yield f"plane    {off}, which rises by {plane.slope:.1%}"
-    yield _scale(found.scale, written)
-    yield _spectrum(found.spectrum)
-    rugged, opens = found.ruggedness, found.opening
+    yield _scale(measures.scale, written)
+    yield _spectrum(measures.spectrum)
+    rugged, opens = measures.ruggedness, measures.opening
     tri = f"{written.with_unit(rugged.tri)} (root mean), {written.with_unit(rugged.riley)} (Riley)"
     yield f"rugged   TRI {tri}, of {rugged.cells:,} blocks"
     yield "         TRI: terrain ruggedness index, of the height differences of a block from its 8 neighbours"
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
-    wide = " for its width" if found.reach else ""
+    wide = " for its width" if measures.reach else ""
     ways = f"{written.with_unit(opens.west_east)} west to east, {written.with_unit(opens.south_north)} south to north"
     yield f"climb    that is needed to cross{wide}: {ways}"
-    if found.reach and crosser:
-        yield from _reach(found.reach, crosser, scene.units)
+    if measures.reach and crosser:
+        yield from _reach(measures.reach, crosser, scene.units)
     from rsegen.measuring.catalogue import METRICS, custom
 
     for name, value in custom(scene.field).items():
         yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
 
 
-def _steps(found: Steps, written: Lengths) -> Iterator[str]:
-    pairs = sum(found.counts.values())
-    mean, rms, highest = map(written.with_unit, (found.mean, found.rms, found.highest))
+def _steps(steps: Steps, written: Lengths) -> Iterator[str]:
+    pairs = sum(steps.counts.values())
+    mean, rms, highest = map(written.with_unit, (steps.mean, steps.rms, steps.highest))
     yield f"steps    mean {mean}, rms {rms}, highest {highest}"
-    if len(found.counts) > _SIZES:
-        yield f"         of {len(found.counts):,} sizes, which --json lists"
+    if len(steps.counts) > _SIZES:
+        yield f"         of {len(steps.counts):,} sizes, which --json lists"
         return
-    for size, count in found.counts.items():
-        yield f"         {written.measured(size * found.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
+    for size, count in steps.counts.items():
+        yield f"         {written.measured(size * steps.unit):>6} {written.unit}  {count:>9,}  {count / pairs:6.1%}"
 
 
-def _scale(found: Scale, written: Lengths) -> str:
-    if found.hurst is None:
+def _scale(scale: Scale, written: Lengths) -> str:
+    if scale.hurst is None:
         return "scale    no exponent: the map is too small, or flat"
-    weak = f"; weak, of {len(found.lags)} lags" if found.hurst_is_weak else ""
-    first, last = ((written.with_unit(found.rms[at]), written.with_unit(found.lags[at])) for at in (0, -1))
+    weak = f"; weak, of {len(scale.lags)} lags" if scale.hurst_is_weak else ""
+    first, last = ((written.with_unit(scale.rms[at]), written.with_unit(scale.lags[at])) for at in (0, -1))
     grows = f"rms difference {first[0]} at {first[1]}, {last[0]} at {last[1]}"
-    return f"scale    {grows} (Hurst exponent {round(found.hurst, 2) + 0:.2f}{weak})"
+    return f"scale    {grows} (Hurst exponent {round(scale.hurst, 2) + 0:.2f}{weak})"
 
 
-def _spectrum(found: Spectrum) -> str:
-    sides = {"west to east": found.west_east, "south to north": found.south_north}
+def _spectrum(spectrum: Spectrum) -> str:
+    sides = {"west to east": spectrum.west_east, "south to north": spectrum.south_north}
     falls = ", ".join(
         f"{name} {'without exponent' if side.exponent is None else f'as f^{round(-side.exponent, 2) + 0:.2f}'}"
         for name, side in sides.items()
@@ -298,39 +298,39 @@ def _spectrum(found: Spectrum) -> str:
     return f"spectrum falls {falls}{weak}"
 
 
-def _reach(found: Any, crosser: CrossingModel, units: str) -> Iterator[str]:
+def _reach(reach: Any, crosser: CrossingModel, units: str) -> Iterator[str]:
     yield f"{crosser.in_words(units)}:"
     written = lengths_in(units)
-    climbable, droppable = getattr(found, "climbable", None), getattr(found, "droppable", None)
+    climbable, droppable = getattr(reach, "climbable", None), getattr(reach, "droppable", None)
     if climbable is not None and droppable is not None:
         yield f"steps    {climbable:.1%} it goes up, {droppable:.1%} it goes down"
-    if poses := getattr(found, "poses", None):
+    if poses := getattr(reach, "poses", None):
         yield from _poses(poses, written)
-    yield f"region   {found.coverage:.1%} of the blocks, from each to each (analogue of coverability)"
-    yield f"ways     west to east: {_way(found.west_east)} (analogue of crossability)"
-    yield from (f"           {told}" for told in crosser.events(found.west_east))
-    yield f"         south to north: {_way(found.south_north)}"
-    yield from (f"           {told}" for told in crosser.events(found.south_north))
+    yield f"region   {reach.coverage:.1%} of the blocks, from each to each (analogue of coverability)"
+    yield f"ways     west to east: {_way(reach.west_east)} (analogue of crossability)"
+    yield from (f"           {event}" for event in crosser.events(reach.west_east))
+    yield f"         south to north: {_way(reach.south_north)}"
+    yield from (f"           {event}" for event in crosser.events(reach.south_north))
 
 
-def _poses(found: Any, written: Lengths) -> Iterator[str]:
-    yield f"poses    at all blocks, in eight headings: it stands in {found.stands:.1%} of them"
-    if found.tilt_median is not None and found.tilt_p90 is not None:
-        half, most = (whole_degrees(tilt) for tilt in (found.tilt_median, found.tilt_p90))
+def _poses(poses: Any, written: Lengths) -> Iterator[str]:
+    yield f"poses    at all blocks, in eight headings: it stands in {poses.stands:.1%} of them"
+    if poses.tilt_median is not None and poses.tilt_p90 is not None:
+        half, most = (whole_degrees(tilt) for tilt in (poses.tilt_median, poses.tilt_p90))
         yield f"         tilt {half} or less in half of these, {most} or less in 90 %"
-    if found.clearance_median is not None and found.clearance_least is not None:
-        half, least = written.with_unit(found.clearance_median), written.with_unit(found.clearance_least)
+    if poses.clearance_median is not None and poses.clearance_least is not None:
+        half, least = written.with_unit(poses.clearance_median), written.with_unit(poses.clearance_least)
         yield f"         clearance {half} or more in half of these, {least} at the least"
 
 
-def _way(found: Any) -> str:
-    if found.length is None:
-        reason, at = getattr(found, "reason", None), getattr(found, "at", None)
+def _way(way: Any) -> str:
+    if way.length is None:
+        reason, at = getattr(way, "reason", None), getattr(way, "at", None)
         return "none" if reason is None or at is None else f"none; it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
-    straight = f"{found.length:.2f} m, {found.length_ratio:.2f} x straight"
-    if isinstance(cost := getattr(found, "cost", None), float):
-        return f"{straight}; with rises {cost:.2f} m, {getattr(found, 'cost_ratio', 0):.2f} x"
-    return f"{straight}, tilts up to {whole_degrees(getattr(found, 'tilt', 0.0))}"
+    straight = f"{way.length:.2f} m, {way.length_ratio:.2f} x straight"
+    if isinstance(cost := getattr(way, "cost", None), float):
+        return f"{straight}; with rises {cost:.2f} m, {getattr(way, 'cost_ratio', 0):.2f} x"
+    return f"{straight}, tilts up to {whole_degrees(getattr(way, 'tilt', 0.0))}"
 
 
 def _plain(value: float | None) -> str:

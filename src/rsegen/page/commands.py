@@ -75,7 +75,7 @@ def run_gui(arguments: argparse.Namespace) -> None:
     with flags_in_errors(_Serving):
         service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
     drive = what if what and (folder / what / "drive.json").is_file() else ""
-    _say(service, service.url(doc, drive), arguments)
+    _show_address(service, service.url(doc, drive), arguments)
     service.run()
 
 
@@ -95,7 +95,7 @@ def _place(given: str | None) -> tuple[Path, str]:
     return own.parent, own.name + (f"#{number}" if file != path else "")
 
 
-def _say(service: Service, url: str, arguments: argparse.Namespace) -> None:
+def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> None:
     """Print the address, and open the browser if there is one that a person sees."""
     from rsegen.run.programs import has_screen
 

@@ -29,7 +29,7 @@ from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
-from rsegen.page.jobs import Job, JobRun, Jobs, ToldJob
+from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
 from rsegen.page.places import Places, names_in
 from rsegen.params.capabilities import capabilities, commands
 from rsegen.params.command import Declared, declared
@@ -230,12 +230,12 @@ def field(parameter: Declared, *, basic: bool = True) -> Field:
 def _without_const(schema: Any) -> Any:
     """Return a schema in which a constant is a choice of one, so that a form knows one word less."""
     if isinstance(schema, list):
-        return [_without_const(each) for each in schema]
+        return [_without_const(part) for part in schema]
     if not isinstance(schema, dict):
         return schema
     return {
-        "enum" if name == "const" else name: [each] if name == "const" else _without_const(each)
-        for name, each in schema.items()
+        "enum" if name == "const" else name: [part] if name == "const" else _without_const(part)
+        for name, part in schema.items()
     }
 
 
@@ -271,10 +271,10 @@ def kinds() -> list[Kind]:
             "help": first_line(cls),
             "default_place": cls.default_place,
             "fields": [
-                field(declared(cls)[each])
-                for each in sorted(own_parameters(cls), key=lambda each: {"levels": 0, "softness": 1}.get(each, 2))
+                field(declared(cls)[name])
+                for name in sorted(own_parameters(cls), key=lambda name: {"levels": 0, "softness": 1}.get(name, 2))
             ],
-            "place": [field(declared(cls)[each], basic=each != "key") for each in PLACING],
+            "place": [field(declared(cls)[name], basic=name != "key") for name in PLACING],
         }
         for name, cls in KINDS.items()
     ]
@@ -416,7 +416,7 @@ def _texts(action: argparse.Action, value: Json, places: Places) -> Iterator[str
     checked = parameter.sort.check(name, value)
     listed = value if isinstance(value, list) or not isinstance(checked, tuple) else [value]
     # Without the endings of whole numbers that are floats in JSON.
-    text = parameter.sort.format([plain(each) for each in listed] if isinstance(listed, list) else plain(listed))
+    text = parameter.sort.format([plain(value) for value in listed] if isinstance(listed, list) else plain(listed))
     _refuse_unusable(name, text)
     yield _inside(name, text, places) if isinstance(parameter.sort, FilePath) else text
 
@@ -435,7 +435,7 @@ def _placed(name: str, text: str, places: Places) -> str:
 
 def _inside(name: str, text: str, places: Places) -> str:
     try:
-        return str(places.seen(places.inside(text)))
+        return str(places.relative(places.inside(text)))
     except FileError as error:
         raise ParameterError(name, str(error)) from None
 
@@ -488,7 +488,7 @@ _EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it"
 @call_of_host
 def run(
     host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", replace: bool = False
-) -> ToldJob:
+) -> JobValues:
     """Run a command on the recipe of a document; a Question if it would replace what it may replace."""
     form, document = command_form(command), host.opened(doc).document
     if form.takes_recipe and (problem := document.session.problem):
@@ -498,7 +498,7 @@ def run(
     flags += [f"--output={place}"] if place else []
     flags += ["--force"] if replace and form.can_replace else []
     recipe = document.session.recipe if form.takes_recipe else None
-    file = str(host.places.seen(document.path)) if document.path else ""
+    file = str(host.places.relative(document.path)) if document.path else ""
     if document.session.unsaved or not file:  # a name for it, as the file, if there is one, is not up to date
         file = f"{document.session.recipe.name}.yaml"
     words = [*others, file] if recipe else others
@@ -514,9 +514,9 @@ def run(
     arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
     made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
     # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
-    made.is_told = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
+    made.is_shown = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
     host.jobs.start(made)
-    if not made.is_told:
+    if not made.is_shown:
         _refuse_if_taken(host.jobs, made)
     return asdict(job)
 
@@ -532,7 +532,7 @@ def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
             raise ParameterError("output", "is missing; give a name below the folder of this page")
         return None
     places = Places(folder)
-    place = places.seen(places.inside(output))
+    place = places.relative(places.inside(output))
     if place == Path():
         raise ParameterError("output", "is the folder of this page; give a name below it")
     return place
@@ -547,8 +547,8 @@ def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
     if refused and _may_be_replaced(made.folder / refused[1], _HOLDS.get(made.job.command, "map")):
         jobs.forget(made.job.id)
         raise Question(f"{refused[1]}: exists already", "exists")
-    made.is_told = True
-    jobs.tell(made)
+    made.is_shown = True
+    jobs.notify(made)
 
 
 _HOLDS = {"drive": "drive", "dataset": "data set"}
@@ -570,12 +570,12 @@ def _may_be_replaced(path: Path, holds: str) -> bool:
 
 
 @call_of_host
-def cancel(host: Host, *, job: int) -> ToldJob:
+def cancel(host: Host, *, job: int) -> JobValues:
     """Ask a job to stop."""
     return host.jobs.cancel(job)
 
 
 @call_of_host
-def jobs(host: Host) -> list[ToldJob]:
+def jobs(host: Host) -> list[JobValues]:
     """Return all jobs."""
     return host.jobs.listed()

@@ -19,7 +19,7 @@ from typing import Any, Literal, TypedDict
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, did_you_mean
 from rsegen.page.calls import call_of_document, call_of_host
-from rsegen.page.jobs import Jobs, ToldJob
+from rsegen.page.jobs import Jobs, JobValues
 from rsegen.page.model.actions import Action, Ends, act, ends_of
 from rsegen.page.model.document import Document, DraftFile
 from rsegen.page.model.session import Entry, Session, is_enabled
@@ -119,7 +119,7 @@ class JobChanged(TypedDict):
     """A job of a document has changed."""
 
     event: Literal["job"]
-    job: ToldJob
+    job: JobValues
 
 
 class FileChanged(TypedDict):
@@ -157,7 +157,7 @@ class Listener:
     send: Callable[[Event], None]
 
 
-_TOLD_EVERY = 0.2
+_SENT_EVERY = 0.2
 """Seconds between two tellings of how far a search is."""
 
 
@@ -197,7 +197,7 @@ class Opened:
     def add(self, listener: Listener) -> None:
         """Send events to a page from now on, and say to all how many pages there are."""
         self._listeners.append(listener)
-        self.tell_state("")
+        self.send_state("")
 
     def remove(self, listener: Listener) -> None:
         """Send no more events to a page, and say to the others how many are left; after the last, end its searches."""
@@ -207,14 +207,14 @@ class Opened:
             self.shown.pop(listener.page, None)
         if not self._listeners:
             self.searches.clear()
-        self.tell_state("")
+        self.send_state("")
 
-    def tell(self, event: Event) -> None:
+    def send(self, event: Event) -> None:
         """Send an event to every page of the document; may be called in any thread."""
         for listener in (*self._listeners,):
             listener.send(event)
 
-    def tell_state(self, page: str) -> None:
+    def send_state(self, page: str) -> None:
         """Send the state to every page, each with the ends in the map that it shows; page: which one changed it."""
         states: dict[int, State] = {}
         with self.lock:
@@ -231,15 +231,15 @@ class Opened:
         with the share that is done if pages shall see it: it raises that error too.
         """
         self.searches[name] = own = object()
-        told = 0.0
+        last_sent = 0.0
 
         def watch(share: float | None = None) -> None:
-            nonlocal told
+            nonlocal last_sent
             if self.searches.get(name) is not own:
                 raise UserError("a newer request took its place, or it was stopped")
-            if share is not None and time.monotonic() - told > _TOLD_EVERY:
-                told = time.monotonic()
-                self.tell({"event": "progress", "of": name, "share": share})
+            if share is not None and time.monotonic() - last_sent > _SENT_EVERY:
+                last_sent = time.monotonic()
+                self.send({"event": "progress", "of": name, "share": share})
 
         with self._turns.setdefault(name, Lock()):
             watch()
@@ -273,7 +273,7 @@ class Host:
     _lock: RLock = field(default_factory=RLock)
 
     def __post_init__(self) -> None:
-        self.jobs.changed = self.tell_job
+        self.jobs.changed = self.send_job
 
     def opened(self, name: str) -> Opened:
         """Return a document by its id."""
@@ -301,10 +301,10 @@ class Host:
         """Return all documents."""
         return list(self.documents.values())
 
-    def tell_job(self, job: ToldJob) -> None:
+    def send_job(self, job: JobValues) -> None:
         """Say to the pages of a job's document what has become of it."""
         if opened := self.documents.get(job["doc"]):
-            opened.tell({"event": "job", "job": job})
+            opened.send({"event": "job", "job": job})
 
     def close(self) -> None:
         """End what runs, and remove what was uploaded; what is not saved stays in the journal."""
@@ -361,7 +361,7 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
 def files(host: Host, *, folder: str = "") -> Listing:
     """List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files."""
     place = host.places.inside(folder)
-    below = host.places.seen(place)
+    below = host.places.relative(place)
     entries: list[ListedFile] = [
         {"name": name, "path": str(below / name), "kind": kind_of(place / name)} for name in names_in(place)
     ]
@@ -408,7 +408,7 @@ def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: s
     if target is not None and not target.parent.is_dir():
         raise FileError(f"{path}: there is no folder {target.parent.name}")
     with opened.lock:
-        if target and any(each.document.path == target for each in host.all() if each is not opened):
+        if target and any(other.document.path == target for other in host.all() if other is not opened):
             raise UserError(f"{path}: is open as another document; give another name")
         opened.document.save(target, replace=replace)
         return state(opened, page=page)

@@ -79,7 +79,7 @@ class Job:
     opens: str | None = None  # a recipe that a page may open: of scan, import
 
 
-ToldJob = Annotated[dict[str, Any], Job]
+JobValues = Annotated[dict[str, Any], Job]
 """The values of a job, as pages get them."""
 
 
@@ -87,7 +87,7 @@ ToldJob = Annotated[dict[str, Any], Job]
 class JobRun:
     """The parts of a job: its arguments, the recipe that stands for one of them, and the program while it runs.
 
-    is_told: whether its changes are told; said: the lines of stderr that are no progress
+    is_shown: whether pages get its changes; said: the lines of stderr that are no progress
     """
 
     job: Job
@@ -97,7 +97,7 @@ class JobRun:
     output: Path | None
     program: RunningProgram | None = None
     is_cancelled: bool = False
-    is_told: bool = True
+    is_shown: bool = True
     said: list[str] = field(default_factory=list)
     ended: threading.Event = field(default_factory=threading.Event)
 
@@ -105,7 +105,7 @@ class JobRun:
 class Jobs:
     """The commands of all documents; `changed` is called with a job, from its own thread, whenever it has changed."""
 
-    def __init__(self, changed: Callable[[ToldJob], None] = lambda _: None) -> None:
+    def __init__(self, changed: Callable[[JobValues], None] = lambda _: None) -> None:
         self.changed = changed
         self._ids = count(1)
         self._runs: dict[int, JobRun] = {}
@@ -119,17 +119,17 @@ class Jobs:
             ended = [job for job, other in self._runs.items() if other.ended.is_set()]
             for job in ended[: max(len(ended) - _KEPT, 0)]:
                 del self._runs[job]
-        self.tell(run)
+        self.notify(run)
         self._pool.submit(self._work, run)
 
     def new_id(self) -> int:
         """Return the number of the next job."""
         return next(self._ids)
 
-    def listed(self) -> list[ToldJob]:
+    def listed(self) -> list[JobValues]:
         """Return all jobs that are known, the oldest first."""
         with self._lock:
-            return [asdict(run.job) for run in self._runs.values() if run.is_told]
+            return [asdict(run.job) for run in self._runs.values() if run.is_shown]
 
     @property
     def are_running(self) -> bool:
@@ -137,7 +137,7 @@ class Jobs:
         with self._lock:
             return not all(run.ended.is_set() for run in self._runs.values())
 
-    def cancel(self, job: int) -> ToldJob:
+    def cancel(self, job: int) -> JobValues:
         """Ask a job to stop; it has stopped when its state says so. A UserError for one that is not known."""
         run = self._runs.get(job)
         if run is None:
@@ -164,9 +164,9 @@ class Jobs:
                 # SIGTERM stops a command as Ctrl-C does, and is not ignored by what was started in the background.
                 run.program.process.send_signal(signal.SIGTERM)
 
-    def tell(self, run: JobRun) -> None:
+    def notify(self, run: JobRun) -> None:
         """Tell that a job has changed, also what was held back."""
-        if run.is_told:
+        if run.is_shown:
             self.changed(asdict(run.job))
 
     def _work(self, run: JobRun) -> None:
@@ -180,7 +180,7 @@ class Jobs:
             run.job.state, run.job.lines = "failed", [line_of(str(error) or type(error).__name__)]
         finally:
             run.job.step = ""
-            self.tell(run)
+            self.notify(run)
             run.ended.set()
 
     def _run(self, run: JobRun) -> None:
@@ -206,29 +206,29 @@ class Jobs:
     def _watched(self, run: JobRun, launch: LaunchCommand, output: IO[str]) -> int:
         """Return the exit code of a command, and tell what it says until then."""
         read, write = os.pipe()
-        with os.fdopen(read, encoding="utf-8", errors="replace") as said, os.fdopen(write, "w") as end:
-            listener = threading.Thread(target=self._listen, args=(run, said), daemon=True)
+        with os.fdopen(read, encoding="utf-8", errors="replace") as stderr, os.fdopen(write, "w") as end:
+            listener = threading.Thread(target=self._listen, args=(run, stderr), daemon=True)
             with running(launch, output, end) as program:
                 end.close()  # so what is said ends with the program
                 run.program, run.job.step = program, ""
-                self.tell(run)
+                self.notify(run)
                 listener.start()
                 code = _exit_code(run, program)
             listener.join()
             return code
 
-    def _listen(self, run: JobRun, said: Any) -> None:
+    def _listen(self, run: JobRun, stderr: Any) -> None:
         """Take what a command says on stderr: progress, its report, or words."""
-        for line in said:
-            heard: Any = {}
+        for line in stderr:
+            values: Any = {}
             with suppress(ValueError):
-                heard = json.loads(line) if line.startswith("{") else {}
-            if "done" in heard:
-                run.job.done, run.job.total = heard["done"], heard.get("total")
-                run.job.step = str(heard.get("step", ""))
-                self.tell(run)
-            elif "report" in heard:
-                run.job.lines = list(map(str, heard["report"]))[:_MOST_LINES]
+                values = json.loads(line) if line.startswith("{") else {}
+            if "done" in values:
+                run.job.done, run.job.total = values["done"], values.get("total")
+                run.job.step = str(values.get("step", ""))
+                self.notify(run)
+            elif "report" in values:
+                run.job.lines = list(map(str, values["report"]))[:_MOST_LINES]
             elif line.strip():
                 run.said.append(line.strip())
                 del run.said[:-_MOST_LINES]
@@ -241,13 +241,13 @@ class Jobs:
                 job.result = json.loads(result)
         # What differs is a result too, with exit code 1.
         if code and (run.is_cancelled or job.result is None):
-            job.lines = [each.removeprefix("rsegen: ") for each in run.said[-1:]]
+            job.lines = [line.removeprefix("rsegen: ") for line in run.said[-1:]]
             job.state = "cancelled" if run.is_cancelled else "failed"
             return
         job.lines = [*job.lines, *run.said][:_MOST_LINES]
         if run.output:
             job.files = list(islice(_made(run.folder, run.output, began), _MOST_FILES))
-        if run.recipe is None and (made := [each for each in job.files if each["kind"] == "recipe"]):
+        if run.recipe is None and (made := [file for file in job.files if file["kind"] == "recipe"]):
             job.opens = made[0]["path"]
         job.state = "done"  # last, as a page that lists its jobs meanwhile takes it for the whole outcome
 
@@ -300,14 +300,14 @@ def _below(folder: Path) -> Iterator[Path]:
         place, depth = waiting.pop(0)
         try:
             with os.scandir(place) as entries:
-                known = sorted(islice(entries, left), key=lambda each: each.name)
+                known = sorted(islice(entries, left), key=lambda entry: entry.name)
         except OSError:
             continue
         left -= len(known)
-        for each in known:
-            if each.name.startswith(".") or each.is_symlink():
+        for entry in known:
+            if entry.name.startswith(".") or entry.is_symlink():
                 continue
-            if each.is_file():
-                yield Path(each.path)
+            if entry.is_file():
+                yield Path(entry.path)
             elif depth < _DEPTH:
-                waiting.append((Path(each.path), depth + 1))
+                waiting.append((Path(entry.path), depth + 1))

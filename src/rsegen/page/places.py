@@ -37,17 +37,17 @@ class Places(NamedTuple):
         if "\0" in text:
             raise FileError("a path has no NUL character")
         try:
-            found = (self.folder / text).resolve()
+            path = (self.folder / text).resolve()
         except (OSError, RuntimeError) as error:  # a loop of links
             raise FileError(f"{text}: {error}") from None
         for folder in (self.folder.resolve(), *([self.sent.resolve()] if self.sent else [])):
-            if found.is_relative_to(folder):
-                if any(part.startswith(".") for part in found.relative_to(folder).parts):
+            if path.is_relative_to(folder):
+                if any(part.startswith(".") for part in path.relative_to(folder).parts):
                     raise FileError(f"{text}: is hidden; only other files are read and written here")
-                return found
+                return path
         raise FileError(f"{text}: is outside {self.folder}, the folder that this page reads and writes")
 
-    def seen(self, path: Path) -> Path:
+    def relative(self, path: Path) -> Path:
         """Return a path as it is seen from the folder: relative if it is in it."""
         folder = self.folder.resolve()
         return path.relative_to(folder) if path.is_relative_to(folder) else path
@@ -58,7 +58,7 @@ class Places(NamedTuple):
             return text
         try:
             path, *arguments = shlex.split(text) or [""]
-            if not all(":=" in each for each in arguments):
+            if not all(":=" in argument for argument in arguments):
                 path, arguments = text, []  # a name with blanks
             if "/" not in path and "." not in Path(path).name[1:]:
                 return text

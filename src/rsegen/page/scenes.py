@@ -164,8 +164,8 @@ def _owners(cells: Ints, recipe: Recipe, rows: Sequence[Entry]) -> str:
     """
     places = {entry.get("key"): row for row, entry in enumerate(rows) if isinstance(entry.get("key"), str)}
     in_list = np.array([places.get(obstacle.key, -1) for obstacle in recipe.obstacles] + [-1], dtype=np.int32)
-    found = in_list[cells]
-    return base64_of(np.where(found > _MOST_ROWS, -1, found), "<i2")
+    owner = in_list[cells]
+    return base64_of(np.where(owner > _MOST_ROWS, -1, owner), "<i2")
 
 
 _MOST_ROWS = 32767

@@ -145,13 +145,13 @@ async def body_of(request: Request, most: int) -> bytes:
 def parsed(body: bytes) -> dict[str, Any]:
     """Return a JSON object that can be passed on: not nested too deeply, of texts that can be written."""
     try:
-        found = json.loads(body or b"{}", parse_constant=_no_constant)
-        _check_values(found)
+        arguments = json.loads(body or b"{}", parse_constant=_no_constant)
+        _check_values(arguments)
     except (ValueError, RecursionError) as error:
         raise Refused(400, f"not JSON: {library_message(error)}") from None
-    if not isinstance(found, dict):
-        raise Refused(400, f"{shown(found)} is not an object of arguments")
-    return found
+    if not isinstance(arguments, dict):
+        raise Refused(400, f"{shown(arguments)} is not an object of arguments")
+    return arguments
 
 
 def _no_constant(name: str) -> None:
@@ -163,13 +163,13 @@ def _check_values(value: Any) -> None:
     level = [value]
     for _ in range(_DEEPEST):
         below: list[Any] = []
-        for each in level:
-            if isinstance(each, str):
-                each.encode()
-            elif isinstance(each, dict):
-                below += [*each.keys(), *each.values()]
-            elif isinstance(each, list):
-                below += each
+        for node in level:
+            if isinstance(node, str):
+                node.encode()
+            elif isinstance(node, dict):
+                below += [*node.keys(), *node.values()]
+            elif isinstance(node, list):
+                below += node
         if not below:
             return
         level = below
@@ -269,7 +269,7 @@ class Desk:
 
     async def events(self, request: Request) -> Response:
         """Stream the events of a document, a line each, as long as the page is open."""
-        known = calls.checked_arguments(_heard, await self._arguments(request))
+        known = calls.checked_arguments(_stream_arguments, await self._arguments(request))
         lines = self._lines(self.host.opened(known["doc"]), known.get("page") or secrets.token_hex(8))
         return StreamingResponse(lines, media_type="application/x-ndjson")
 
@@ -325,14 +325,14 @@ class Desk:
             got = waiting[0]
             return got.result() if got.done() else None  # type: ignore[return-value]  # the event
         finally:
-            for each in waiting:
-                each.cancel()
+            for task in waiting:
+                task.cancel()
 
     async def _watch(self) -> None:
         """Look every second whether somebody else wrote a file that a page has open."""
         while True:
             await asyncio.sleep(1.0)
-            for opened in [each for each in self.host.all() if each.pages]:
+            for opened in [document for document in self.host.all() if document.pages]:
                 await run_in_threadpool(_look, opened)
 
     async def _arguments(self, request: Request) -> dict[str, Any]:
@@ -367,10 +367,10 @@ def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:
             return function(opened, **known)
     finally:
         if opened and opened.stamp != before and opened.id in host.documents:
-            opened.tell_state(page if isinstance(page, str) else "")
+            opened.send_state(page if isinstance(page, str) else "")
 
 
-def _heard(*, doc: str, page: str = "") -> None:
+def _stream_arguments(*, doc: str, page: str = "") -> None:
     """Take what a stream of events is asked with."""
 
 
@@ -385,8 +385,8 @@ def _look(opened: Opened) -> None:
                 return
         finally:
             opened.lock.release()
-        opened.tell({"event": "file", "changed_on_disk": opened.document.changed_on_disk})
-        opened.tell_state("")
+        opened.send({"event": "file", "changed_on_disk": opened.document.changed_on_disk})
+        opened.send_state("")
 
 
 def _keep(folder: Path, name: str, content: bytes) -> Path:

@@ -100,14 +100,14 @@ def capabilities() -> Mapping[str, Capability]:
     """Return the core's declaration, those of the folders that are here, and those of other packages, by name."""
     root = Path(__file__).parents[1]
     folders = sorted(path.parent.name for path in root.glob("*/__init__.py"))
-    found: dict[str, Capability] = {"core": import_module("rsegen.cli").CAPABILITY}
+    by_name: dict[str, Capability] = {"core": import_module("rsegen.cli").CAPABILITY}
     for folder in folders:
         if folder not in CORE:
-            found[folder] = import_module(f"rsegen.{folder}").CAPABILITY
+            by_name[folder] = import_module(f"rsegen.{folder}").CAPABILITY
     for offer in entry_points("rsegen.capabilities"):
-        if capability := _loaded(offer, found):
-            found.setdefault(offer.name, capability)
-    return MappingProxyType(found)
+        if capability := _loaded(offer, by_name):
+            by_name.setdefault(offer.name, capability)
+    return MappingProxyType(by_name)
 
 
 def _loaded(offer: EntryPoint, known: Mapping[str, Capability]) -> Capability | None:
@@ -176,8 +176,8 @@ def all_extras() -> Mapping[str, Extra]:
 def hooks(name: str) -> Iterator[Any]:
     """Yield what the capabilities declare under a field, such as `targets`, each imported when it is reached."""
     for capability in capabilities().values():
-        said = getattr(capability, name)
-        for place in (said,) if isinstance(said, str) else said:
+        names = getattr(capability, name)
+        for place in (names,) if isinstance(names, str) else names:
             if place:
                 module, _, attribute = place.partition(":")
                 yield getattr(import_module(module), attribute) if attribute else import_module(module)

@@ -88,8 +88,8 @@ class Declared(NamedTuple):
         default = self.shell.default or _shown_default(self.default)
         values = "" if is_plain else self.sort.describe()
         notes = ["required" if self.shell.required else "", values, f"default: {default}" if default else ""]
-        said = "; ".join(filter(None, notes))
-        return f"{text} ({said})" if said else text
+        details = "; ".join(filter(None, notes))
+        return f"{text} ({details})" if details else text
 
 
 def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
@@ -101,7 +101,9 @@ def declared(owner: Callable[..., Any]) -> Mapping[str, Declared]:
 def _declared(owner: Any) -> Mapping[str, Declared]:
     annotations = hints(owner)
     if is_dataclass(owner):
-        defaults = {each.name: Argument.empty if each.default is MISSING else each.default for each in fields(owner)}
+        defaults = {
+            field.name: Argument.empty if field.default is MISSING else field.default for field in fields(owner)
+        }
     else:
         defaults = {name: argument.default for name, argument in signature(owner).parameters.items()}
     marks = {name: getattr(annotations.get(name), "__metadata__", ()) for name in defaults}
@@ -115,10 +117,12 @@ def _declared(owner: Any) -> Mapping[str, Declared]:
 
 def _joined(shells: Sequence[Shell]) -> Shell:
     """Join nested annotations, the outermost last: each says what the inner ones leave open or have otherwise."""
-    said: dict[str, Any] = {}
+    settings: dict[str, Any] = {}
     for shell in shells:
-        said |= {field.name: value for field in fields(shell) if (value := getattr(shell, field.name)) != field.default}
-    return Shell(**said)
+        settings |= {
+            field.name: value for field in fields(shell) if (value := getattr(shell, field.name)) != field.default
+        }
+    return Shell(**settings)
 
 
 def default(owner: Callable[..., Any], name: str) -> Any:
@@ -174,7 +178,7 @@ def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -
 
     units: as in `with_lengths`, for what may be written as `3.5in`
     """
-    said: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, parameter in declared(owner).items():
         value: Any = getattr(arguments, name, None)
         if isinstance(value, str):
@@ -182,14 +186,16 @@ def given(owner: Callable[..., Any], arguments: Any, units: str | None = None) -
         elif isinstance(value, list):  # the texts of a flag that may be repeated
             value = parameter.sort.parse(value)  # type: ignore[arg-type]  # such a sort takes them all
         if value is not None:
-            said[name] = value
-    return said
+            values[name] = value
+    return values
 
 
 @contextmanager
 def flags_in_errors(*owners: Callable[..., Any]) -> Iterator[None]:
     """Name the flag in errors of parameters that are raised inside: `robots: 0 is ...` becomes `--robots: 0 is ...`."""
-    flags = {name.strip("_"): "/".join(each.flags) for owner in owners for name, each in declared(owner).items()}
+    flags = {
+        name.strip("_"): "/".join(parameter.flags) for owner in owners for name, parameter in declared(owner).items()
+    }
     try:
         yield
     except ParameterError as error:
@@ -221,9 +227,15 @@ def command_schema(owner: Callable[..., Any]) -> dict[str, Json]:
 
 def rows(owner: Callable[..., Any]) -> Iterator[tuple[str, str, str, str, str]]:
     """Yield the row of each parameter in the manual: name in Python, flag, values, default, meaning."""
-    for each in declared(owner).values():
-        value = "" if each.is_switch else f" {each.metavar}"
-        yield each.name, f"{each.flags[-1]}{value}", each.sort.describe(), _default_of_row(each), each.sort.help
+    for parameter in declared(owner).values():
+        value = "" if parameter.is_switch else f" {parameter.metavar}"
+        yield (
+            parameter.name,
+            f"{parameter.flags[-1]}{value}",
+            parameter.sort.describe(),
+            _default_of_row(parameter),
+            parameter.sort.help,
+        )
 
 
 def _default_of_row(parameter: Declared) -> str:

@@ -49,11 +49,16 @@ def described(public: Public) -> Public:
     is_declared = is_dataclass(public) or owner is not function
     types = {name: _Type(text) for name, text in _types(owner, is_declared=is_declared).items()}
     shape = signature(function)
-    arguments = [each.replace(annotation=types.get(each.name, each.annotation)) for each in shape.parameters.values()]
+    arguments = [
+        parameter.replace(annotation=types.get(parameter.name, parameter.annotation))
+        for parameter in shape.parameters.values()
+    ]
     result = _Type(shape.return_annotation) if isinstance(shape.return_annotation, str) else shape.return_annotation
     function.__signature__ = shape.replace(parameters=arguments, return_annotation=result)
     if is_declared and (known := declared(owner)):
-        entries = {name: _entry(each, types[name], shape.parameters[name].default) for name, each in known.items()}
+        entries = {
+            name: _entry(parameter, types[name], shape.parameters[name].default) for name, parameter in known.items()
+        }
         public.__doc__ = _with_parameters(cleandoc(public.__doc__ or ""), entries, shape.parameters)
     return public
 

@@ -64,7 +64,7 @@ def pip_install(extras: Iterable[str]) -> str:
     folder or an archive, and a package of its name in an index may be somebody else's.
     """
     needed = requirements()
-    wanted = [each for extra in extras for each in needed.get(extra, [])] or [
+    wanted = [requirement for extra in extras for requirement in needed.get(extra, [])] or [
         f"{Path(__file__).parents[3]}[{','.join(extras)}]"  # not installed: the folder that it runs from
     ]
     return f"{shlex.quote(sys.executable or 'python3')} -m pip install {shlex.join(dict.fromkeys(wanted))}"

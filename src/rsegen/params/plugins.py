@@ -92,10 +92,10 @@ def plugins() -> tuple[Plugin, ...]:
 def failure(error: BaseException, file: str = "") -> str:
     """Describe an error in somebody's module: the line of the file, the error's name and its first line."""
     run = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
-    line, said = run[-1] if run else None, str(error)  # the last line of the file that was run before the error
+    line, message = run[-1] if run else None, str(error)  # the last line of the file that was run before the error
     if isinstance(error, SyntaxError):
-        line, said = error.lineno, error.msg
-    first = (said.splitlines() or [""])[0]
+        line, message = error.lineno, error.msg
+    first = (message.splitlines() or [""])[0]
     return f"{f'line {line}: ' if line else ''}{type(error).__name__}: {first}".removesuffix(": ")
 
 

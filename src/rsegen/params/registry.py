@@ -251,8 +251,8 @@ class Registry(Mapping[str, Thing]):
         return ""
 
 
-def _is_own(thing: object) -> bool:
-    cls = thing if isinstance(thing, type) else type(thing)
+def _is_own(plugin: object) -> bool:
+    cls = plugin if isinstance(plugin, type) else type(plugin)
     return cls.__module__.startswith("rsegen.")
 
 

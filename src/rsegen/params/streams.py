@@ -174,20 +174,20 @@ def _upper(number: Any) -> Any:
     return number >> 32 & _LOW_32
 
 
-def _plus(one: Wide, other: Wide) -> Wide:
+def _plus(left: Wide, right: Wide) -> Wide:
     """Return the sums of integers of 128 bits."""
-    low = one[1] + other[1]
-    carry = (low ^ _LEAST) < (one[1] ^ _LEAST)  # compared as without a sign
-    return one[0] + other[0] + carry, low
+    low = left[1] + right[1]
+    carry = (low ^ _LEAST) < (left[1] ^ _LEAST)  # compared as without a sign
+    return left[0] + right[0] + carry, low
 
 
-def _times(one: Wide, other: Wide) -> Wide:
+def _times(left: Wide, right: Wide) -> Wide:
     """Return the products of integers of 128 bits, of which the lower 128 bits count: long multiplication."""
-    (a_high, a_low), (b_high, b_low) = one, other
+    (a_high, a_low), (b_high, b_low) = left, right
     a1, a0, b1, b0 = _upper(a_low), a_low & _LOW_32, _upper(b_low), b_low & _LOW_32
-    left, right = a1 * b0, a0 * b1
-    middle = _upper(a0 * b0) + (left & _LOW_32) + (right & _LOW_32)
-    high = a1 * b1 + _upper(left) + _upper(right) + (middle >> 32)
+    first, second = a1 * b0, a0 * b1
+    middle = _upper(a0 * b0) + (first & _LOW_32) + (second & _LOW_32)
+    high = a1 * b1 + _upper(first) + _upper(second) + (middle >> 32)
     return high + a_high * b_low + a_low * b_high, a_low * b_low
 
 

@@ -111,16 +111,16 @@ def run_spots(arguments: argparse.Namespace) -> Report:
 
     picture = picture_of(arguments.output, force=arguments.force)
     with flags_in_errors(spots):
-        said = {"seed": fresh_seed()} | given(spots, arguments)
+        values = {"seed": fresh_seed()} | given(spots, arguments)
         target = target_of(arguments, () if arguments.target is None else ("seed",))
         scene = world_of(target, arguments.map).scene()
-        places = spots(scene, **{name: value for name, value in said.items() if name != "map"})
+        places = spots(scene, **{name: value for name, value in values.items() if name != "map"})
         if picture:
-            size, robot = said.get("size"), said.get("robot", default(spots, "robot"))
+            size, robot = values.get("size"), values.get("robot", default(spots, "robot"))
             outline = Outline.of(body_of_size(*size) if size else robot_of(robot).body_or_box)
             picture.write(partial(spots_plot, scene, outline, places))
-    content = {"map": scene.name, "seed": said["seed"], "spots": [asdict(place) for place in places]}
-    lines = [f"{scene.name}, seed {said['seed']}:", *_rows(places)]
+    content = {"map": scene.name, "seed": values["seed"], "spots": [asdict(place) for place in places]}
+    lines = [f"{scene.name}, seed {values['seed']}:", *_rows(places)]
     return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))
 
 

@@ -141,7 +141,7 @@ def _parts_of_file(robot: SdfRobot) -> list[DrawnPart]:
         if element.tag != "link":
             continue
         try:
-            visuals = [_visual(frames, link, each) for each in element.findall("visual")]
+            visuals = [_visual(frames, link, visual) for visual in element.findall("visual")]
         except UserError:  # such as a mesh that is not here
             visuals = []
         for shape, size, pose, colour in visuals:
@@ -167,7 +167,7 @@ def _visual(frames: ModelFrames, link: str, visual: Element) -> _Visual:
     pose[:3, 3] += pose[:3, :3] @ solid.centre
     x, y, z = (2 * half).tolist()
     sizes: dict[_Shape, list[float]] = {"cylinder": [x / 2, z], "sphere": [x / 2]}
-    shape: _Shape = next((each for each in sizes if each == geometry[0].tag), "box")
+    shape: _Shape = next((kind for kind in sizes if kind == geometry[0].tag), "box")
     rgb = (visual.findtext("material/diffuse") or visual.findtext("material/ambient") or "").split()[:3]
     r, g, b = floats(" ".join(rgb), 3, frames.where) if rgb else (0.0, 0.0, 0.0)
     return shape, sizes.get(shape, [x, y, z]), pose, hex_colour((r, g, b)) if rgb else ""
@@ -223,25 +223,25 @@ def pose(  # noqa: PLR0913  # each is named by the page
     *_, field = _map(host, doc, index)
     body = _robot(host, robot).body
     ground = PaddedGround.of(field, outer_radius(body))
-    found = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
-    stands, clearance = bool(found.stands[0]), float(found.clearance[0])
+    rest = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
+    stands, clearance = bool(rest.stands[0]), float(rest.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
     if stands:
-        at = {name: float(getattr(found, name)[0]) for name in names}
+        at = {name: float(getattr(rest, name)[0]) for name in names}
     else:  # held level, so high that it touches the highest block below it
         c, s = np.cos(heading), np.sin(heading)
         along, across, up = body.points.T
         below = ground.below(x + c * along - s * across, y + s * along + c * across)
         at = dict(zip(names, (x, y, float((below - up).max()), 0.0, 0.0, heading, 0.0), strict=True))
     turn = rotation(at["roll"], at["pitch"], at["yaw"])
-    corners = found.support[0][np.isfinite(found.support[0]).all(axis=1)] if stands else np.empty((0, 3))
+    corners = rest.support[0][np.isfinite(rest.support[0]).all(axis=1)] if stands else np.empty((0, 3))
     # The corners of the hull of the contacts as they are seen from above, counterclockwise.
     polygon = [corners[np.hypot(*(corners[:, :2] - at_corner).T).argmin()] for at_corner in hull(corners[:, :2])]
     return {
         "stands": stands,
-        "holds": bool(found.holds[0]),
-        "pushes": bool(found.pushes[0]),
-        "reason": REASONS[int(found.reason[0])],
+        "holds": bool(rest.holds[0]),
+        "pushes": bool(rest.pushes[0]),
+        "reason": REASONS[int(rest.reason[0])],
         "x": at["x"],
         "y": at["y"],
         "z": at["z"],
@@ -250,9 +250,9 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "yaw": at["yaw"],
         "tilt": at["tilt"],
         "centre": (np.array([at["x"], at["y"], at["z"]]) + turn @ body.centre).tolist(),
-        "margin": float(found.tip_angle[0]),
+        "margin": float(rest.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
-        "contacts": found.contacts[0].tolist() if stands else [],
+        "contacts": rest.contacts[0].tolist() if stands else [],
         "polygon": [corner.tolist() for corner in polygon],
     }
 
@@ -296,8 +296,8 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> Pos
             rest = settle(ground, body, every_x[some], every_y[some], np.full(len(every_x[some]), heading))
             # A robot that tips over, as a small one does in most places, has nothing else to be measured.
             (standing,) = np.nonzero(has_stood(rest))
-            found, at = of_settled(ground, body, rest.some(standing)), first + standing
-            tilt[at], margin[at], reason[at] = found.tilt, found.tip_angle, found.reason
+            rests, at = of_settled(ground, body, rest.some(standing)), first + standing
+            tilt[at], margin[at], reason[at] = rests.tilt, rests.tip_angle, rests.reason
     return {
         "shape": (counts[0], counts[1]),
         "low": (float(x[0]), float(y[0])),
@@ -346,16 +346,16 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
     with host.opened(doc).newest_turn("reach") as watch:
         _, recipe, field = _map(host, doc, index)
         body = _robot(host, robot).body
-        found = reached(field, body, watch)
+        area = reached(field, body, watch)
         spots: Sequence[Spot] = ()
         with suppress(ParameterError):  # there are none
             spots = spots_on_map(field, body, 2, spot_generator(recipe.seed))
-    crossings = {"west to east": found.west_east, "south to north": found.south_north}
+    crossings = {"west to east": area.west_east, "south to north": area.south_north}
     across = [name for name, way in crossings.items() if way.crosses]
-    nowhere = f"does not cross; largest area {found.coverage:.0%} of the map"
+    nowhere = f"does not cross; largest area {area.coverage:.0%} of the map"
     return {
         "text": f"crosses {' and '.join(across)}" if across else nowhere,
-        "region": base64_of(found.region, "u1"),
+        "region": base64_of(area.region, "u1"),
         "ways": list(_ways(field, body, crossings)),
         "spots": [
             {"x": spot.x, "y": spot.y, "z": spot.z, "yaw": spot.yaw, "name": name}
@@ -410,8 +410,8 @@ def way(  # noqa: PLR0913  # each is named by the page
         # A lattice takes seconds, and answers for every start and goal on the map.
         lattice = cached(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
         lattice.watch = watch
-        found = lattice.between(start, goal)
-    if found is None:
+        route = lattice.between(start, goal)
+    if route is None:
         return {
             "found": False,
             "text": f"no way for {robot} between these places",
@@ -421,17 +421,17 @@ def way(  # noqa: PLR0913  # each is named by the page
             "worst_tilt": 0.0,
             "least_margin": 0.0,
         }
-    poses = found.poses
+    poses = route.poses
     worst, least = float(poses.tilt.max()), float(poses.tip_angle.min())
-    events = [(at, "falls") for at in found.drops] + [(at, "slides") for at in found.slips]
-    text = f"{found.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {degrees(least):.0f} from tipping over"
+    events = [(at, "falls") for at in route.drops] + [(at, "slides") for at in route.slips]
+    text = f"{route.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {degrees(least):.0f} from tipping over"
     rows = np.stack([getattr(poses, name) for name in ("x", "y", "z", "roll", "pitch", "yaw")], axis=1)
     return {
         "found": True,
         "text": text,
         "poses": np.round(rows, 5).tolist(),
         "events": [{"at": at, "text": words} for at, words in sorted(events)],
-        "length": found.length,
+        "length": route.length,
         "worst_tilt": worst,
         "least_margin": least,
     }

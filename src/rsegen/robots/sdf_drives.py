@@ -235,15 +235,15 @@ def _paired(
     return _of_wheels(Controller(origin, left, right), frames, rates) if paired else None
 
 
-def _of_wheels(said: Controller, frames: ModelFrames, rates: Mapping[str, float | None]) -> ReadDrive | None:
+def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, float | None]) -> ReadDrive | None:
     """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
 
     rates: the limits of joints in ROS, rad/s, for a speed that is not said; else those of the joints themselves
     """
     # Left is known by the places of the joints: Classic calls left what is right.
-    first, second = (_middle(frames.child(side[0]), frames)[1] for side in (said.left, said.right))
-    left, right = (said.right, said.left) if first < second else (said.left, said.right)
-    separation, radius = said.separation or float(abs(first - second)), said.radius or _radius(left, frames)
+    first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
+    left, right = (controller.right, controller.left) if first < second else (controller.left, controller.right)
+    separation, radius = controller.separation or float(abs(first - second)), controller.radius or _radius(left, frames)
     if not separation or not radius:
         return None
     # Classic's plug-in takes the distance between the joints for the separation.
@@ -255,20 +255,20 @@ def _of_wheels(said: Controller, frames: ModelFrames, rates: Mapping[str, float 
         radius=radius,
         speed=DEFAULT_SPEED,
         turn=DEFAULT_TURN,
-        slip=said.slip,
+        slip=controller.slip,
         spread=apart / separation if apart else 1,
     )
     joints = (*left, *right)
-    speed, turn = _limit(SPEED, said.speed, frames), _limit(TURN, said.turn, frames)
-    limits_by = said_by = [said.where] if speed or turn else []
+    speed, turn = _limit(SPEED, controller.speed, frames), _limit(TURN, controller.turn, frames)
+    limits_by = own_source = [controller.where] if speed or turn else []
     own = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
     for source, limits in (("ros2_control", map(rates.get, joints)), ("its joints", own)):
         if not speed:
             speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
-            limits_by = [source, *said_by]
+            limits_by = [source, *own_source]
     turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
-    sizes = "it" if said.separation and said.radius else "its wheels"
-    return ReadDrive("", drive, said.where, sizes, (speed, turn), " and ".join(limits_by), turned)
+    sizes = "it" if controller.separation and controller.radius else "its wheels"
+    return ReadDrive("", drive, controller.where, sizes, (speed, turn), " and ".join(limits_by), turned)
 
 
 def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:

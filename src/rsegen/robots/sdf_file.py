@@ -131,7 +131,7 @@ class SdfRobot(RobotOnField):
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
-        if self._stands(simulator):
+        if self._is_undriven(simulator):
             _hold(model, None)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
@@ -153,7 +153,7 @@ class SdfRobot(RobotOnField):
     def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if self._stands(simulator) and (held := _hold(self._model(), None)):
+        if self._is_undriven(simulator) and (held := _hold(self._model(), None)):
             yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
@@ -163,7 +163,7 @@ class SdfRobot(RobotOnField):
         )
         return replace(self, derived=derived, assumed=assumed, **values)
 
-    def _stands(self, simulator: str) -> bool:
+    def _is_undriven(self, simulator: str) -> bool:
         """Return whether nothing drives it, nor moves its joints: it then stands as its model has it."""
         if self.read_drive:
             return False

@@ -211,14 +211,14 @@ def run_compare(arguments: argparse.Namespace) -> Report:
     from rsegen.run.resources import refuse_too_large
     from rsegen.scanning.pictures import cell_counts
 
-    *stands, wanted = arguments.paths
-    if not stands:
+    *built, wanted = arguments.paths
+    if not built:
         raise ParameterError("MAP", f"only {wanted} is given; give a scan or a map, and then the map that should stand")
     picture = picture_of(arguments.output, force=arguments.force)
     arguments.target = wanted
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
-    compared = _compared(stands, arguments, recipe.alone(index))
+    compared = _compared(built, arguments, recipe.alone(index))
     if picture:
         picture.write(compared.picture)
     comparison = compared.comparison
@@ -227,20 +227,20 @@ def run_compare(arguments: argparse.Namespace) -> Report:
     return Report(lines=lines, content=_content(comparison), notes=notes, code=0 if comparison.is_equal else 1)
 
 
-def _compared(stands: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
+def _compared(built: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
     from rsegen.run.resources import refuse_too_large
     from rsegen.run.targets import chosen_map
     from rsegen.scanning.clouds import is_cloud
     from rsegen.scanning.scans import compare
 
-    clouds = [path for path in stands if is_cloud(Path(path))]
-    if clouds and len(clouds) == len(stands):
-        said = given(ScanOptions, arguments, arguments.units)
-        options = {name: value for name, value in said.items() if name not in _OF_THE_MAP}
+    clouds = [path for path in built if is_cloud(Path(path))]
+    if clouds and len(clouds) == len(built):
+        given_options = given(ScanOptions, arguments, arguments.units)
+        options = {name: value for name, value in given_options.items() if name not in _OF_THE_MAP}
         return compare(clouds, recipe, ScanOptions(**options))
-    if len(stands) > 1:
+    if len(built) > 1:
         raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
-    _, other, index = chosen_map(stands[0], arguments.map, "--map")
+    _, other, index = chosen_map(built[0], arguments.map, "--map")
     refuse_too_large(other)
     return compare(other.alone(index), recipe)
 
@@ -251,10 +251,10 @@ def _lines(comparison: Comparison, written: Lengths) -> Iterator[str]:
         yield "x and y count the blocks of MAP from its south-west corner without frames, as on its build sheet"
     for x, y, height, wanted in changes[:_NAMED]:
         way = "too high" if height > wanted else "too low"
-        stands, right = (written.with_unit(metres, 1) for metres in (height, wanted))
+        measured, right = (written.with_unit(metres, 1) for metres in (height, wanted))
         i, j = _numbers(comparison, x, y)
         cell = f"frame, cell {x}, {y} with frames counted" if i is None else f"x {i} y {j}"
-        yield f"  {cell}: {stands}, should be {right} ({way})"
+        yield f"  {cell}: {measured}, should be {right} ({way})"
     if len(changes) > _NAMED:
         yield f"  and {len(changes) - _NAMED} more"
 

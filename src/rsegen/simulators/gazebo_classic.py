@@ -311,7 +311,7 @@ class ClassicWorld(LiveWorld):
         self.client.publish("world_control", "WorldControl", {"pause": paused})
         self.client.wait_for_message("world_stats", lambda message: bool(message["paused"]) == paused)
 
-    def _asked(self, request: str, data: str) -> dict[str, Any]:
+    def _request(self, request: str, data: str) -> dict[str, Any]:
         """Return the response to a request, which is repeated: on a busy machine the server learns late who listens.
 
         All responses are waited for: who disconnects while one is about to be sent makes the server deaf (`close`).
@@ -331,12 +331,12 @@ class ClassicWorld(LiveWorld):
 
     def _answers(self, request_id: int) -> list[dict[str, Any]]:
         """Return the responses to a request that have come."""
-        answers = self.client.kept("response")
+        answers = self.client.messages("response")
         return [answer for answer in answers if answer["id"] == request_id and "serialized_data" in answer]
 
     def _models(self, *, hidden: bool = False) -> dict[str, dict[str, Any]]:
         """Return the models by name, without or with hidden ones."""
-        content = self._asked("entity_list", "")["serialized_data"]
+        content = self._request("entity_list", "")["serialized_data"]
         models = CLASSIC.decode("Model_V", content).get("models", [])
         return {model["name"]: model for model in models if hidden or model["pose"]["position"]["z"] < _HIDDEN_HEIGHT}
 

@@ -94,7 +94,7 @@ class Inbox:
             if self._failure:
                 raise SimulatorFailed(f"{self.title}: {self._failure}")
 
-    def kept(self, topic: str) -> list[dict[str, Any]]:
+    def messages(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of a topic that are kept, the oldest first."""
         with self._changed:
             return list(self._newest_first(self.full_name(topic)))[::-1]

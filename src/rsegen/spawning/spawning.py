@@ -98,12 +98,13 @@ class SpawnedMap:
 
     def covers(self, at: Pose, radius: float) -> bool:
         """Return whether a model at a pose, with this radius, is above the map."""
-        return all(abs(x) <= along / 2 + radius for x, along in zip(self._seen(at), self.field.extent, strict=True))
+        place = self._in_map_axes(at)
+        return all(abs(x) <= along / 2 + radius for x, along in zip(place, self.field.extent, strict=True))
 
     def top(self, at: Pose, radius: float = 0.0) -> float:
         """Return the z of the highest block within a radius of a pose; of the ground if there is no block."""
         window = []
-        for x, along in zip(self._seen(at), self.field.extent, strict=True):
+        for x, along in zip(self._in_map_axes(at), self.field.extent, strict=True):
             first, last = (floor((x + along / 2 + side) / self.field.block_width) for side in (-radius, radius))
             window.append(slice(max(first, 0), max(last + 1, 0)))
         return self.at.z + float(self.field.heights[tuple(window)].max(initial=0.0))
@@ -113,7 +114,7 @@ class SpawnedMap:
         c, s = cos(self.at.yaw), sin(self.at.yaw)
         return self.at.x + x * c - y * s, self.at.y + x * s + y * c
 
-    def _seen(self, at: Pose) -> tuple[float, float]:
+    def _in_map_axes(self, at: Pose) -> tuple[float, float]:
         """Return a place in the map's own axes, from its middle."""
         x, y, c, s = at.x - self.at.x, at.y - self.at.y, cos(self.at.yaw), sin(self.at.yaw)
         return x * c + y * s, y * c - x * s

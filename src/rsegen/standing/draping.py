@@ -33,6 +33,6 @@ def _heights(field: StepField, places: Array) -> Array:
     """Return the heights at places (n, 2) in cells; 0 beyond the map."""
     i, j = np.floor(places).astype(int).T
     inside = (i >= 0) & (j >= 0) & (i < field.shape[0]) & (j < field.shape[1])
-    found = np.zeros(len(places))
-    found[inside] = field.heights[i[inside], j[inside]]
-    return found
+    heights = np.zeros(len(places))
+    heights[inside] = field.heights[i[inside], j[inside]]
+    return heights

@@ -80,11 +80,11 @@ class Lanes:
 
     def lane(self, number: int) -> Lanes:
         """Return one of them."""
-        count, one = len(self.poses.x) // len(self.end), slice(number, number + 1)
+        count, row = len(self.poses.x) // len(self.end), slice(number, number + 1)
         poses = self.poses.some(slice(number * count, (number + 1) * count))
-        return Lanes(poses=poses, end=self.end[one], last=self.last[one], drops=self.drops[one], slips=self.slips[one])
+        return Lanes(poses=poses, end=self.end[row], last=self.last[row], drops=self.drops[row], slips=self.slips[row])
 
-    def begins(self, which: Mask, body: Body) -> list[tuple[float, float]]:
+    def starts_of(self, which: Mask, body: Body) -> list[tuple[float, float]]:
         """Return where the robot's origin is, metres, at the beginning of each stretch of a mask (L, K) of poses."""
         begins = which & ~np.pad(which, ((0, 0), (1, 0)))[:, :-1]
         x, y = origins(self.poses.some(np.flatnonzero(begins)), body)
@@ -133,10 +133,10 @@ def drive_lanes(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array
     place = np.empty((lanes, count), np.int64)
     place[:, some] = np.arange(lanes * len(some)).reshape(lanes, -1)
     place[is_new] = lanes * len(some) + np.arange(len(settled.x))
-    found = joined([looked, settled]).some(place[needed])
+    distinct = joined([looked, settled]).some(place[needed])
     number = (np.cumsum(until + 1) - until - 1)[:, None] + np.minimum(np.arange(count), until[:, None])
-    rest = found.some(number.ravel())
-    force = force_margin(ground, body, found)[number]
+    rest = distinct.some(number.ravel())
+    force = force_margin(ground, body, distinct)[number]
     height = rest.z.reshape(lanes, count)
     tips = ~has_stood(rest).reshape(lanes, count)
     hits = _hits(ground, body, rest, lanes, count)

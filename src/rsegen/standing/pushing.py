@@ -139,28 +139,28 @@ def _largest_surplus(columns: Array) -> Array:
     result = np.full(count, SLIDING)
     for _ in range(_ITERATIONS):
         entering = table[:, rows, : wrenches + 2].argmin(axis=1)
-        each = np.arange(len(live))
-        optimal = table[each, rows, entering] > -_ZERO * _ARTIFICIAL
+        index = np.arange(len(live))
+        optimal = table[index, rows, entering] > -_ZERO * _ARTIFICIAL
         if optimal.any():
             result[live[optimal]] = np.maximum(table[optimal, rows, -1], SLIDING)  # missing forces cost a thousand
             table, live = table[~optimal], live[~optimal]
             if not len(live):
                 break
-            entering, each = entering[~optimal], np.arange(len(live))
-        column = table[each, :, entering]
+            entering, index = entering[~optimal], np.arange(len(live))
+        column = table[index, :, entering]
         is_open = column[:, :rows] > _PIVOT
         bounded = is_open.any(axis=1)  # forces in cones cannot push without end: else rounding has spoilt the table
         if not bounded.all():
             table, live, column, is_open = table[bounded], live[bounded], column[bounded], is_open[bounded]
             if not len(live):
                 break
-            each = np.arange(len(live))
+            index = np.arange(len(live))
         ratios = np.where(is_open, table[:, :rows, -1] / np.where(is_open, column[:, :rows], 1), np.inf)
         leaving = ratios.argmin(axis=1)
-        pivot = table[each, leaving] / column[each, leaving][:, None]
-        column[each, leaving] = 0
-        table[each, leaving] = pivot
+        pivot = table[index, leaving] / column[index, leaving][:, None]
+        column[index, leaving] = 0
+        table[index, leaving] = pivot
         mask = np.ones((len(live), rows + 1), bool)
-        mask[each, leaving] = False
+        mask[index, leaving] = False
         table -= np.where(mask, column, 0)[:, :, None] * pivot[:, None, :]
     return result

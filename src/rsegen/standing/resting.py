@@ -208,11 +208,11 @@ def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tu
     relative, above = sample_heights(ground, body, rest, rows)
     centres = np.stack([rest.x[rows], rest.y[rows], rest.z[rows]], axis=1)[:, None, :]
     bearing = rest.contacts[rows]
-    each = np.arange(len(rows))[:, None]
-    at = relative[each, :, bearing].astype(np.float64)
+    index = np.arange(len(rows))[:, None]
+    at = relative[index, :, bearing].astype(np.float64)
     at[bearing < 0] = np.nan
     chosen = outermost(body, relative, above, bearing)
-    corners = relative[each, :, chosen].astype(np.float64)
+    corners = relative[index, :, chosen].astype(np.float64)
     corners[chosen < 0] = np.nan
     turns = np.arange(_EDGES) * 2 * np.pi / _EDGES
     along = corners[..., 0, None] * np.cos(turns) + corners[..., 1, None] * np.sin(turns)

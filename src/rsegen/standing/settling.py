@@ -150,7 +150,7 @@ class Settled:
 
 def joined(parts: Sequence[_Rows]) -> _Rows:
     """Return robots at rest, or poses, one after the other."""
-    names = [each.name for each in fields(parts[0])]
+    names = [field.name for field in fields(parts[0])]
     values = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return cast("_Rows", type(parts[0])(**values))
 
@@ -277,13 +277,13 @@ class _Settling:
         left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
         for part in row_slices(len(rows), samples):
             own = rows[part]
-            every, each = _of_each(self.points, len(own)), np.arange(len(own))
+            every, index = _of_each(self.points, len(own)), np.arange(len(own))
             turned, three = self.axes(own), self.three[:, own]
             under = self.under(every, own, turned)
-            plane = _through(_placed(under, every, turned, each, three))
+            plane = _through(_placed(under, every, turned, index, three))
             over = _over(under, every, turned, plane)
             highest = over.argmax(axis=1)
-            fits = (over[each, highest] - plane[2] <= _ABOVE) | (three == highest).any(axis=0)
+            fits = (over[index, highest] - plane[2] <= _ABOVE) | (three == highest).any(axis=0)
             turn = np.where(fits, np.hypot(*plane[:2]), np.inf)
             self.height[own], self.turn[own] = plane[2], turn
             tips = (three >= samples - 3).any(axis=0) | (np.hypot(*self.slope[:, own]) > _LOST)

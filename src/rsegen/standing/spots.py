@@ -172,8 +172,8 @@ def apart(outline: Outline, gap: float, x: Array, y: Array, yaw: Array, spot: Sp
     separated = np.zeros(len(x), dtype=bool)
     for axis in (np.full(len(x), spot.yaw), np.full(len(x), spot.yaw + pi / 2), yaw, yaw + pi / 2):
         normal = np.stack([np.cos(axis), np.sin(axis)], axis=-1)[:, None, :]
-        one, other = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
-        between = np.maximum(one.min(axis=1) - other.max(axis=1), other.min(axis=1) - one.max(axis=1))
+        own, other = (first * normal).sum(axis=-1), (others * normal).sum(axis=-1)
+        between = np.maximum(own.min(axis=1) - other.max(axis=1), other.min(axis=1) - own.max(axis=1))
         separated |= between >= gap - _EXACT
     return separated
 
@@ -291,18 +291,18 @@ class _Judge:
         # All else follows from how it stands on level ground.
         level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
         rest = settle(level, body, origin, origin, origin)
-        stands = of_settled(level, body, rest)
+        pose = of_settled(level, body, rest)
         _, above = sample_heights(level, body, rest, np.zeros(1, np.intp))
         bearing = np.isin(np.arange(len(body.parts)), body.part[above[0] < TOUCHING])
-        self.feet = np.unique(np.nan_to_num(stands.support[0, :, :2]), axis=0)
+        self.feet = np.unique(np.nan_to_num(pose.support[0, :, :2]), axis=0)
         self.level = tan(most_tilt) * float(np.ptp(self.feet, axis=0).max()) + TOUCHING
         self.coarse = _coarse(body, max(field.block_width / 2, body.length / _BINS))
         self.hanging = np.flatnonzero(~body.drives & ~bearing[body.part])
         self.sunk = max(-float(self.coarse[:, 2].min()), 0.0)
         cells = int(np.ceil(np.linalg.norm(body.points[:, :2], axis=1).max() / field.block_width)) + 1
         self.lowest, self.highest = (_extreme(self.blocks, cells, best) for best in (np.minimum, np.maximum))
-        self.steep = _FIRM * float(stands.tip_angle[0])
-        self.fall = float(stands.tip_energy[0]) / (body.mass * GRAVITY)
+        self.steep = _FIRM * float(pose.tip_angle[0])
+        self.fall = float(pose.tip_energy[0]) / (body.mass * GRAVITY)
 
     def is_level(self, at: _At, along: Sequence[float] | Array = (0.0,), turn: float = 0.0) -> Mask:
         """Return where the ground is level below the feet, and nowhere too high, at places and so far ahead, (n,).
@@ -574,8 +574,8 @@ class _Part:
         return _some(at, free)
 
     def _is_free(self, spot: Spot) -> bool:
-        one = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
-        return len(self._free(one)[0]) > 0
+        place = np.array([spot.x]), np.array([spot.y]), np.array([spot.yaw])
+        return len(self._free(place)[0]) > 0
 
 
 def _by_fault_and_tilt(place: _Place) -> tuple[int, float]:
@@ -591,7 +591,7 @@ def _looked_for(
     """Return the search in each part of a field: level places first, the roomy ones of them before, then all others."""
     parts = [
         _Part(
-            bounds=each,
+            bounds=area,
             half=judge.field.block_width / 2,
             drawn=rng.random((3, _DRAWN)),
             outline=Outline.of(judge.body),
@@ -599,7 +599,7 @@ def _looked_for(
             count=count,
             lanes=_LANES + _MORE_LANES * count,
         )
-        for each, rng in zip(bounds, rngs, strict=True)
+        for area, rng in zip(bounds, rngs, strict=True)
     ]
     _find_level(judge, parts)
     places = [part.places(part.level)[0] for part in parts]
@@ -632,9 +632,9 @@ def _try(judge: _Judge, parts: Sequence[_Part]) -> None:
     at_once = max(_AT_ONCE // len(parts), _LEAST_AT_ONCE)
     while searched := [part for part in parts if not part.is_over and part.tried < len(part.order)]:
         places = [part.next_places(at_once) for part in searched]
-        found = judge.put_down(_joined(places))
+        poses = judge.put_down(_joined(places))
         for part, own in zip(searched, places, strict=True):
-            part.waiting = list(islice(found, len(own[0])))
+            part.waiting = list(islice(poses, len(own[0])))
         while waiting := [(part, spot) for part in searched if not part.is_over and (spot := part.next_spot())]:
             for (part, place), spot in zip(waiting, judge.left([place for _, place in waiting]), strict=True):
                 part.take(place, spot)

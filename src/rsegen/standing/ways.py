@@ -161,7 +161,7 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.moves.shape)
         on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
         inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
-        places, i, j, on_i, on_j = (each[inside] for each in (places, i, j, on_i, on_j))
+        places, i, j, on_i, on_j = (values[inside] for values in (places, i, j, on_i, on_j))
         # No move leads along a frame, aslant within a double one neither.
         rows, columns = (lines_along(self.field, axis) for axis in (0, 1))
         free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
@@ -388,8 +388,8 @@ class Lattice:
         if self._is_driven[place] and self._is_turned[place] and self._is_turned[i, j, (k - 1) % HEADINGS]:
             return
         count = max(_NEXT, int(_AHEAD * np.count_nonzero(self._is_driven)))
-        near = [each for _, _, each in nsmallest(count, front) if each and not self._is_driven[each]]
-        self._find_from(np.unique([np.ravel_multi_index(each, self.moves.shape) for each in (place, *near)]))
+        likely = [on for _, _, on in nsmallest(count, front) if on and not self._is_driven[on]]
+        self._find_from(np.unique([np.ravel_multi_index(on, self.moves.shape) for on in (place, *likely)]))
 
     def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
         """Yield the places to which the robot can go on, and length and worst of each move; a turn moves its sides."""
@@ -500,14 +500,14 @@ _PLACES = 3
 
 def events(way: Any) -> list[str]:
     """Return the drops on a way, and the slides, in words; way: what has `drops` and `slips`."""
-    told = []
+    sentences = []
     for verb, at in (("drops", way.drops), ("slides", way.slips)):
         named = "; ".join(f"{x:.2f}, {y:.2f}" for x, y in at[:_PLACES])
         more = len(at) - _PLACES
         others = f" and {more} other place{'s' if more > 1 else ''}" if more > 0 else ""
         if at:
-            told.append(f"{verb} at {named} m{others}")
-    return told
+            sentences.append(f"{verb} at {named} m{others}")
+    return sentences
 
 
 def _summary(
@@ -518,8 +518,8 @@ def _summary(
     return {
         "tilt": max(float(rest.tilt.max()) for rest in rests),
         "margin": min(float(rest.tip_angle.min()) for rest in rests),
-        "drops": tuple(place for lane in lanes for place in lane.begins(lane.drops, body)),
-        "slips": tuple(place for lane in lanes for place in lane.begins(lane.slips, body)),
+        "drops": tuple(place for lane in lanes for place in lane.starts_of(lane.drops, body)),
+        "slips": tuple(place for lane in lanes for place in lane.starts_of(lane.slips, body)),
     }
 
 

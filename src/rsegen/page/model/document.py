@@ -55,8 +55,8 @@ class Document:
         self._start = self.session.draft
         self._stamp = self._stamp_now()
         self.session.changed = self._session_changed
-        if found := self.journal.recovered():
-            draft, self.recovered = found
+        if recovered := self.journal.recovered():
+            draft, self.recovered = recovered
             self.session.restore(draft)
 
     @classmethod
@@ -218,8 +218,8 @@ class DraftFile:
 
     def _left(self) -> list[Path]:
         """Return the files of processes that have ended: this one has none before it writes its own."""
-        found = self._path(0).parent.glob(f"{self._stem}-*.json")
-        return [path for path in found if path.stem.rpartition("-")[2].isdecimal() and not _is_being_edited(path)]
+        drafts = self._path(0).parent.glob(f"{self._stem}-*.json")
+        return [path for path in drafts if path.stem.rpartition("-")[2].isdecimal() and not _is_being_edited(path)]
 
     def _path(self, pid: int) -> Path:
         return state_folder() / f"{self._stem}-{pid}.json"

@@ -116,14 +116,14 @@ def _says(text: str, recipe: Recipe) -> bool:
 
 def _set_values(tree: Any, before: Recipe, recipe: Recipe) -> None:
     """Change the global parameters of a tree that differ; new ones come before the obstacles."""
-    old, new, said = before.values(), recipe.values(), recipe.entry()
+    old, new, entry = before.values(), recipe.values(), recipe.entry()
     for name in {**old, **new}:
         if name not in new:
             tree.pop(name, None)
         elif name not in old or old[name] != new[name] or (name == "seed" and name not in tree):
             if name in tree:
                 tree[name] = _node(new[name])
-            elif name in said:
+            elif name in entry:
                 place = list(tree).index("obstacles") if "obstacles" in tree else len(tree)
                 tree.insert(place, name, _node(new[name]))
 
@@ -195,7 +195,7 @@ def _node(value: Json) -> Any:
 
 def _patched(text: str, unchanged: str, changed: str) -> str:
     """Return the text with the lines changed in which two others differ, of which the first says the same as it."""
-    lines, old, new = (each.splitlines(keepends=True) for each in (text, unchanged, changed))
+    lines, old, new = (version.splitlines(keepends=True) for version in (text, unchanged, changed))
     places = _places(old, lines)
     result: list[str] = []
     at = 0
