@@ -47,7 +47,7 @@ from rsegen.formats import MAT
 from rsegen.measuring.plots import path_plot
 from rsegen.params.capabilities import capabilities, commands, public_names
 from rsegen.params.command import rows
-from rsegen.params.registry import first_line
+from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import Parameter, parameters
 from rsegen.pictures.preview import encoded, preview
 from rsegen.recipe.codec import decode, to_json
@@ -358,7 +358,7 @@ def _obstacles() -> Iterator[str]:
     yield "# Obstacles\n\nMade by `make docs` from the obstacle classes; `rsegen obstacles` prints the same."
     yield "The [gallery](gallery.md) has every kind at three values of softness."
     for kind, cls in KINDS.items():
-        yield f"\n## `{kind}`\n\n{first_line(cls)}\n"
+        yield f"\n## `{kind}`\n\n{summary_of_class(cls)}\n"
         yield from _table(own_parameters(cls))
         yield f"\n![{kind}](pictures/kind-{kind}.png)\n"
         yield f"    {catalogue.command(kind)}"
@@ -531,7 +531,7 @@ def _formats() -> Iterator[str]:
         options = "; ".join(f"`{key}` {one.help} ({one.describe()})" for key, one in known)
         extra = f"`rsegen[{cls.extra.name if cls.extra else MAT.name}]`"
         needs = extra if cls.extra else f"{extra} for `{cls.mat_file}`" if cls.mat_file else ""
-        yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {first_line(cls)} | {options} | {needs} |"
+        yield f"| [`{name}`](#{_SECTIONS.get(name, name)}) | {summary_of_class(cls)} | {options} | {needs} |"
 
 
 _SECTIONS = dict.fromkeys(("stl", "ply", "glb"), "stl-ply-glb")

@@ -11,7 +11,7 @@ import pytest
 from rsegen import KINDS, Obstacle, Recipe, build
 from rsegen.field.obstacles import Grid
 from rsegen.field.obstacles.base import PLACING, RESERVED, own_parameters, row_parameters
-from rsegen.params.registry import first_line, name_conflict
+from rsegen.params.registry import name_conflict, summary_of_class
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator
 from rsegen.recipe.codec import decode, encode, schema
@@ -103,7 +103,7 @@ def test_schema_accepts_encoded_recipes_and_refuses_a_strange_key(cls: type[Obst
 
 @KIND
 def test_every_parameter_is_explained(cls: type[Obstacle]) -> None:
-    assert first_line(cls).endswith(".")
+    assert summary_of_class(cls).endswith(".")
     assert all(parameter.help and parameter.describe() for parameter in parameters(cls).values())
 
 

@@ -16,7 +16,7 @@ from rsegen.errors import OutputError, WriteError
 from rsegen.formats.base import FORMATS
 from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
-from rsegen.params.registry import first_line
+from rsegen.params.registry import summary_of_class
 from rsegen.run.plan import existing_maps
 from rsegen.run.sidecars import Sidecars
 from tests.formats.maps import RECIPES
@@ -62,7 +62,7 @@ def test_json_names_every_file(tmp_path: Path, recipe_file: Path, capsys: pytest
 def test_the_list_describes_each_format_and_needs_nothing_else(capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code("export", "--list") == 0
     told = capsys.readouterr().out
-    assert all(f"{name}\n    {first_line(cls)}" in told for name, cls in FORMATS.items())
+    assert all(f"{name}\n    {summary_of_class(cls)}" in told for name, cls in FORMATS.items())
     assert "    per_block= " in told
 
 

@@ -17,7 +17,7 @@ from rsegen.heights.base import IMPORTERS as READ
 from rsegen.input_files import JOURNAL
 from rsegen.params import extras
 from rsegen.params.extras import pip_install
-from rsegen.params.registry import first_line
+from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import to_json
 from tests.formats.maps import RECIPES, SCENES, made
@@ -33,7 +33,7 @@ SMALL = RECIPES["frames round every chunk"]
 def test_a_format_explains_itself_and_its_options(cls: type[Format]) -> None:
     assert cls.name.isidentifier()
     assert cls.name.islower()
-    assert first_line(cls).endswith(".")
+    assert summary_of_class(cls).endswith(".")
     assert all(option.help and option.describe() for option in parameters(cls).values())
     assert cls().step in get_args(Step)
     assert cls().array_bytes >= 0

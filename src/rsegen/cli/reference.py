@@ -67,7 +67,7 @@ def run_obstacles(_: argparse.Namespace) -> Report:
 def _kinds() -> Iterator[str]:
     from rsegen.field.obstacles import KINDS
     from rsegen.field.obstacles.base import PLACING, own_parameters
-    from rsegen.params.registry import first_line
+    from rsegen.params.registry import summary_of_class
 
     def rows(known: Mapping[str, Parameter]) -> Iterator[str]:
         return (f"    {name:<11} {parameter.help}: {parameter.describe()}" for name, parameter in known.items())
@@ -77,7 +77,7 @@ def _kinds() -> Iterator[str]:
     yield ""
     for name, cls in KINDS.items():
         source = KINDS.source(name)
-        yield f"{name}\n    {first_line(cls)}" + (f" From {source}." if source else "")
+        yield f"{name}\n    {summary_of_class(cls)}" + (f" From {source}." if source else "")
         yield from rows(own_parameters(cls))
         yield ""
     yield "every kind"

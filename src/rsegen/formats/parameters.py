@@ -102,13 +102,13 @@ def listed() -> Iterator[str]:
     """Yield the lines on every format and its options."""
     from rsegen.formats import MAT
     from rsegen.formats.base import FORMATS
-    from rsegen.params.registry import first_line
+    from rsegen.params.registry import summary_of_class
 
     for name, cls in FORMATS.items():
         extra = f"rsegen[{cls.extra.name if cls.extra else MAT.name}]"
         needs = f" Needs {extra}." if cls.extra else f" {cls.mat_file} needs {extra}." if cls.mat_file else ""
         source = FORMATS.source(name)
-        yield f"{name}\n    {first_line(cls)}{needs}" + (f" From {source}." if source else "")
+        yield f"{name}\n    {summary_of_class(cls)}{needs}" + (f" From {source}." if source else "")
         for option, parameter in parameters(cls).items():
             yield f"    {f'{option}=':<15} {parameter.help}: {parameter.describe()}"
         yield ""

@@ -33,7 +33,7 @@ from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
 from rsegen.page.places import Places, names_in
 from rsegen.params.capabilities import capabilities, commands
 from rsegen.params.command import Declared, declared
-from rsegen.params.registry import first_line
+from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
@@ -268,7 +268,7 @@ def kinds() -> list[Kind]:
         {
             "name": name,
             "title": title_of(name),
-            "help": first_line(cls),
+            "help": summary_of_class(cls),
             "default_place": cls.default_place,
             "fields": [
                 field(declared(cls)[name])
@@ -474,7 +474,8 @@ def hello(host: Host) -> Hello:
         "commands": [form.described() for form in command_forms().values()],
         "metrics": [{"name": name, "title": metric_title(name)} for name in metrics],
         "formats": [
-            {"name": name, "description": first_line(cls)} for name, cls in dict(_words().get("formats", {})).items()
+            {"name": name, "description": summary_of_class(cls)}
+            for name, cls in dict(_words().get("formats", {})).items()
         ],
     }
 

@@ -272,6 +272,6 @@ def _registering_files(package: str) -> list[str]:
     return sorted(path.stem for path in files if registers.search(path.read_text("utf-8")))
 
 
-def first_line(cls: type) -> str:
+def summary_of_class(cls: type) -> str:
     """Return what a class is in a line: the first one of its docstring."""
     return (cls.__doc__ or "").strip().splitlines()[0]

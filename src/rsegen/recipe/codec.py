@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError, PluginWarning, inside, refuse_unknown,
 from rsegen.field.obstacles import KINDS, Obstacle, kind
 from rsegen.field.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
-from rsegen.params.registry import first_line
+from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer
 from rsegen.recipe.recipe import Recipe
 
@@ -173,7 +173,7 @@ def schema() -> dict[str, Json]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": SCHEMA_ID,
         "title": "rsegen recipe",
-        "description": first_line(Recipe),
+        "description": summary_of_class(Recipe),
         "type": "object",
         "properties": properties | {"obstacles": rows},
         "additionalProperties": False,
@@ -184,7 +184,7 @@ def _row_schema(cls: type[Obstacle]) -> dict[str, Json]:
     own = {name: _property(parameter) for name, parameter in row_parameters(cls).items()}
     return {
         "title": cls.kind,
-        "description": first_line(cls),
+        "description": summary_of_class(cls),
         "type": "object",
         "properties": {"kind": {"const": cls.kind}} | own,
         "required": ["kind", *required_parameters(cls)],

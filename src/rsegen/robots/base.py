@@ -17,7 +17,7 @@ from rsegen.gazebo.sdf import FOOTER, HEADER, numbers
 from rsegen.params.registry import Contract, Registry
 from rsegen.params.sorts import Float, Parameter
 from rsegen.robots.body import body_of_links
-from rsegen.robots.drives import BACKENDS, Command, Drive, Servo, element, pose_publisher, servo_plugins, system
+from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Servo, element, pose_publisher, servo_plugins, system
 from rsegen.robots.links import ORIGIN, Joint, Lidar, Link, SdfPose, Vector
 from rsegen.standing.body import Body
 from rsegen.standing.kinds import RobotOnField
@@ -101,14 +101,14 @@ class Robot(RobotOnField):
         servos = (replace(servo, rest=angles.get(servo.joint, servo.rest)) for servo in self.servos)
         return replace(self, servos=tuple(servos))
 
-    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
         """Return the command for speed v forward, m/s, and turn rate w counterclockwise, rad/s."""
         for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
             if not abs(value) <= most:
                 raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
         return self.drive.command(name, v, w, _known(simulator))
 
-    def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> Command:
+    def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> PublishCommand:
         """Return the command that turns a joint to an angle, radians."""
         servos = {servo.joint: servo for servo in self.servos}
         if joint not in servos:

@@ -19,7 +19,7 @@ BACKENDS = ("classic", "sim", "fortress")
 """Gazebo Classic 11; Gazebo Sim since Garden; Gazebo Sim up to Fortress, whose names begin with ignition."""
 
 
-class Command(NamedTuple):
+class PublishCommand(NamedTuple):
     """A message, and the shell command that publishes it once, which in Gazebo Sim may be lost: repeat it there."""
 
     topic: str
@@ -28,13 +28,13 @@ class Command(NamedTuple):
     shell: tuple[str, ...]
 
 
-def publish_command(topic: str, message: str, text: str, simulator: str) -> Command:
+def publish_command(topic: str, message: str, text: str, simulator: str) -> PublishCommand:
     """Return a message to a topic by the simulator's own tool; `message` is a type without its package."""
     names = {"classic": ("gazebo", "gz"), "sim": ("gz", "gz"), "fortress": ("ignition", "ign")}
     package, tool = names[simulator]
     kind = f"{package}.msgs.{message}"
     words = ("-p", topic, "-m", text) if simulator == "classic" else ("-t", topic, "-m", kind, "-p", text)
-    return Command(topic, kind, text, (tool, "topic", *words))
+    return PublishCommand(topic, kind, text, (tool, "topic", *words))
 
 
 def twist_text(v: float, w: float) -> str:
@@ -97,10 +97,10 @@ class Drive(ABC):
         """Return its plug-ins as SDF; odometry: elements with the topics and frames of its odometry, in Gazebo Sim."""
 
     @abstractmethod
-    def classic_command(self, name: str, v: float, w: float) -> Command:
+    def classic_command(self, name: str, v: float, w: float) -> PublishCommand:
         """Return the command for Gazebo Classic's plug-in."""
 
-    def command(self, name: str, v: float, w: float, simulator: str) -> Command:
+    def command(self, name: str, v: float, w: float, simulator: str) -> PublishCommand:
         """Return the command for speed v and turn rate w, counterclockwise."""
         if simulator == "classic":
             return self.classic_command(name, v, w)
@@ -138,7 +138,7 @@ class Wheels(Drive):
             inner += _limits("linear", self.acceleration, "acceleration") + _limits("angular", turning, "acceleration")
         return system("DiffDrive", simulator, inner + odometry)
 
-    def classic_command(self, name: str, v: float, w: float) -> Command:
+    def classic_command(self, name: str, v: float, w: float) -> PublishCommand:
         """Return the command as a Pose: v as x, w as the yaw of an orientation, so |w| < pi."""
         half = w * self.slip / self.spread / 2
         turned = f"x: 0 y: 0 z: {numbers([sin(half)])} w: {numbers([cos(half)])}"
@@ -191,7 +191,7 @@ class Tracks(Drive):
             for belt in (*self.left, *self.right)
         )
 
-    def classic_command(self, name: str, v: float, w: float) -> Command:
+    def classic_command(self, name: str, v: float, w: float) -> PublishCommand:
         """Return the command as a Twist."""
         gain = self.in_place if abs(v) < _MOVING else 1
         return publish_command(f"~/{name}/cmd_vel_twist", "Twist", twist_text(v, w * gain), "classic")
@@ -215,7 +215,7 @@ class Servo:
     effort: float
     rest: float = 0
 
-    def command(self, name: str, angle: float, simulator: str) -> Command:
+    def command(self, name: str, angle: float, simulator: str) -> PublishCommand:
         """Return the command that turns it to an angle, radians.
 
         Classic 11 listens on a topic of Ignition Transport, which its own `gz joint` knows.
@@ -225,7 +225,7 @@ class Servo:
         text = f'name: "{name}::{self.joint}" position {{ target {{ data: {numbers([angle])} }} }}'
         gains = ("--pos-p", numbers([self.stiffness]), "--pos-d", numbers([self.damping]))
         shell = ("gz", "joint", "-m", name, "-j", self.joint, "--pos-t", numbers([angle]), *gains)
-        return Command(f"/{name}/joint_cmd", "ignition.msgs.JointCmd", text, shell)
+        return PublishCommand(f"/{name}/joint_cmd", "ignition.msgs.JointCmd", text, shell)
 
 
 def topic(name: str, joint: str) -> str:

@@ -73,7 +73,7 @@ class DrawnPart(TypedDict):
     wheel: bool
 
 
-class DrawnRobot(TypedDict):
+class RobotShapes(TypedDict):
     """A robot as it is drawn."""
 
     name: str
@@ -84,7 +84,7 @@ class DrawnRobot(TypedDict):
 
 
 @call_of_host
-def robot(host: Host, *, robot: str) -> DrawnRobot:
+def robot(host: Host, *, robot: str) -> RobotShapes:
     """Return a robot as it is drawn: the parts of its links, or of a file its visuals.
 
     lift: of the origin of its model in a simulator, above that of what is drawn

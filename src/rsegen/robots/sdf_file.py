@@ -28,7 +28,7 @@ from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drives import Command, Drive, Tracks, Wheels, pose_publisher
+from rsegen.robots.drives import Drive, PublishCommand, Tracks, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
@@ -135,7 +135,7 @@ class SdfRobot(RobotOnField):
             _hold(model, None)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
-    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> Command:
+    def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
         """Return the command for speed v forward, m/s, and turn rate w, rad/s."""
         drive = self.drive
         if simulator == "classic" and isinstance(drive, Wheels):

@@ -29,7 +29,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from rsegen.errors import ParameterError, SimulatorFailed, shown
-from rsegen.robots.drives import Command
+from rsegen.robots.drives import PublishCommand
 from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.classic_transport import TransportClient, transport_client
@@ -208,7 +208,7 @@ class ClassicWorld(LiveWorld):
         """Return whether the server's master holds its connection."""
         return self.client.is_connected
 
-    def send_command(self, command: Command) -> None:
+    def send_command(self, command: PublishCommand) -> None:
         """Publish the command, and wait the time that messages take."""
         self.client.publish(command.topic, command.type.rpartition(".")[2], parse_text(command.text))
         time.sleep(_DELIVERY_TIME)

@@ -38,7 +38,7 @@ from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
-from rsegen.robots.drives import POSE_RATE, Command
+from rsegen.robots.drives import POSE_RATE, PublishCommand
 from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record
@@ -262,7 +262,7 @@ class SimWorld(LiveWorld):
             return self.client.is_connected and len(self.client.all_offers(WORLDS)) == 1
         return False
 
-    def send_command(self, command: Command) -> None:
+    def send_command(self, command: PublishCommand) -> None:
         """Publish the command, and wait until the server has received it: it reads a message before each request."""
         self.client.publish(command.topic, command.type, parse_text(command.text))
         self.client.request(WORLDS, "Empty", {})

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from rsegen.errors import SimulatorFailed
-from rsegen.robots.drives import Command
+from rsegen.robots.drives import PublishCommand
 from rsegen.simulators.inbox import Inbox
 
 Record = list[tuple[float, dict[str, list[float]]]]
@@ -82,7 +82,7 @@ class LiveWorld(ABC):
         """Return whether the server still runs, and is the only one at its address."""
 
     @abstractmethod
-    def send_command(self, command: Command) -> None:
+    def send_command(self, command: PublishCommand) -> None:
         """Send a command to a robot, and wait until it is received."""
 
     @abstractmethod

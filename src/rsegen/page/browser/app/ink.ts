@@ -3,7 +3,7 @@
 import { ACCENT, START } from "./colours";
 import { lettered, metres, outline, rgb, type Field, type Place, type Point } from "./field";
 import { boundsOf } from "./models";
-import type { DrawnRobot } from "./protocol";
+import type { RobotShapes } from "./protocol";
 
 export const LEGIBLE = 17; // CSS pixels that a cell must have so that its height is written into it
 const LINED = 5; // and so that it has an outline
@@ -120,7 +120,7 @@ export class Ink {
   }
 
   /* A robot from above, with a head that shows where it faces. */
-  footprint([x, y]: Spot, yaw: number, drawing: DrawnRobot, colour: string): void {
+  footprint([x, y]: Spot, yaw: number, drawing: RobotShapes, colour: string): void {
     const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
     const [back, front, right, left] = boundsOf(drawing);
     const shoulder = front - 0.2 * (front - back);

@@ -10,7 +10,7 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { BAD, GOOD, MARKS, TRAILS } from "./colours";
 import { lettered, type Point } from "./field";
-import type { Playback, DrawnPose, DrawnRobot } from "./protocol";
+import type { Playback, DrawnPose, RobotShapes } from "./protocol";
 
 const RED = new Color(BAD);
 const LETTER = 0.019; // of a distance: 24 pixels in a view of 700
@@ -49,7 +49,7 @@ export class Robot {
   readonly group = new Group();
   private readonly materials: { material: MeshLambertMaterial; colour: Color }[] = [];
 
-  constructor(readonly drawing: DrawnRobot) {
+  constructor(readonly drawing: RobotShapes) {
     for (const part of drawing.parts) {
       const material = new MeshLambertMaterial({ color: part.colour });
       const mesh = new Mesh(shapeOf(part), material);
@@ -76,7 +76,7 @@ export class Robot {
 }
 
 /* Where the parts of a robot are along x and y in its own frame: lowest and highest x, lowest and highest y. */
-export function boundsOf(drawing: DrawnRobot): [number, number, number, number] {
+export function boundsOf(drawing: RobotShapes): [number, number, number, number] {
   const bounds: [number, number, number, number] = [Infinity, -Infinity, Infinity, -Infinity];
   for (const { shape, size: [a, b, c], pose } of drawing.parts) {
     const half = shape === "box" ? [a / 2, b / 2, c / 2] : shape === "cylinder" ? [a, a, b / 2] : [a, a, a];
@@ -90,7 +90,7 @@ export function boundsOf(drawing: DrawnRobot): [number, number, number, number] 
   return bounds;
 }
 
-function shapeOf(part: DrawnRobot["parts"][number]): BufferGeometry {
+function shapeOf(part: RobotShapes["parts"][number]): BufferGeometry {
   const [a, b, c] = part.size;
   if (part.shape === "box") return new BoxGeometry(a, b, c);
   if (part.shape === "sphere") return new SphereGeometry(a, 24, 16);
@@ -162,7 +162,7 @@ export class Player {
   readonly group = new Group();
   private readonly tracks: Track[];
 
-  constructor(playback: Playback, drawings: Map<string, DrawnRobot>, size: number) {
+  constructor(playback: Playback, drawings: Map<string, RobotShapes>, size: number) {
     const driven = playback.robots.filter(({ poses }) => poses.length > 0);
     this.tracks = driven.map(({ robot: kind, seconds, poses, events }, k) => {
       const colour = TRAILS[k % TRAILS.length];

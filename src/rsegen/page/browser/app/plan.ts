@@ -5,7 +5,7 @@ import { Field, rgb, type Place, type Point } from "./field";
 import { Ink, LEGIBLE, type Box, type Pixel } from "./ink";
 import { poseAt } from "./models";
 import { ofPoses, ofReach, painted, type Overlay } from "./overlay";
-import type { Playback, DrawnPose, PoseMap, DrawnReach, DrawnRobot, SceneData, DrawnWay } from "./protocol";
+import type { Playback, DrawnPose, PoseMap, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
 import type { Board, Grip, Preview, Spot } from "./tools";
 import type { Options, Tool, View, ViewEvents } from "./views";
@@ -19,14 +19,14 @@ interface Shown {
   preview?: Preview | null;
   ghost?: Field | null; // with an obstacle that is not added yet, the row ghostRow
   ghostRow: number;
-  drawing?: DrawnRobot | null;
+  drawing?: RobotShapes | null;
   pose?: DrawnPose | null;
   poses?: Overlay | null;
   reach?: DrawnReach | null;
   way?: DrawnWay | null;
   start?: [number, number] | null;
   playback?: Playback | null;
-  drawings: Map<string, DrawnRobot>;
+  drawings: Map<string, RobotShapes>;
   second: number;
 }
 
@@ -105,7 +105,7 @@ export class Plan implements View, Board {
     this.draws({ ghost: scene && new Field(scene), ghostRow: row });
   }
 
-  robot(drawing: DrawnRobot | null, pose: DrawnPose | null): void {
+  robot(drawing: RobotShapes | null, pose: DrawnPose | null): void {
     this.draws({ drawing, pose });
   }
 
@@ -121,7 +121,7 @@ export class Plan implements View, Board {
     this.draws({ way, start });
   }
 
-  play(playback: Playback | null, drawings: Map<string, DrawnRobot>): void {
+  play(playback: Playback | null, drawings: Map<string, RobotShapes>): void {
     this.draws({ playback, drawings, second: 0 });
   }
 

@@ -343,7 +343,7 @@ export interface State {
 }
 
 /* A robot as it is drawn. */
-export interface DrawnRobot {
+export interface RobotShapes {
   name: string;
   title: string;
   size: [number, number, number];
@@ -505,7 +505,7 @@ export interface Calls {
   /* Take over what is in the file. */
   reload: { args: { doc: string; page?: string }; result: State };
   /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
-  robot: { args: { robot: string }; result: DrawnRobot };
+  robot: { args: { robot: string }; result: RobotShapes };
   /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */
   run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; replace?: boolean }; result: Job };
   /* Write a document to its file, or to another one in the folder. */

@@ -10,7 +10,7 @@ import { ACCENT, BAD, START, TROUBLE } from "./colours";
 import { Field, onRay, outline, type Place, type Point } from "./field";
 import { Player, Robot, dot, drop, letter, linesOf, pairs, restOf, rotationOf } from "./models";
 import { ofPoses, ofReach, type Overlay } from "./overlay";
-import type { Playback, DrawnPose, PoseMap, DrawnReach, DrawnRobot, SceneData, DrawnWay } from "./protocol";
+import type { Playback, DrawnPose, PoseMap, DrawnReach, RobotShapes, SceneData, DrawnWay } from "./protocol";
 import { Stage, rendererOf, type From } from "./stage";
 import { Grips, Tools, add, cellsBetween, gripsOf, moveTo } from "./tools";
 import type { Board, Grip, Preview, Spot } from "./tools";
@@ -141,7 +141,7 @@ export class Solid implements View, Board {
     this.ask();
   }
 
-  robot(drawing: DrawnRobot | null, pose: DrawnPose | null): void {
+  robot(drawing: RobotShapes | null, pose: DrawnPose | null): void {
     if (this.shownRobot?.drawing !== drawing) {
       this.part("robot", []);
       this.shownRobot = drawing && new Robot(drawing);
@@ -193,7 +193,7 @@ export class Solid implements View, Board {
     this.ask();
   }
 
-  play(playback: Playback | null, drawings: Map<string, DrawnRobot>): void {
+  play(playback: Playback | null, drawings: Map<string, RobotShapes>): void {
     this.player = playback && new Player(playback, drawings, 0.1 * (this.field?.width ?? 0.1));
     this.part("play", this.player ? [this.player.group] : []);
     this.stage.drives = this.player?.boxes ?? [];

@@ -6,7 +6,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Failed, call, listen } from "./server";
 import type {
-  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, Playback, DrawnPose, PoseMap, DrawnReach, Row, DrawnRobot, SceneData, State, DrawnWay,
+  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, Playback, DrawnPose, PoseMap, DrawnReach, Row, RobotShapes, SceneData, State, DrawnWay,
 } from "./protocol";
 import type { Hover, Options, Tool } from "./views";
 
@@ -35,7 +35,7 @@ export const dialog = signal<
 >(null);
 
 export const robot = signal(""); // its name; empty: none
-export const drawing = signal<DrawnRobot | null>(null);
+export const drawing = signal<RobotShapes | null>(null);
 export const heading = signal(0);
 export const put = signal<[number, number] | null>(null); // where it was put: tilted, its origin is a little aside
 export const pose = signal<DrawnPose | null>(null);
