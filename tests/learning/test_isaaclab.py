@@ -209,7 +209,7 @@ def test_the_map_is_amid_level_ground_from_0_to_the_size(isaaclab: Any, kind: st
     x, y = np.arange(20) * 0.1 + 0.05, np.arange(15) * 0.1 + 0.05
     levels = np.rint(_heights(mesh, x, y) / 0.05).astype(int)
     own = levels[5:15, 2:12]
-    assert any(np.array_equal(own, rsegen.build(RECIPE, index).levels) for index in [isaaclab.index_of(42, 1.0, 0)])
+    assert any(np.array_equal(own, rsegen.build(RECIPE, index).levels) for index in [isaaclab.hashed_index(42, 1.0, 0)])
     assert origin == pytest.approx([1.0, 0.7, own[4:6, 4:6].max() * 0.05])
     levels[5:15, 2:12] = 0
     assert not levels.any()

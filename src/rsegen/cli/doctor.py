@@ -44,6 +44,7 @@ def _environment(findings: Sequence[Finding]) -> dict[str, Any]:
         except PackageNotFoundError:
             return None
 
+    # A requirement is a line such as `numpy>=2`, of which the name counts: the version is that of what is installed.
     needed = {extra: [re.split(r"[^\w.-]", line)[0] for line in lines] for extra, lines in requirements().items()}
     return {
         "rsegen": __version__,

@@ -174,6 +174,7 @@ def _lines(made: Generated) -> Iterator[str]:
         yield f"  {generated.world}"
     if len(made.maps) > SHOWN:
         yield f"  and {len(made.maps) - SHOWN} more in {made.folder}"
+    # All maps have the same constraints; the first one stands for the others.
     if made.recipe.is_constrained and (scene := made.maps[0].scene):
         from rsegen.gazebo.constraint_report import describe_constraints
 

@@ -68,6 +68,7 @@ def _summary(scene: Scene) -> dict[str, Any]:
     from rsegen.scene.scene import fingerprint
 
     field, recipe = scene.field, scene.recipe
+    # Most maps have neither, so these keys are there only if they have a value.
     added = {"plugins": needed_plugins(recipe), "switched_off": switched_off(recipe)}
     return {
         "name": scene.name,
@@ -109,6 +110,7 @@ def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
         yield f"obstacle {text if len(text) <= _LONGEST else f'{text[:_LONGEST]}...'}"
     if len(recipe.enabled_obstacles) > SHOWN:
         yield f"         and {len(recipe.enabled_obstacles) - SHOWN} more"
+    # After what the map is: what it had to meet, what it needs, and what may be wrong with it.
     for name, value in content["constraints"].items():
         yield f"demand   {name} {parameters(type(recipe))[name].format(value)}"
     for kind, source in content.get("plugins", {}).items():

@@ -183,6 +183,7 @@ def _series_lines(made: Series) -> Iterator[str]:
     width, by_default = max(len(row.map) for row in rows), made.plan.by == declared(series)["by"].default
     names, unit = ("rms asked", "rms step") if by_default else ("asked", "measured"), made.plan.metric.unit
     yield f"  {'map':<{width}}" + "".join(f"{name:>12}" for name in ("difficulty", *names, "highest"))
+    # On the screen a long series has some of its rows alone; the file has all of them.
     for row in _some(rows):
         values = (row.asked, unit), (row.measured, unit), (row.highest_step, "m")
         factors = ((value, written.per_metre if of == "m" else 1.0) for value, of in values)

@@ -138,6 +138,7 @@ def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, 
     wanted, sign = line.value(difficulty), 1 if own.full >= own.level else -1
     if own.level == own.full:
         return difficulty
+    # Beyond the ends of its own span the map has no value to search for: the end is the nearest.
     if sign * (wanted - own.level) <= 0:
         return 0.0
     if sign * (wanted - own.full) >= 0:
@@ -149,6 +150,7 @@ def share_of(recipe: Recipe, index: int, metric: Metric, own: Span, line: Span, 
         tried[share] = sign * inf if isnan(value) else value
         return sign * (wanted - tried[share]) <= 0
 
+    # As blocks are rounded, the metric may go up and down: the nearest of all that were tried counts, not the last.
     bisected(is_enough, own.hardest)
     return min(tried, key=lambda share: (abs(wanted - tried[share]), share))
 

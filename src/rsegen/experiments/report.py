@@ -196,6 +196,7 @@ def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
         if not sizes:
             continue
         name = f"{row.robots} {Path(row.robot).name}"
+        # First the robot alone, on an empty world; only if it drives there can the map be the reason.
         if any(_rested_at(plan, results, alike, 0) for alike in _alike(plan, row)):
             where = f" in {_title(row)}" if _title(row) else ""
             yield f"{name}{where}, without a map too, so maps are not the reason"

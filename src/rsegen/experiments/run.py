@@ -180,6 +180,7 @@ def load_summary(file: Path) -> tuple[ExperimentPlan, Results, dict[str, str], s
     content = recipe_file.recipe_content(file)
     try:
         plan = read_plan(file.stem, content["plan"])  # type: ignore[index]  # a TypeError if it is no mapping
+        # The file may have been edited: its plan, cells and outcomes pass the same checks as when they are made.
         results = {
             read_cell({key: cell[key] for key in ("row", "size", "pace")}, len(plan.rows)): [
                 read_outcome(outcome) for outcome in cell["outcomes"]

@@ -302,6 +302,7 @@ def driving_figures(
         return {}
     course = Course.over(field) if field else PLANE
     every = [drive_metrics(track, robot.driving_speed, robot.size, course) for track, robot in driven]
+    # What no robot can do, as to fly, ends the part in which blocks count as covered; the rest is of the whole drive.
     parts = [possible_part(track, robot.driving_speed, robot.size, course)[0] for track, robot in driven]
     shares = (
         [covered_share(part, robot, field) for part, (_, robot) in zip(parts, driven, strict=True)] if field else []

@@ -84,6 +84,7 @@ def export_one(
 ) -> Exported:
     """Write one map in one format: as a file if the path has a suffix, else as a folder. See `rsegen.export`."""
     chosen = _format(path, format, options)
+    # All that can refuse comes before the map is composed, which may take minutes.
     refuse_unready([chosen])
     recipe = map.recipe if isinstance(map, Scene) else map
     refuse_too_large(recipe, things=[chosen])

@@ -159,6 +159,7 @@ class OccupancyImage(Importer):
             metadata = {key: sort.check(key, content.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
         except ParameterError as error:
             raise error.of(str(path)) from None
+        # As map_server of ROS reads it: dark is occupied, unless `negate`; between the thresholds is unknown.
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright
         walls = probability >= metadata["free_thresh"] if self.unknown else probability > metadata["occupied_thresh"]

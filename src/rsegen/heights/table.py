@@ -76,6 +76,7 @@ def _listed(path: Path, text: str, head: re.Match[str]) -> Array:
     if not cells:
         raise FileError(f"{path}: no cell below the header {','.join(COLUMNS)}")
     n_x, n_y = (max(cell[axis] for cell in cells) + 1 for axis in (0, 1))
+    # No cell is there twice, so their number tells whether one is missing.
     if len(cells) < n_x * n_y:
         x, y = next((x, y) for x in range(n_x) for y in range(n_y) if (x, y) not in cells)
         raise FileError(
@@ -164,6 +165,7 @@ def _numbers(path: Path, text: str, *, blanks: bool) -> Array:
     first, start = lines[0] if lines else (1, "")
     width = _count(start)
     refuse_too_many_cells(path, width, len(lines))
+    # numpy reads a whole line at once; which cell is bad is looked for only if one is.
     rows, bad = [], False
     for line_number, line in lines:
         cells = [cell or "nan" for cell in _cells(line, width)] if blanks else _cells(line, width)

@@ -95,6 +95,7 @@ def geom_bounds(model: Any, data: Any, geoms: Ints) -> tuple[Array, Array]:
     along, disc = np.abs(turn[..., 2]), np.sqrt(np.clip(1 - turn[..., 2] ** 2, 0, 1))
     radius, length = size[..., 0], size[..., 1]
     shapes = mujoco.mjtGeom
+    # Half the extents along x, y and z as each kind of geom would have them, of which each geom takes its own.
     half = np.select(
         [kind == shape for shape in (shapes.mjGEOM_SPHERE, shapes.mjGEOM_CAPSULE, shapes.mjGEOM_CYLINDER)]
         + [kind == shapes.mjGEOM_ELLIPSOID],

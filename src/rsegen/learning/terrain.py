@@ -220,6 +220,7 @@ class Terrain(TerrainDesign):
         """The recipe of the whole terrain as one map: all that rsegen does with a map it does with this one."""
         first, (n_x, n_y) = self._kinds[0], self._shape
         side = next(side for side in range(min(gcd(n_x, n_y), _LARGEST_CHUNK), 0, -1) if gcd(n_x, n_y) % side == 0)
+        # The levels are final: whatever would change them, as difficulty or constraints, is switched off.
         return replace(
             first,
             name=self.name,

@@ -223,6 +223,7 @@ def _cells(measures: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
     cells = {
         (name, written.unit): "" if length is None else written.measured(length) for name, length in lengths.items()
     }
+    # Ratios have no unit of length; those of a robot are columns only if one is given.
     cells["surface", "x"] = f"{measures.ruggedness.surface_ratio:.2f}"
     if measures.reach is not None:
         cells["region", "%"] = f"{measures.reach.coverage:.0%}".rstrip("%")
@@ -241,6 +242,7 @@ def _page(scene: Scene, measures: Metrics, crosser: CrossingModel | None) -> Ite
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
+    # From single blocks to their neighbours, to the whole map, and at last to what crosses it.
     spread, plane = measures.spread, measures.plane
     of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
     heights = f"{written.measured(spread.lowest)}..{written.with_unit(spread.highest)}"

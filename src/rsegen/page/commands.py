@@ -108,6 +108,7 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
     if service.is_open_to_others:
         text = "warning: others can read what is sent, with the token in it; better: ssh -L"
         print(text, file=sys.stderr, flush=True)
+    # Over SSH the user sits at another machine, where a browser opened here would not be seen.
     if os.environ.get("SSH_CONNECTION"):
         port = service.listening_port
         tunnel = f"ssh -L {port}:localhost:{port} {getpass.getuser()}@{socket.gethostname()}"

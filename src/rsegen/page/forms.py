@@ -382,6 +382,7 @@ class CommandForm:
             if value is None or value == []:
                 if action.required:
                     raise ParameterError(name, "is missing")
+            # A switch is written only if it differs from its default; the last of its flags is the one that says so.
             elif action.nargs == 0:
                 is_on = _declaration(action).default is True
                 flags += [action.option_strings[-1]] if Flag().check(name, value) != is_on else []

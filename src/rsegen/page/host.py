@@ -241,6 +241,7 @@ class Opened:
                 last_sent = time.monotonic()
                 self.send({"event": "progress", "of": name, "share": share})
 
+        # Who waited here and is no longer the newest is refused before it starts.
         with self._turns.setdefault(name, Lock()):
             watch()
             yield watch

@@ -46,6 +46,7 @@ def described(public: Public) -> Public:
     if function is None:
         return public
     owner: Any = public if is_dataclass(public) else unwrap(function)
+    # A command is a wrapped function; what is neither that nor a dataclass declares nothing: it gets plain types alone.
     is_declared = is_dataclass(public) or owner is not function
     types = {name: _Type(text) for name, text in _types(owner, is_declared=is_declared).items()}
     shape = signature(function)

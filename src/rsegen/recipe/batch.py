@@ -93,6 +93,7 @@ def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, sca
         return
     obstacles = [(row, _InManyMaps(recipe, obstacle)) for row, obstacle in recipe.enabled_obstacles]
     of_a_map = recipe.grid.n_x * recipe.grid.n_y
+    # As `building.build` does for one map, in the same order: obstacles, difficulty, ground, step limit.
     for part, own in _parts(levels, indices, cells // of_a_map):
         for row, obstacle in obstacles:
             with inside(f"obstacles[{row}]"):

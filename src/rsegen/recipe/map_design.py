@@ -280,6 +280,7 @@ class MapDesign:
             raise ParameterError(where, f"{shown(obstacle)} is not an obstacle, such as rsegen.Peak(levels=5)")
         if not obstacle.enabled:
             return
+        # Random coordinates are drawn inside the map; only given ones can lie outside.
         for end in ("first", "last"):
             for axis, cells in enumerate(self.grid.shape):
                 at = (getattr(obstacle, end) or (0, 0))[axis]

@@ -111,6 +111,7 @@ def run_spots(arguments: argparse.Namespace) -> Report:
 
     picture = picture_of(arguments.output, force=arguments.force)
     with flags_in_errors(spots):
+        # The seed is drawn here, as the report has to name it.
         values = {"seed": fresh_seed()} | given(spots, arguments)
         target = target_of(arguments, () if arguments.target is None else ("seed",))
         scene = world_of(target, arguments.map).scene()

@@ -316,6 +316,7 @@ def _derived(robot: SdfRobot) -> str:
         "speed": f"speed {robot.speed:.4g} m/s",
         "turn": f"turn rate {robot.turn:.4g} rad/s",
     }
+    # Values of one origin share a phrase; those that the user gave are in none.
     origins = {"size": "its model", "speed": limits_by, "turn": limits_by}
     origins |= dict.fromkeys(robot.assumed, "assumption")
     for origin in dict.fromkeys(origins.values()):

@@ -71,6 +71,7 @@ def packages_around(file: Path) -> Iterator[Path]:
     if own is None:
         return
     yield own
+    # Breadth first, two levels deep, and a limited number of folders: what is around may be a whole home directory.
     seen, waiting, left = {own}, [(own, 0), *((folder, 0) for folder in list(own.parents)[:_AROUND])], _MOST_FOLDERS
     while waiting:
         folder, depth = waiting.pop(0)

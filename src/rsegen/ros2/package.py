@@ -222,6 +222,7 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
     robots: the files of each robot by its kind; robot: the one that is spawned by default, or `none`
     """
     folder = files("rsegen.ros2")
+    # Launch files and nodes are files of their own, which tests run; the rest is text with a few values filled in.
     python = {path: folder.joinpath("package_files", path).read_text("utf-8") for path in PYTHON}
     own = "topics of a robot of your own: those of Gazebo Sim's plug-ins for a model named robot"
     return {

@@ -36,6 +36,7 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
     for pallet in pallets if len(pallets) > 1 else ():
         yield f"# fingerprint of {pallet.name}: {fingerprint(pallet.levels)}\n"
     yield ",".join((*COLUMNS[:-1], f"height_{written.unit}")) + "\n"
+    # From the north-west, row by row: in the order in which the blocks are placed.
     for pallet in pallets:
         levels, order = pallet.levels, placing_order(pallet.levels)
         for j in range(levels.shape[1])[::-1]:

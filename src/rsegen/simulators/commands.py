@@ -111,6 +111,7 @@ def run_open(arguments: argparse.Namespace) -> Report:
             launch = launch_command(here, str(target), arguments.simulator, headless=headless, shared=shared)
             return Report(lines=[launch.shell_line], content={"command": launch.shell_line})
 
+    # The command runs as long as the world is open, so lines are printed as they come.
     def started(world: OpenedWorld) -> None:
         address = " ".join(f"{name}={value}" for name, value in world.address)
         if not (arguments.quiet or arguments.json):

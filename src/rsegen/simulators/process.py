@@ -35,6 +35,7 @@ def command_output(command: Sequence[str | Path]) -> str:
 
     Its own end counts, not that of a pipe, which any process that it has started may keep open.
     """
+    # The output is a file, whole once the command has ended, whatever its children still do.
     launch = LaunchCommand(command=tuple(map(str, command)), environment={}, folder=Path.cwd())
     with suppress(OSError), ExitStack() as stack:
         file = stack.enter_context(TemporaryFile("w+", encoding="utf-8", errors="replace"))

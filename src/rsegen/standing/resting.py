@@ -123,6 +123,7 @@ def _numbers(name: str, values: ArrayLike) -> Array:
 def of_settled(ground: PaddedGround, body: Body, rest: Settled) -> Poses:
     """Return the poses of robots at rest, with all that follows from them."""
     contacts, loads, support, clearance, angle, energy = _all_measured(ground, body, rest)
+    # Settling works with the centre of mass; a pose is of the robot's origin, as simulators have it.
     origin = -np.einsum("nij,j->ni", rest.axes, body.centre)
     forward, left, up = (rest.axes[:, :, axis] for axis in range(3))
     stands = has_stood(rest)

@@ -167,6 +167,7 @@ def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> 
     parts = []
     for begin in range(0, max(len(x), 1), _CHUNK):
         part = slice(begin, begin + _CHUNK)
+        # The robots of a chunk settle together, in as many rounds as the slowest of them needs.
         robots = _Settling(ground, body, at_x[part], at_y[part], yaw[part])
         robots.settle()
         parts.append(robots)

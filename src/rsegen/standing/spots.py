@@ -310,6 +310,7 @@ class _Judge:
         False with a foot on a frame; turn: to which side ahead is, radians. Most places are told by few look-ups: level
         for sure if all cells around are, and not level if the feet differ.
         """
+        # Cheapest first: the cells around, some feet, all feet; each only for the places that the last one left open.
         around = np.zeros((1, 2))
         low, high = (self._below(ground, around, at, along, turn) for ground in (self.lowest, self.highest))
         level = np.asarray(high.max(axis=1) - low.min(axis=1) + self.sunk <= self.level)
@@ -388,6 +389,7 @@ class _Judge:
         x, y, yaw = np.array([(spot.x, spot.y, spot.yaw) for spot in places]).T
         again = list(self.put_down((x, y, yaw)))
         leaves = np.array([fault is _Fault.NONE for fault, _ in again])
+        # Only from where it still rests as a spot must is a lane driven, the dearest of the checks.
         if leaves.any():
             lanes = drive_lanes(self.ground, self.body, *_some((x, y, yaw), leaves), self.lane)
             heights, steep = (
@@ -601,6 +603,7 @@ def _looked_for(
         )
         for area, rng in zip(bounds, rngs, strict=True)
     ]
+    # Level places come first: look-ups find them, and only the roomy ones have to settle, which costs far more.
     _find_level(judge, parts)
     places = [part.places(part.level)[0] for part in parts]
     for part, room in zip(parts, _split(judge.room(_joined(places)), places), strict=True):

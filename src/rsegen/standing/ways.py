@@ -204,6 +204,7 @@ class Lattice:
         """
         if self.best == "length":
             return
+        # A wave is all places that the last one was first to reach: found together, they cost far less than one by one.
         front = np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp)
         seen = np.zeros(self.moves.size, bool)
         while len(front):

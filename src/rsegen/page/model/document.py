@@ -81,6 +81,7 @@ class Document:
             raise FileError(f"{target.name}: not a recipe's name; end it in .yaml or .json")
         if not replace:
             self._ask_before(target)
+        # If the file cannot be written, the new name is taken back too.
         with self.session.all_or_nothing():
             if target != self.path:
                 self._take_name_of(target)

@@ -97,6 +97,7 @@ def _written(text: str, change: Callable[[Any], None]) -> str:
     tool.Emitter = Emitter
     tool.preserve_quotes = True
     tool.width = 120
+    # ruamel.yaml has one indentation of lists for the whole file: that of the first list is kept.
     dashes = re.search(r"^( *)- ", text, re.MULTILINE)
     before_dash = len(dashes[1]) if dashes else 0
     tool.indent(mapping=2, sequence=before_dash + 2, offset=before_dash)
