@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rsegen.field.stepfield import Array
 from rsegen.standing.lanes import End, drive_lanes, step_of
-from rsegen.standing.pushing import SLIDING, _largest_surplus, force_margin
+from rsegen.standing.pushing import SLIDING, _largest_margin, force_margin
 from rsegen.standing.settling import PaddedGround, outer_radius, settle
 from tests.standing.stands import BODIES, cart, field_of
 
@@ -34,14 +34,14 @@ def wrenches(seed: int, contacts: int) -> Array:
 @pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), contacts=st.integers(3, 11))
 @settings(max_examples=200, deadline=None)
-def test_the_largest_surplus_is_that_of_another_solver(seed: int, contacts: int) -> None:
+def test_the_largest_margin_is_that_of_another_solver(seed: int, contacts: int) -> None:
     linprog = pytest.importorskip("scipy.optimize", reason="SciPy is not installed").linprog
     columns = wrenches(seed, contacts)
     count, right = columns.shape[1], [0, 0, 1, 0, 0, 0]
     every = np.hstack([columns, np.array([[-1.0], [0], [0], [0], [0], [0]])])
     bounds = [*[(0, None)] * count, (None, None)]
     solved = linprog(c=[*np.zeros(count), -1.0], A_eq=every, b_eq=right, bounds=bounds)
-    (found,) = _largest_surplus(columns[None])
+    (found,) = _largest_margin(columns[None])
     if solved.status == 0:
         assert found == pytest.approx(-solved.fun, abs=1e-4)
         return
@@ -56,8 +56,8 @@ def test_the_largest_surplus_is_that_of_another_solver(seed: int, contacts: int)
 
 def test_all_programmes_together_are_those_one_by_one() -> None:
     columns = np.stack([wrenches(seed, 8) for seed in range(60)])
-    together = _largest_surplus(columns)
-    assert together == pytest.approx(np.concatenate([_largest_surplus(one[None]) for one in columns]))
+    together = _largest_margin(columns)
+    assert together == pytest.approx(np.concatenate([_largest_margin(one[None]) for one in columns]))
     assert (together == SLIDING).any()
     assert (together > 0).any()
 

@@ -36,18 +36,12 @@ STILL = 0.01
 resolution of Gazebo Classic's record."""
 
 DEEP = 0.1
-"""Metres below the ground at which no robot's origin can be.
-
-Wheels sink by some mm. The origin of a model may be outside its shapes, and below the ground when it lies on its back;
-with less, such a robot would be reported, with more, one that sinks into the ground would not.
-"""
+"""Metres below the ground at which no robot's origin can be: wheels sink by some mm, and the origin of a robot on
+its back may be lower."""
 
 FAST = 3.0
-"""Times the commanded speed that a robot cannot go on for a second, beyond its own diagonal.
-
-Wheels give the commanded speed; a robot that slides or rolls down a block is faster for a moment, and one that tips
-over moves its origin by its diagonal. Links of a gram that contacts throw about come to forty times.
-"""
+"""Times the commanded speed that a robot cannot go on for a second, beyond its own diagonal: one that slides is
+faster for a moment, one that tips over moves its origin by its diagonal."""
 
 WINDOW = 1.0
 """Seconds over which a robot is too fast, or stuck."""

@@ -349,11 +349,8 @@ TURN = 1.0
 
 
 STARVED = 0.5
-"""Processors below which a server that would use more was starved by other programs.
-
-At full speed it computes all the time, on one processor or a little more. With less than half of one, the robots have
-moved for less than half of the seconds that they had, and its caches are cold, so that its figures are the machine's.
-"""
+"""Processors below which a server at full speed, which uses one or more, was starved by other programs: the robots
+have then moved for less than half of the seconds that they had."""
 
 BEHIND = 0.9
 """Real-time factor of a trial in real time below which a server would use more CPU time, if it had it.

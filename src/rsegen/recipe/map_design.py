@@ -307,11 +307,8 @@ def with_keys(obstacles: tuple[Obstacle, ...]) -> tuple[Obstacle, ...]:
 
 
 _HASHED_NAMES = {"levels": "max_height"}
-"""Names of parameters that are other ones in the text of which a key is made.
-
-`levels` was called `max_height` when the first maps were made. The key decides what is drawn, so with another word in
-the hashed text every recipe whose rows have no key of their own would give other maps.
-"""
+"""Old names of parameters, which remain in the text of which a key is made: the key decides what is drawn, so
+another word would change every map whose rows have no key of their own."""
 
 
 def _with_key(obstacle: Obstacle, taken: Set[str], free: dict[str, Iterator[str]]) -> Obstacle:

@@ -193,13 +193,8 @@ local_costmap:
       update_frequency: 1.0
       publish_frequency: 1.0
 {_LAYERS}"""
-"""Nav2's parameters that are the same for all robots; those of a robot are in a file of its own.
-
-Only what differs from Nav2's defaults is in it, with names that Humble and Jazzy have both: a planner of paths on the
-occupancy grid, a controller that follows them and turns on the spot, and costmaps of the grid and what the lidar sees.
-Numbers have a point, since ROS takes 1 for an integer. The names of two kinds of plug-ins differ by distribution, and
-stand in the launch file.
-"""
+"""Nav2's parameters that all robots share, only where they differ from its defaults, by names of both Humble and
+Jazzy. Numbers have a point, since ROS takes 1 for an integer; plug-ins whose names differ stand in the launch file."""
 
 
 PYTHON = (

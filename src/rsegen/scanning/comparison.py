@@ -15,11 +15,8 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Mask, StepField
 
 _FEW_WRONG = 0.5
-"""Share of wrong cells below which two maps are taken for the same one, turned.
-
-Two fields of five levels that have nothing to do with each other differ in most cells at any turn, about four in five;
-with a larger share such maps would be turned, although no turn is better than another.
-"""
+"""Share of wrong cells below which two maps are taken for the same one, turned: unrelated fields of five levels
+differ in about four of five cells at any turn."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)

@@ -38,11 +38,8 @@ furniture next to the field belongs to it.
 """
 
 _MOST_INSIDE = 0.85
-"""Share of the raised cells of the best place that a place must have inside to be tried.
-
-Below 1, as cells that no camera saw, and raised things next to the field, move the best count away from the field;
-each place that is tried costs a comparison of all cells.
-"""
+"""Share of the raised cells of the best place that a place must have inside to be tried: cells that no camera saw,
+and things next to the field, move the best count away from the field."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -341,11 +341,8 @@ _COARSE_HALVINGS = 3
 """The same for the choice: the last are 2 % of a width."""
 
 _MOST_LEFT = 0.6
-"""Share of the points off their cell's level in a grid half a block away that may be left in the best grid.
-
-In a cloud of blocks most points of the shifted grid are off, and few of the true one; if there is hardly a difference,
-the edges are not those of blocks. With half the share 8 of 9 true grids are refused, as noise puts points off too.
-"""
+"""Share of the points off the levels in a grid that is half a block off which the best grid may have: if it has
+hardly fewer, the edges are not those of blocks. With half the share 8 of 9 true grids are refused."""
 
 
 def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:

@@ -29,9 +29,8 @@ from rsegen.params.sorts import Cell
 from rsegen.scanning.grid import CloudGrid
 
 _CORE = 0.3
-"""Points up to this share of a width from a cell's middle count. Points of sides are at 0.5; the rest is room for a
-grid that is off, and for blocks that stand crooked. With 0.48 some levels of nine fields are wrong, with less there are
-fewer points."""
+"""Points up to this share of a width from a cell's middle count; those of sides are at 0.5. With 0.48 some levels
+of nine fields are wrong, with less there are fewer points."""
 
 _WIDE_CORE = 0.42
 """The same for clouds of fewer than ten points in a typical core: twice as many points, nearer to the sides."""

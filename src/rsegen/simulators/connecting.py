@@ -25,11 +25,8 @@ from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import Patience
 
 _FIRST, _SECOND = 0.3, 0.1
-"""Seconds in which a running server must give a sign of being there, then the share of the timeout.
-
-First each simulator is asked for a moment, as most do not run. With more, a command without any simulation takes longer
-to say so.
-"""
+"""Seconds in which a running server must answer when each simulator is asked at first, as most do not run; then the
+share of the timeout."""
 
 _PREFIXES = ("GZ_", "IGN_", "GAZEBO_")
 """Beginnings of the variables that say where a server is, and how to speak with it."""

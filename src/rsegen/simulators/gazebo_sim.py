@@ -60,8 +60,8 @@ _LOADED = "Publishing dynamic pose messages on ["
 """The last message, of level 3, of its scene broadcaster in the first update after all entities are made."""
 
 _NO_MESSAGE_IS_DROPPED = {"GZ_TRANSPORT_SNDHWM": "0", "IGN_TRANSPORT_SNDHWM": "0"}
-"""The length of the queue of messages to send, 0 for any. By default a server drops what is beyond 1000 messages, which
-sensors of contact reach in a fraction of a second on a busy machine; then poses are missing in a record."""
+"""The length of the queue of messages to send, 0 for any: with the default of 1000, which sensors of contact reach
+in a fraction of a second on a busy machine, poses are missing in a record."""
 
 _SDF_ERROR = re.compile(r"\[Server(Private)?\.cc:\d+\] Error Code \d+")
 """An error of libsdformat in the world's own file, whatever it is: the server ends, with exit code 0. (Those in models

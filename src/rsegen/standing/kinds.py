@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from rsegen.standing.drawing import RobotDrawing
 
 DRIVING_SPEED = 0.4
-"""Speed, m/s, at which faster robots drive on rough ground: tracked ones climb stairs of 10 and 20 cm with it.
-
-Faster, a robot leaves the ground at edges, and what it meets depends on its springs, which these models do not have.
-"""
+"""Speed, m/s, at which faster robots drive on rough ground, as tracked ones climb stairs of 10 and 20 cm: faster,
+they leave the ground at edges, and springs count, which these models do not have."""
 
 
 class RobotOnField(CrossingModel):

@@ -1,6 +1,6 @@
 """Lanes: the pose of a robot at every step of a straight piece of its way, and where and why a lane ends.
 
-1. A lane is cut into steps of a fraction of a block. At each step the robot rests (settling.py), and its surplus of
+1. A lane is cut into steps of a fraction of a block. At each step the robot rests (settling.py), and its margin of
    forward force is known (pushing.py).
 2. A lane ends where the robot tips over, where an upright face of it hits a block, or where it cannot push itself on:
    the force that lacks, along the distance over which it lacks, is more than its kinetic energy gives back,

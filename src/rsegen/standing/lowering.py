@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rsegen.standing.kinds import RobotOnField
 
 _FIRST_LANES, _LANES = 2, 8
-"""Straight lanes that are driven at a time, first and then: few enough to end early and to see it move, and enough for
-one call. Where one is driven to its end, it is mostly the most even one, such as one that was lowered before."""
+"""Straight lanes that are driven at a time, first and then: few, as one of the first, most even ones is mostly
+driven to its end, but enough for one call."""
 
 
 def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:

@@ -1,7 +1,7 @@
 """The push of a robot at rest: forces at its contacts that balance its weight and leave some.
 
 At a driven contact the force is within the friction pyramid, mu along the belt or tyre and mu2 across; at any other one
-friction is against the motion. The largest surplus s of forward force, in shares of the weight, is a linear programme:
+friction is against the motion. The largest margin s of forward force, in shares of the weight, is a linear programme:
 
     maximize s, such that   sum of f_k (d_k, x_k x d_k) = (s, 0, 1, 0, 0, 0),   f_k >= 0
 
@@ -89,11 +89,11 @@ def force_margin(ground: PaddedGround, body: Body, settled: Settled, *, is_movin
     hard = np.flatnonzero(~stands_easily(body, settled))
     for begin in range(0, len(hard), 512):
         rows = hard[begin : begin + 512]
-        result[rows] = _surplus(ground, body, settled, rows, is_moving=is_moving)
+        result[rows] = _force_margins(ground, body, settled, rows, is_moving=is_moving)
     return result
 
 
-def _surplus(ground: PaddedGround, body: Body, settled: Settled, rows: Ints, *, is_moving: bool) -> Array:
+def _force_margins(ground: PaddedGround, body: Body, settled: Settled, rows: Ints, *, is_moving: bool) -> Array:
     relative, above = sample_heights(ground, body, settled, rows)
     chosen = outermost(body, relative, above, settled.contacts[rows])
     turned = settled.axes[rows]
@@ -119,10 +119,10 @@ def _surplus(ground: PaddedGround, body: Body, settled: Settled, rows: Ints, *, 
     moments = np.cross(np.tile(at, (1, 4, 1)), directions) / max(body.length / 2, 1e-3)
     columns = np.swapaxes(np.concatenate([directions, moments], axis=2), 1, 2)
     columns[np.tile(chosen < 0, (1, 4))[:, None, :].repeat(6, axis=1)] = 0.0
-    return _largest_surplus(columns)
+    return _largest_margin(columns)
 
 
-def _largest_surplus(columns: Array) -> Array:
+def _largest_margin(columns: Array) -> Array:
     """Return the largest s for wrenches (n, 6, k); SLIDING where there is none."""
     count, rows, wrenches = columns.shape
     # A table: wrenches, s forward and s backward, artificial forces, right side; the last row is the cost.

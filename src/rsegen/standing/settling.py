@@ -4,10 +4,20 @@
    centre of mass, demands that it is at least g = ground below the sample minus the sample's height there.
 2. The least c with c + a u + b v >= g for all samples is a linear programme in three unknowns. Its solution is the
    facet of the upper convex hull of the points (u, v, g) above the origin: three contacts around the centre of mass.
-   It is found by exchange: the plane through three samples around the origin, the sample farthest above that plane in,
-   and one of the three out, such that the origin stays between them; the plane at the origin rises with each exchange.
+   It is found by exchange, the dual simplex method (Lemke 1954): the plane through three samples around the origin,
+   the sample farthest above that plane in, and one of the three out, such that the origin stays between them; the
+   plane at the origin rises with each exchange.
 3. The robot is turned by (a, b), all the way where its contacts stay and by a share of it where they change, and so on
    from 1 until the turn is below 1e-4: two to twelve rounds.
+
+In a section along u, with two contacts in place of three:
+
+    g ^                   __--*        * contact: the plane through both of them is above all other samples
+      |           __--+--              + its height c above the origin, where the centre of mass is
+      |     *_--      |  .             . sample below the plane; one above it would take the place of a contact
+      |        .      | .
+      +---------------+-----------> u
+                      0
 
 All poses of a chunk are done at once. Samples are in groups of neighbours (body.py). At first one of each group is
 looked at; their three contacts are near enough to tell which groups count. Then a look at all samples in turn with

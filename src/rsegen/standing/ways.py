@@ -1,9 +1,16 @@
 """The ways of a robot over a field: where it gets, and how it best gets across.
 
 Moves between the centres of neighbouring cells, in eight headings, are lanes (lanes.py), but along frames there are
-none; turns on the spot are poses between two headings. What is passed is a graph over (x, y, heading), on which places
-are reached (strongly connected components) and ways are found (Dijkstra): the shortest, or the shortest of those whose
-largest tilt is least, or whose least margin, the angle by which the robot must be turned to tip over, is largest.
+none; turns on the spot are poses between two headings. What is passed is a graph over (x, y, heading), a state lattice
+(Pivtoraiko, Knepper and Kelly 2009), on which places are reached (strongly connected components) and ways are found
+(Dijkstra 1959): the shortest, or the shortest of those whose largest tilt is least, or whose least margin, the angle by
+which the robot must be turned to tip over, is largest.
+
+    o   o   @---o-->     o  middle of a cell, in each of eight headings
+          /              -  move: a lane to the next middle in its heading, which the robot drives to its end
+    o---@   o   x        @  turn by 45 degrees: the robot stands before, half-way and after it
+                         x  no move leads here: it would tip over, hit a block or be stuck
+    o   o   o   o
 
 Cost: some 13 poses a move, of the moves that the robot reaches: a second to ten on 10 x 10 to 40 x 40 blocks. What
 breaks it: what breaks lanes; and each move begins at the robot's full speed, which a straight lane does not give.
