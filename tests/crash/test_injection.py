@@ -15,6 +15,8 @@ from tests.crash.server import Server
 from tests.crash.trials import RUN_BY_NAME, cut_power, undisturbed
 
 SMALL = RUN_BY_NAME["generate"]
+_WRITE = 15
+"""A call that opens a file in the folder of staged files: without it there is no map."""
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(bool(missing()), reason=missing() or "nothing is missing"),
@@ -48,7 +50,7 @@ def test_the_calls_of_workers_are_counted(server: Server, root: Path) -> None:
 @pytest.mark.parametrize("mode", [mode for mode in MODES if mode not in ("count", "stop", "interrupt")])
 def test_an_injected_call_fails_as_requested(server: Server, root: Path, mode: str) -> None:
     command = [*SMALL.command[:-1], "new"]
-    end = server.run(command, Injection(mode=mode, k=20, error=errno.EIO))
+    end = server.run(command, Injection(mode=mode, k=_WRITE, error=errno.EIO))
     assert bool(end.signal) == mode.startswith("kill")
     assert end.code != 0
     assert end.call
