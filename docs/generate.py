@@ -138,7 +138,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "run/journal",
         "run/store",
         "run/swap",
-        "run/lease",
+        "run/lock",
         "run/series_rows",
         "io/importers/measured",
     ),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rsegen.field.metrics.catalogue import Crosser
     from rsegen.robots.lookup import DrivableRobot
 
-Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
+Force = Annotated[bool, Flag(help="replace the file, or a folder that rsegen wrote and nobody has changed since")]
 
 Resume = Annotated[
     bool,

@@ -31,7 +31,7 @@ from rsegen.run.execute import Execution, execute
 from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, Output, RunPlan, is_kept, run_in
 from rsegen.run.series_rows import SeriesPlan, SeriesRow, map_target, mean, rows_as_csv, series_row, span
-from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_taken_file
+from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_unit
 from rsegen.run.worlds import GeneratedMap, Sidecars, seconds_per_world, world_output
 
 if TYPE_CHECKING:
@@ -90,9 +90,8 @@ def plan_series(
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
-    read_journal(folder)  # which will list both
     for name in (TABLE, PICTURE):
-        refuse_taken_file(folder / name, force=replaces)
+        refuse_unit(folder, name, read_journal(folder), force=replaces)
     if not keeps:
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
     spans: list[Span] = []

@@ -27,7 +27,7 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.terrain import Terrain
 from rsegen.recipe.tiles import tile_shape
-from rsegen.run.store import refuse_taken_file, write_file, write_paths
+from rsegen.run.store import refuse_taken_file, write_file, write_files
 
 MOST_CELLS = 1_500_000
 """Cells of a map on a page at most, as of 1000 x 1000 blocks with frames: its faces need 0.3 GB in a browser."""
@@ -130,24 +130,21 @@ def write_sheets(
     refuse_too_large(recipe)
     refuse_unbuildable(recipe, saw)
     scene = compose(recipe, index)
-    write_paths({path: sheet(scene, saw, format_) for path, format_ in formats.items()}, force=force)
+    write_files({path: [sheet(scene, saw, format_)] for path, format_ in formats.items()}, force=force)
     return scene
 
 
-def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bool = False) -> None:
-    """Write a recipe file, whole or not at all; an OutputError if it exists already.
-
-    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person was asked
-    """
+def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
+    """Write a recipe file, whole or not at all; an OutputError if it exists already, unless `force`."""
     path = Path(path)
     text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
-    write_file([text.encode()], path, force=force, confirmed=confirmed)
+    write_file([text.encode()], path, force=force)
 
 
 def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
     """Write the included recipes into a folder, all or none of them; return their paths."""
-    copies = {folder / path.name: path.read_bytes() for path in EXAMPLES.values()}
-    write_paths(copies, force=force)
+    copies = {folder / path.name: [path.read_bytes()] for path in EXAMPLES.values()}
+    write_files(copies, force=force)
     return list(copies)
 
 
