@@ -270,10 +270,10 @@ def test_files_that_cannot_all_be_put_in_place_are_all_as_before(
     before = contents(tmp_path)
     sync = store_module.Store._put_unit
 
-    def fails(self: Store, new: Path, place: Path, undo: ExitStack) -> None:
+    def fails(self: Store, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
         if place.name == "c":
             raise OSError(errno.EIO, "Input/output error")
-        sync(self, new, place, undo)
+        sync(self, new, place, undo, replaces=replaces)
 
     monkeypatch.setattr(store_module.Store, "_put_unit", fails)
     with pytest.raises(WriteError, match="nothing was changed"), open_store(tmp_path) as store:

@@ -1,15 +1,15 @@
 """The lock of a folder: one run writes there, and one that was killed never keeps others out.
 
-    DIR/.rsegen/lock     {"host": "lab-3", "pid": 4711}, locked by the system
+    DIR/.rsegen/lock     {"host": "lab-3", "pid": 4711, "key": "0a1b2c3d"}, locked by the system
 
 A lock of the system ends with its process, however that ends: flock(2) on Linux and macOS, also between containers and,
 over NFS, between computers; a locked byte on Windows. So no process has to be looked for, no clock is compared, and a
 run that is suspended keeps its folder. What the file says is only for the message of a run that is refused.
 
-On a disk without locks the file itself is the lock. A run that finds one takes it over if its process was of this
-computer and is gone; else it is refused, and the message names the file to delete. Cost: a file of 40 bytes. What
-breaks it, on a disk without locks: two containers of one host name; and two runs that find a dead one's file at once,
-of which one is then suspended for longer than `_POLL`, and stops at its next `check`.
+On a disk without locks the file itself is the lock: it is new, or it says a process of this computer that is gone. Else
+the run is refused, and the message names the file to delete. Of runs that take a dead one's file at once, the last that
+writes its key has it; the others see that after `_POLL`, or at their next `check`, before they put anything in place.
+Cost: a file of 60 bytes. What breaks it, on a disk without locks: two containers of one host name.
 
 `filelock` was measured (4.3: 98 modules, as long to import as numpy's half, Python 3.11 and later): what is used of it
 would be these two calls of the system.
@@ -20,6 +20,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import secrets
 import sys
 import time
 from collections.abc import Mapping
@@ -53,7 +54,7 @@ class Lock:
     def __init__(self, folder: Path, home: Path) -> None:
         self._folder, self._path = folder, home / "lock"
         self._descriptor: int | None = None
-        self._text = json.dumps(_here()).encode()
+        self._entry = {**_here(), "key": secrets.token_hex(4)}
 
     @property
     def is_taken(self) -> bool:
@@ -68,21 +69,22 @@ class Lock:
         end = time.monotonic() + max(wait, _TRIES)
         while True:
             self._path.parent.mkdir(exist_ok=True)
+            is_last = time.monotonic() > end
             with held(), suppress(FileNotFoundError):  # the run that had it has just removed the hidden folder
-                self._try()
+                self._try(is_last=is_last)
             if self.is_taken:
                 return
-            if time.monotonic() > end:
+            if is_last:
                 refuse_locked(self._folder)
                 raise _busy(self._folder, {})
             time.sleep(_POLL)
 
     def check(self) -> None:
         """Raise an OutputError if the file of the lock is gone, or says another run."""
-        text = b""
-        with suppress(OSError):
-            text = self._path.read_bytes()
-        if text != self._text:
+        entry: Mapping[str, object] = {}
+        with suppress(OSError, ValueError):
+            entry = json.loads(self._path.read_bytes())
+        if entry != self._entry:
             raise OutputError(f"{self._folder}: another run took this folder, or its lock was removed")
 
     def release(self) -> None:
@@ -97,22 +99,26 @@ class Lock:
         if sys.platform != "win32":  # nobody gets the lock of a file that is still to be removed
             os.close(descriptor)
 
-    def _try(self) -> None:
-        """Take the lock if no other run has it."""
-        descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | _OPEN, 0o666)
+    def _try(self, *, is_last: bool) -> None:
+        """Take the lock if no other run has it; a file that is empty on the last try is that of a killed run."""
         try:
-            is_ours = _locked(descriptor)
-            if is_ours is False or (is_ours is None and not _is_gone(_entry(descriptor))):
+            descriptor, is_new = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_EXCL | _OPEN, 0o666), True
+        except FileExistsError:
+            descriptor, is_new = os.open(self._path, os.O_RDWR | _OPEN), False
+        try:
+            is_ours, entry = _locked(descriptor), _entry(descriptor)
+            takes_over = is_ours is None and not is_new
+            if is_ours is False or (takes_over and not (_is_gone(entry) and (entry or is_last))):
                 return
             if not os.path.samestat(os.fstat(descriptor), os.stat(self._path)):  # removed since it was opened
                 return
             self._descriptor = descriptor
             os.ftruncate(descriptor, 0)
             os.lseek(descriptor, 0, os.SEEK_SET)
-            os.write(descriptor, self._text)
-            if is_ours is None:  # of runs that take a dead one's file at once, the last that writes has it
+            os.write(descriptor, json.dumps(self._entry).encode())
+            if takes_over:
                 time.sleep(_POLL)
-                if _entry(descriptor) != _here():
+                if _entry(descriptor) != self._entry:
                     self._descriptor = None
         except BaseException:
             self.release()
@@ -130,8 +136,17 @@ def refuse_locked(folder: Path) -> None:
     """
     folder = folder.absolute()
     for locked in (folder, *([folder.parent] if (folder / JOURNAL).exists() else [])):
-        entry = _owner(locked / ".rsegen" / "lock")
-        if entry is not None and (locked == folder or entry != _here()):  # this run may write below its folder too
+        try:
+            descriptor = os.open(locked / ".rsegen" / "lock", os.O_RDWR | _OPEN)
+        except OSError:
+            continue
+        try:
+            entry, is_free = _entry(descriptor), _locked(descriptor)
+        finally:
+            os.close(descriptor)
+        is_alive = is_free is False or (is_free is None and not _is_gone(entry))
+        is_own = all(entry.get(key) == value for key, value in _here().items())
+        if is_alive and (locked == folder or not is_own):  # this run may write below its folder too
             raise _busy(locked, entry)
 
 
@@ -139,19 +154,6 @@ def _busy(folder: Path, entry: Mapping[str, object]) -> OutputError:
     who = f"process {shown(entry.get('pid'))} on {shown(entry.get('host'))}"
     advice = f"wait for it, or stop it; if it no longer exists, delete {folder / '.rsegen' / 'lock'}"
     return OutputError(f"{folder}: another run is writing there ({who}); {advice}")
-
-
-def _owner(path: Path) -> Mapping[str, object] | None:
-    """Return what the lock of a run that is alive says, None if there is none."""
-    try:
-        descriptor = os.open(path, os.O_RDWR | _OPEN)
-    except OSError:
-        return None
-    try:
-        entry, is_free = _entry(descriptor), _locked(descriptor)
-        return None if is_free or (is_free is None and _is_gone(entry)) else entry
-    finally:
-        os.close(descriptor)
 
 
 def _locked(descriptor: int) -> bool | None:
@@ -184,7 +186,7 @@ def _entry(descriptor: int) -> Mapping[str, object]:
 
 
 def _here() -> dict[str, object]:
-    """Return what a lock of this process says."""
+    """Return what every lock of this process says."""
     host = os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")
     return {"host": host, "pid": os.getpid()}
 

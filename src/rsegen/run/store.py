@@ -112,20 +112,16 @@ class Store:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
         place = self.folder / name
         self.lock.check()
-        with held():
-            if not os.path.lexists(place):
-                put(root, place)
-            elif not force:
+        if replaces := os.path.lexists(place):
+            if not force:
                 raise taken(place)
-            else:
-                refuse_link(place)
-                refuse_locked(place)
-                self._exchange(root, place)
-                try:  # once more, as nobody else has it now
-                    refuse_loss(root, holds, place)
-                except BaseException:
-                    self._exchange(root, place)
-                    raise
+            refuse_link(place)
+            refuse_locked(place)
+        with held(), ExitStack() as undo:
+            self._put_unit(root, place, undo, replaces=replaces)
+            if replaces:  # the old one is looked at once more, as nobody else has it now
+                refuse_loss(root, holds, place)
+            undo.pop_all()
             self.changed = True
         self._renamed_in.add(self.folder)
         _remove(root)  # where the old one is now
@@ -176,7 +172,8 @@ class Store:
         folder = self.folder / below
         journal = OpenJournal(folder, self.staging, sync=self.sync) if below else self.journal
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
-        for name in units:
+        existing = {name for name in units if os.path.lexists(folder / name)}
+        for name in existing:
             refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole, is_single=not holds)
         before = journal.content.files if journal.content else {}
         gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
@@ -187,7 +184,7 @@ class Store:
         with held():
             with journal.announced(files, holds) if is_listed else nullcontext(), ExitStack() as undo:
                 for name in units:
-                    self._put_unit(root / name, folder / name, undo)
+                    self._put_unit(root / name, folder / name, undo, replaces=name in existing)
                 undo.pop_all()
             self.changed = True
         if gone:
@@ -197,10 +194,10 @@ class Store:
         self._renamed_in |= {(folder / name).parent for name in units}
         _remove(root)
 
-    def _put_unit(self, new: Path, place: Path, undo: ExitStack) -> None:
+    def _put_unit(self, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
         """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""
         _make_folder(place.parent, undo)
-        if os.path.lexists(place):
+        if replaces:
             self._exchange(new, place)
             undo.callback(self._exchange, new, place)
         else:
@@ -418,8 +415,8 @@ def refuse_irreplaceable(folder: Path, holds: str) -> None:
 # Checks before a run, and single files.
 
 
-def refuse_not_a_folder(folder: Path) -> None:
-    """Raise an OutputError if the path is something else than a folder, or if no folder can have that name."""
+def refuse_busy(folder: Path) -> None:
+    """Raise an OutputError if a path is no folder and cannot be one, or if another run writes into it."""
     try:
         is_taken = folder.exists() and not folder.is_dir()
     except (OSError, ValueError) as error:
@@ -427,11 +424,6 @@ def refuse_not_a_folder(folder: Path) -> None:
         raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
     if is_taken:
         raise OutputError(f"{folder}: is a file; give a folder")
-
-
-def refuse_busy(folder: Path) -> None:
-    """Raise an OutputError if the path is no folder, or another run is writing into it."""
-    refuse_not_a_folder(folder)
     refuse_locked(folder)
 
 

@@ -24,7 +24,7 @@ from rsegen.robots.base import Robot
 from rsegen.robots.drives import Tracks
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
+from rsegen.run.store import refuse_busy, refuse_taken, write_folder
 from rsegen.simulation.driving.drive_metrics import (
     SLOW,
     TIPPED,
@@ -226,8 +226,8 @@ def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
     if output is not None:
-        refuse_not_a_folder(output)
-        refuse_busy(output.parent)
+        for folder in (output, output.parent):
+            refuse_busy(folder)
         refuse_taken([output], force=force, holds="drive")
 
 
