@@ -11,12 +11,14 @@ What breaks it: a file that is put on the disk by anything but a store.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from contextvars import ContextVar
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from rsegen.errors import OutputError
 from rsegen.input_files import JOURNAL
+from rsegen.run.store import NOTES, Store, refuse_taken, refuse_unit
 
 FATES = ("write", "replace", "remove", "keep")
 
@@ -31,9 +33,9 @@ class Notes:
     def __init__(self) -> None:
         self._fates: dict[Path, str] = {}
 
-    def put(self, folder: Path, names: Iterable[str]) -> None:
+    def put(self, folder: Path, names: Iterable[str], *, is_listed: bool = True) -> None:
         """Note files that are put into a folder, and the journal that will list them."""
-        for name in dict.fromkeys((*names, JOURNAL)):
+        for name in dict.fromkeys((*names, *([JOURNAL] if is_listed else []))):
             path = folder / name
             self._fates[path] = "replace" if os.path.lexists(path) else "write"
 
@@ -60,24 +62,61 @@ class Notes:
         yield f"a dry run: {counts or 'no files'}; nothing was changed"
 
 
-_NOTES: ContextVar[Notes | None] = ContextVar("the notes of a dry run", default=None)
-
-
-def notes() -> Notes | None:
-    """Return the notes of the dry run that this is, None if it is none."""
-    return _NOTES.get()
-
-
 @contextmanager
 def dry_run() -> Iterator[Notes]:
     """Let stores that are opened inside note the names of files, and write none."""
     noted = Notes()
-    token = _NOTES.set(noted)
+    token = NOTES.set(noted)
     try:
         with suppress(_Ended):
             yield noted
     finally:
-        _NOTES.reset(token)
+        NOTES.reset(token)
+
+
+class _DryStore(Store):
+    """A store of a dry run: it notes the names of files, and stages in a temporary folder what is made before it.
+
+    is_whole: whether its files take the place of all that is in the folder
+    """
+
+    def __init__(self, folder: Path, noted: Notes, staging: Path, *, is_whole: bool) -> None:
+        super().__init__(folder, sync=False)
+        self.staging = staging
+        self._noted, self._is_whole = noted, is_whole
+
+    def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
+        """Note the files of a folder."""
+        refuse_taken([self.folder / name], force=force, holds=holds)
+        files = (path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file())
+        self._noted.put_whole(self.folder / name, files)
+
+    def put(
+        self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
+    ) -> None:
+        """Note files of the folder."""
+        if self._is_whole:
+            self._noted.put_whole(self.folder, bundle)
+            return
+        journal = self.journal.content
+        for name in bundle:
+            refuse_unit(self.folder, name, journal, force=force, is_single=not holds)
+        self._noted.put(self.folder, bundle, is_listed=bool(holds or journal))
+
+    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+        """Note these files, and end the dry run."""
+        foresee(self.folder, names, kept=kept, is_whole=self._is_whole)
+
+
+@contextmanager
+def dry_store(folder: Path, noted: Notes, *, output: Path | None = None, is_whole: bool = False) -> Iterator[Store]:
+    """Open a folder in a dry run; an OutputError if nothing may be written there."""
+    above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
+        raise OutputError(f"{output or folder}: cannot be written: {problem}")
+    with TemporaryDirectory(prefix="rsegen-") as staging:
+        yield _DryStore(folder, noted, Path(staging), is_whole=is_whole)
 
 
 def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_whole: bool = False) -> None:
@@ -85,7 +124,7 @@ def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_
 
     kept: those that exist and stay; is_whole: whether they take the place of all that is in the folder
     """
-    if (noted := notes()) is None:
+    if (noted := NOTES.get()) is None:
         return
     stay = frozenset(kept)
     noted.put(folder, [name for name in names if name not in stay])
