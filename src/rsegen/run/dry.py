@@ -4,7 +4,8 @@
         command()           every store that is opened inside (store.py) notes names in place of writing
 
 All that refuses a run refuses its dry run. Files of maps are named by what makes them, so the names are right by
-construction; a run whose work is long, such as trials or shards, names its files beforehand by `foresee`, and ends.
+construction; a run whose work is long, such as trials or shards, names its files beforehand (`announce_files`), and
+ends.
 What breaks it: a file that is put on the disk by anything but a store.
 """
 
@@ -49,6 +50,16 @@ class Notes:
         for path in folder.rglob("*"):
             if not path.is_dir():
                 self._fates.setdefault(path, fate)
+
+    @contextmanager
+    def store(self, folder: Path, *, output: Path | None = None, is_whole: bool = False) -> Iterator[Store]:
+        """Open a folder whose files are noted; an OutputError, about `output`, if nothing may be written there."""
+        above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not above.is_dir() or not os.access(above, os.W_OK):
+            problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
+            raise OutputError(f"{output or folder}: cannot be written: {problem}")
+        with TemporaryDirectory(prefix="rsegen-") as staging:
+            yield _DryStore(folder, self, Path(staging), is_whole=is_whole)
 
     def by_fate(self) -> Mapping[str, list[str]]:
         """Return the sorted paths of the files of each fate."""
@@ -103,23 +114,12 @@ class _DryStore(Store):
             refuse_unit(self.folder, name, journal, force=force, is_single=not holds)
         self._noted.put(self.folder, bundle, is_listed=bool(holds or journal))
 
-    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+    def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """Note these files, and end the dry run."""
-        foresee(self.folder, names, kept=kept, is_whole=self._is_whole)
+        announce_files(self.folder, names, kept=kept, is_whole=self._is_whole)
 
 
-@contextmanager
-def dry_store(folder: Path, noted: Notes, *, output: Path | None = None, is_whole: bool = False) -> Iterator[Store]:
-    """Open a folder in a dry run; an OutputError if nothing may be written there."""
-    above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
-        raise OutputError(f"{output or folder}: cannot be written: {problem}")
-    with TemporaryDirectory(prefix="rsegen-") as staging:
-        yield _DryStore(folder, noted, Path(staging), is_whole=is_whole)
-
-
-def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_whole: bool = False) -> None:
+def announce_files(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_whole: bool = False) -> None:
     """Note the files that will be put into a folder, and end it, in a dry run; else do nothing.
 
     kept: those that exist and stay; is_whole: whether they take the place of all that is in the folder

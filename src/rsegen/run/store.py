@@ -208,7 +208,7 @@ class Store:
         parts = place.relative_to(self.folder).parts
         exchange(new, place, self.home.joinpath("old", str(len(parts)), *parts))
 
-    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+    def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
 
     def note(self, result: Mapping[str, Json]) -> None:
@@ -302,9 +302,7 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
     if nothing may be written there; a WriteError if the disk failed after something was written.
     """
     if noted := NOTES.get():
-        from rsegen.run.dry import dry_store
-
-        with dry_store(folder, noted, output=output) as store:
+        with noted.store(folder, output=output) as store:
             yield store
         return
     store = Store(folder, sync=sync)
@@ -364,12 +362,10 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     replaced is checked before by `refuse_irreplaceable`, which reads all of it, and once more at the swap.
     """
     if noted := NOTES.get():
-        from rsegen.run.dry import dry_store
-
-        with dry_store(folder, noted, is_whole=True) as store:
+        with noted.store(folder, is_whole=True) as store:
             yield store
         return
-    with open_store(folder, sync=sync):  # the old folder is leased too, so that no other run changes it meanwhile
+    with open_store(folder, sync=sync):  # the old folder is locked too, so that no other run changes it meanwhile
         begun = folder / NEXT
         if not is_empty(begun):
             refuse_loss(begun, holds)
