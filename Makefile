@@ -1,7 +1,9 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: within eight minutes on two cores
 # make test-all    the long tests, with more of everything, and then these, as CI runs them: within 20 minutes on two cores
-# make test-fast   the tests without a simulator, a browser and all that is slow: within two minutes on two cores
+# make test-fast   the tests without a simulator, a browser and all that is slow: within two minutes on two cores; WHAT=scanning
+#               those of one folder of src/rsegen, WHAT="scanning heights" of two
+# make deletions   deletes each capability in turn, in a copy, and runs the fast tests that are left; WHAT=scanning for one of them
 # make coverage  which lines of the core its quick tests do not run
 # make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
@@ -24,13 +26,14 @@ BIN := $(VENV)/bin
 ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
 LONG ?= $(ARGS)
 FAST ?= --numprocesses=2
+WHAT ?=
 CORE = tests/params tests/field tests/recipe tests/geometry tests/scene tests/gazebo
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=
 LOCK = $(VENV)/lock/bin/uv pip compile --quiet --universal --python-version 3.11 pyproject.toml --custom-compile-command 'make lock'
 
-.PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast coverage mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast deletions coverage mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	@for recipe in src/rsegen/recipe/examples/*.yaml; do \
@@ -50,7 +53,10 @@ test-all:
 	$(MAKE) --no-print-directory test
 
 test-fast: $(VENV)/tester
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST) $(addprefix tests/,$(WHAT))
+
+deletions: $(VENV)/tester
+	$(BIN)/python -m tests.support.deletion $(WHAT)
 
 # Apart from make test, as to watch each line makes tests half as slow again.
 coverage: $(VENV)/developer

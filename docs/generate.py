@@ -140,7 +140,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "run/journal",
         "run/store",
         "run/swap",
-        "run/lease",
+        "run/lock",
         "datasets/series_rows",
         "heights/measured",
     ),

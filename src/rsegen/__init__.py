@@ -27,12 +27,13 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used, and describe its parameters; `__all__` has all names."""
     if name.startswith("__") and name != "__all__":
         raise AttributeError(f"module 'rsegen' has no attribute {name!r}")
-    names = import_module("rsegen.params.capabilities").public_names()
+    declared = import_module("rsegen.params.capabilities")
     if name == "__all__":
-        return ["__version__", *sorted(names)]
-    if name not in names:
+        return ["__version__", *sorted(declared.public_names())]
+    home = declared.home_of(name)
+    if not home:
         raise AttributeError(f"module 'rsegen' has no attribute {name!r}")
-    value: object = getattr(import_module(names[name]), name)
+    value: object = getattr(import_module(home), name)
     globals()[name] = value = import_module("rsegen.params.docstrings").described(value)
     return value
 

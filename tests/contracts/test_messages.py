@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
 from inspect import Parameter, signature, unwrap
 from pathlib import Path
 from typing import Any
@@ -66,8 +67,13 @@ def test_a_wrong_argument_is_named_as_in_python(
     assert not any(tmp_path.iterdir())
 
 
-def texts() -> Iterator[tuple[str, str]]:
-    """Yield each text of the library that is no docstring, with its file; help texts of flags are of the shell."""
+@cache
+def texts() -> tuple[tuple[str, str], ...]:
+    """Return each text of the library that is no docstring, with its file; help texts of flags are of the shell."""
+    return tuple(_texts())
+
+
+def _texts() -> Iterator[tuple[str, str]]:
     for file in sorted(SOURCES.rglob("*.py")):
         name = file.relative_to(SOURCES).as_posix()
         if name.startswith("cli/") or file.name in ("commands.py", "parameters.py", "flags.py"):

@@ -121,6 +121,11 @@ def _datasets() -> list[Run]:
 
 RUNS: Sequence[Run] = (
     *_maps("generate", _GENERATE, ["rse_0001", "rse_0002/levels.csv"]),
+    _forced(
+        "generate over more files",
+        [*_GENERATE, *_SEED, *_FOLDER],
+        [[*_GENERATE, *_OTHER_SEED, *_FOLDER, "--formats", "heightmap,arrays"]],
+    ),
     Run(
         name="generate, workers",
         command=["generate", *_LARGE, "--maps", "4", "--workers", "2", *_FOLDER],

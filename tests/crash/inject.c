@@ -36,7 +36,7 @@ struct control {
     int32_t error;        /* errno of FAIL */
     int32_t alone;        /* kill only the process that makes the call, not its group */
     int32_t no_locks;     /* flock and fcntl's locks fail with ENOLCK */
-    int32_t no_exchange;  /* renameat2(RENAME_EXCHANGE) fails with this errno */
+    int32_t no_exchange;  /* renameat2 with flags, such as RENAME_EXCHANGE, fails with this errno */
     int32_t full;         /* set by FULL: the disk is full from now on */
     int32_t cut;          /* set by SHORT: the next write fails */
     int32_t busy;         /* a lock on `unsynced` */
@@ -224,10 +224,9 @@ int truncate(const char *path, off_t size) {
 }
 int truncate64(const char *path, off64_t size) { return truncate(path, size); }
 
-/* Whether two folders are to be exchanged on a disk that cannot. */
-static int exchange(int to, const char *new, unsigned flags) {
-    char path[PATH_MAX];
-    if ((flags & RENAME_EXCHANGE) && below(to, new, path) && control->no_exchange) {
+/* Whether a rename is more than rename(2) does, on a disk that cannot; a second run has the same disk. */
+static int unable(unsigned flags) {
+    if (flags && control && control->no_exchange) {
         errno = control->no_exchange;
         return -1;
     }
@@ -236,7 +235,7 @@ static int exchange(int to, const char *new, unsigned flags) {
 
 int renameat2(int from, const char *old, int to, const char *new, unsigned flags) {
     REAL(int, "renameat2", int, const char *, int, const char *, unsigned);
-    if (exchange(to, new, flags)) return -1;
+    if (unable(flags)) return -1;
     NAMED("renameat2", to, new, 0, real(from, old, to, new, flags));
 }
 
@@ -248,7 +247,7 @@ long syscall(long number, ...) { /* renameat2 has a wrapper in newer C libraries
     va_end(rest);
     REAL(long, "syscall", long, ...);
     if (number != SYS_renameat2) return real(number, a[0], a[1], a[2], a[3], a[4], a[5]);
-    if (exchange((int)a[2], (const char *)a[3], (unsigned)a[4])) return -1;
+    if (unable((unsigned)a[4])) return -1;
     NAMED("renameat2", (int)a[2], (const char *)a[3], 0, real(number, a[0], a[1], a[2], a[3], a[4], a[5]));
 }
 
@@ -347,17 +346,17 @@ int fsync(int file) { REAL(int, "fsync", int); SYNCED("fsync", file, 0, real(fil
 int fdatasync(int file) { REAL(int, "fdatasync", int); SYNCED("fsync", file, 0, real(file)); }
 int syncfs(int file) { REAL(int, "syncfs", int); SYNCED("syncfs", file, 1, real(file)); }
 
-/* A disk of a network without locks. */
+/* A disk of a network without locks; a second run has the same disk. */
 int flock(int file, int operation) {
     REAL(int, "flock", int, int);
-    if (ours() && control->no_locks && below(file, NULL, path_)) { errno = ENOLCK; return -1; }
+    if (control && control->no_locks) { errno = ENOLCK; return -1; }
     DONE(real(file, operation));
 }
 
 static int controlled(int file, int command, void *argument) {
     REAL(int, "fcntl64", int, int, ...);
     int locks = command == F_SETLK || command == F_SETLKW || command == F_OFD_SETLK || command == F_OFD_SETLKW;
-    if (locks && ours() && control->no_locks && below(file, NULL, path_)) { errno = ENOLCK; return -1; }
+    if (locks && control && control->no_locks) { errno = ENOLCK; return -1; }
     DONE(real(file, command, argument));
 }
 

@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
-from tests.crash.commands import RUNS, TURNS, Run, made_inputs
+from tests.crash.commands import RUNS, TURNS, made_inputs
 from tests.crash.injection import compiled
 from tests.crash.server import Server
 from tests.crash.trials import Trial, Undisturbed, problems, undisturbed
@@ -48,25 +49,31 @@ class Trials:
 
     def __init__(self, seed: int, folder: Path, servers: queue.Queue[Server]) -> None:
         self._seed, self._folder, self._servers = seed, folder, servers
-        self._alone: dict[tuple[str, bool], Undisturbed] = {}
-        self._locks = {(run.name, shared): threading.Lock() for run in RUNS for shared in (False, True)}
+        self._alone: dict[tuple[str, bool, bool], Undisturbed] = {}
+        kinds = product((run.name for run in RUNS), (False, True), (False, True))
+        self._locks = {kind: threading.Lock() for kind in kinds}
 
     def found(self, number: int) -> list[Problem]:
-        """What is wrong after one trial."""
-        trial = Trial.drawn(self._seed, number)
+        """What is wrong after one trial, on a disk that exchanges two names at once, and on one that cannot."""
+        found = []
         server = self._servers.get()
         try:
-            done, lines = problems(trial, self._undisturbed(trial.run, server, shared=trial.shared), server)
+            for exchanges in (True, False):
+                trial = Trial.drawn(self._seed, number, exchanges=exchanges)
+                server.lacks = trial.lacks
+                done, lines = problems(trial, self._undisturbed(trial, server), server)
+                name, kind = trial.run.name, trial.kind
+                found += [Problem(number=number, run=name, kind=kind, done=done, line=line) for line in lines]
         finally:
             self._servers.put(server)
-        return [Problem(number=number, run=trial.run.name, kind=trial.kind, done=done, line=line) for line in lines]
+        return found
 
-    def _undisturbed(self, run: Run, server: Server, *, shared: bool) -> Undisturbed:
-        key = run.name, shared
+    def _undisturbed(self, trial: Trial, server: Server) -> Undisturbed:
+        run, key = trial.run, (trial.run.name, trial.shared, "no_exchange" in trial.lacks)
         with self._locks[key]:
             if key not in self._alone:
-                folder = self._folder / f"{len(self._alone)}-{RUNS.index(run)}-{shared}"
-                self._alone[key] = undisturbed(run, server, folder, shared=shared)
+                folder = self._folder / f"{len(self._alone)}-{RUNS.index(run)}-{trial.shared}"
+                self._alone[key] = undisturbed(run, server, folder, shared=trial.shared)
             return self._alone[key]
 
 

@@ -6,8 +6,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -21,13 +21,17 @@ _ROOTS = (Path(rsegen.__file__).parents[1], Path(__file__).parents[2])
 
 
 class Server:
-    """Runs commands in `folder/trial/root`; one at a time, or two if the first is stopped."""
+    """Runs commands in `folder/trial/root`; one at a time, or two if the first is stopped.
+
+    lacks: what its disk lacks, as fields of an Injection
+    """
 
     def __init__(self, folder: Path, library: Path, inputs: Path) -> None:
         folder.mkdir(parents=True)
         self.trial: Path = folder / "trial"
         self.root: Path = self.trial / "root"
         self._inputs, self._said = inputs, folder / "stderr"
+        self.lacks: Mapping[str, Any] = {}
         mapped_control(folder / "control")
         environment = os.environ | {
             CONTROL: str(folder / "control"),
@@ -58,7 +62,7 @@ class Server:
             arguments=self._filled(command),
             folder=str(self.root),
             root=str(self.root),
-            injection=asdict(injection or Injection()),
+            injection=asdict(replace(injection or Injection(), **self.lacks)),
         )
         return End.of(answer)
 

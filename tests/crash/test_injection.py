@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,11 +11,13 @@ import pytest
 
 from tests.crash.commands import made_inputs
 from tests.crash.injection import MODES, Injection, compiled, missing
-from tests.crash.judging import End, neither_old_nor_new, tree, wrong_end
+from tests.crash.judging import End, differences, left_hidden, neither_old_nor_new, tree, visible, wrong_end
 from tests.crash.server import Server
 from tests.crash.trials import RUN_BY_NAME, cut_power, undisturbed
 
 SMALL = RUN_BY_NAME["generate"]
+_WRITE = 15
+"""A call that opens a file in the folder of staged files: without it there is no map."""
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(bool(missing()), reason=missing() or "nothing is missing"),
@@ -48,7 +51,7 @@ def test_the_calls_of_workers_are_counted(server: Server, root: Path) -> None:
 @pytest.mark.parametrize("mode", [mode for mode in MODES if mode not in ("count", "stop", "interrupt")])
 def test_an_injected_call_fails_as_requested(server: Server, root: Path, mode: str) -> None:
     command = [*SMALL.command[:-1], "new"]
-    end = server.run(command, Injection(mode=mode, k=20, error=errno.EIO))
+    end = server.run(command, Injection(mode=mode, k=_WRITE, error=errno.EIO))
     assert bool(end.signal) == mode.startswith("kill")
     assert end.code != 0
     assert end.call
@@ -71,6 +74,34 @@ def test_unsynced_data_is_lost_in_a_power_failure(server: Server, root: Path) ->
         cut_power(root, end)
         assert end.signal
         assert any(not path.stat().st_size for path in output.rglob("*.csv")) == loses
+
+
+@pytest.mark.long(reason="each call of a run is killed")
+def test_maps_are_old_or_new_after_a_kill_at_any_call_of_a_disk_that_cannot_exchange(
+    server: Server, tmp_path: Path
+) -> None:
+    generate = ["generate", "peak", "--maps", "3", "--workers", "1", "-o", "out"]
+    replaced, before = [*generate, "--seed", "2", "--force"], tmp_path / "before"
+    shutil.rmtree(server.trial, ignore_errors=True)
+    server.root.mkdir(parents=True)
+    assert server.run([*generate, "--seed", "1", "--formats", "arrays"]).code == 0
+    shutil.copytree(server.trial, before)
+    try:
+        server.lacks = {"no_exchange": errno.EINVAL}
+        calls, whole, aside = server.run(replaced).calls, visible(tree(server.trial)), 0
+        for k in range(1, calls + 1):
+            shutil.rmtree(server.trial)
+            shutil.copytree(before, server.trial)
+            assert server.run(replaced, Injection(mode="kill", k=k)).signal
+            is_aside = any(not (server.root / "out" / f"peak_000{number}").exists() for number in range(3))
+            assert server.run(["info", "out", "--verify"]).code == is_aside
+            assert server.run(replaced).code == 0
+            now = tree(server.trial)
+            assert differences(visible(now), whole) == left_hidden(now) == []
+            aside += is_aside
+    finally:
+        server.lacks = {}
+    assert aside == 3
 
 
 def test_half_of_a_unit_and_a_false_message_are_found(tmp_path: Path) -> None:

@@ -7,9 +7,10 @@ import os
 import random
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from tests.crash.commands import RUNS, TURNS, Run
 from tests.crash.foreign import NAMES, add_foreign, put_foreign
@@ -47,16 +48,17 @@ class Undisturbed:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trial:
-    """The command of a trial, what happens to it, and its number, which with the seed determines all of it."""
+    """The command of a trial, what happens to it, what its disk lacks, and the generator that draws the rest."""
 
     run: Run
     kind: str
     shared: bool
+    lacks: Mapping[str, Any]
     rng: random.Random
 
     @classmethod
-    def drawn(cls, seed: int, number: int) -> Trial:
-        """Trial `number` of a seed."""
+    def drawn(cls, seed: int, number: int, *, exchanges: bool = True) -> Trial:
+        """Trial `number` of a seed; exchanges: on a disk that exchanges two names at once."""
         rng = random.Random(f"{seed} {number}")  # noqa: S311  # moments, not secrets
         run = TURNS[number % len(TURNS)]
         kinds = {**KINDS, **_OTHERS}
@@ -65,7 +67,10 @@ class Trial:
         if "--force" not in run.command:
             del kinds[TAKEN]
         kind = rng.choices(list(kinds), list(kinds.values()))[0]
-        return cls(run=run, kind=kind, shared=run.shares and rng.random() < 0.7, rng=rng)
+        shared, no_locks = run.shares and rng.random() < 0.7, rng.random() < 0.07
+        unable = rng.choice((errno.EINVAL, errno.ENOSYS))
+        lacks = ({"no_locks": True} if no_locks else {}) | ({} if exchanges else {"no_exchange": unable})
+        return cls(run=run, kind=kind, shared=shared, lacks=lacks, rng=rng)
 
 
 def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undisturbed:
@@ -109,8 +114,8 @@ def _disturbed(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, l
         end = server.run(command, injection)
         if injection.power:
             cut_power(server.root, end)
-        done.append(f"{injection}: {end.call or 'never reached'}")
-        gaps |= bool(injection.no_exchange and end.signal)
+        done.append(f"{replace(injection, **trial.lacks)}: {end.call or 'never reached'}")
+        gaps |= bool("no_exchange" in trial.lacks and end.signal)
         now, interrupted = tree(server.trial), injection.mode == "interrupt" and bool(end.call)
         wrong += _judged(trial.run, alone, now, before, gaps=gaps)
         wrong += wrong_end(end, before, now, alone.whole, interrupted=interrupted)
@@ -152,7 +157,7 @@ def _second_run(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, 
     """A run is stopped, and the same command is run; then the first goes on."""
     k = trial.rng.randint(1, alone.calls)
     first = server.run(trial.run.command, Injection(mode="stop", k=k))
-    done = f"a second run while the first is stopped at call {k} of {alone.calls}: {first.call}"
+    done = f"a second run while the first is stopped at call {k} of {alone.calls}: {first.call}, {dict(trial.lacks)}"
     if not first.stopped:
         return done, [*wrong_end(first, alone.before, tree(server.trial), alone.whole, interrupted=False)]
     before = tree(server.trial)
@@ -239,16 +244,13 @@ def _replaced(alone: Undisturbed, depth: int) -> list[str]:
 
 
 def _injection(kind: str, rng: random.Random, calls: int) -> Injection:
-    found = Injection(
+    return Injection(
         mode="kill" if kind == "power" else kind,
         k=rng.randint(1, max(1, calls)),
         error=rng.choice(ERRORS) if kind == "fail" else errno.ENOSPC if kind == "short" else 0,
         alone=kind in ("kill", "killafter") and rng.random() < 0.5,
         power=kind == "power",
-        no_locks=rng.random() < 0.07,
     )
-    missing = rng.choice((errno.EINVAL, errno.ENOSYS))
-    return replace(found, no_exchange=missing if rng.random() < 0.15 else 0)
 
 
 def _continued(run: Run, alone: Undisturbed, server: Server) -> list[str]:

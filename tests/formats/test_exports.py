@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -173,11 +173,11 @@ def test_a_run_that_is_stopped_between_two_swaps_leaves_all_as_it_was(
     rsegen.generate(RECIPE, tmp_path, formats=[Heightmap(), Occupancy()])
     before, exchange, done = contents(tmp_path), swap.exchange, list[Path]()
 
-    def stopped(new: Path, place: Path, make_aside: Callable[[], Path]) -> Path:
+    def stopped(new: Path, place: Path, aside: Path) -> None:
         done.append(place)
         if len(done) == swaps + 1:
             raise KeyboardInterrupt
-        return exchange(new, place, make_aside)
+        exchange(new, place, aside)
 
     monkeypatch.setattr(store_module, "exchange", stopped)
     formats = [Heightmap(pixels=2), Occupancy(climb_cm=12)]
@@ -193,7 +193,7 @@ def test_a_run_that_is_stopped_between_two_swaps_leaves_all_as_it_was(
 
 def test_a_format_that_was_being_replaced_when_all_was_killed_comes_back(tmp_path: Path) -> None:
     export_maps([RECIPE], tmp_path / "a", [Heightmap(), Occupancy()])
-    aside = tmp_path / "a" / ".rsegen" / "old" / "0123abcd" / "rse_0000"
+    aside = tmp_path / "a" / ".rsegen" / "old" / "2" / "rse_0000"
     aside.mkdir(parents=True)
     (tmp_path / "a" / "rse_0000" / "heightmap").rename(aside / "heightmap")
     export_maps([RECIPE], tmp_path / "a", [Heightmap()], force=True)

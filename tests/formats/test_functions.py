@@ -94,7 +94,7 @@ def test_a_scene_is_exported_to_a_file_by_its_suffix(scene: Scene, tmp_path: Pat
     volume = scene.field.heights.sum() * scene.field.block_width**2
     assert sum(mesh.area for mesh in meshes.geometry.values()) > 0
     assert meshes.to_geometry().volume == pytest.approx(volume, rel=1e-5)
-    assert {path.name for path in tmp_path.iterdir()} == {"x.glb", ".rsegen.jsonl"}
+    assert {path.name for path in tmp_path.iterdir()} == {"x.glb"}
 
 
 def test_a_recipe_is_exported_as_its_scene_is(scene: Scene, tmp_path: Path) -> None:

@@ -109,11 +109,11 @@ def test_what_exists_is_a_question_if_it_may_be_replaced(host: Host, start: Star
     assert (host.jobs.listed(), told) == (known, [])
     assert ended(host, start("preview", "map.png", replace=True))["state"] == "done"
     (host.folder / "map.png").write_bytes(b"mine")
-    job = ended(host, start("preview", "map.png"))
-    assert (job["state"], (host.folder / "map.png").read_bytes()) == ("failed", b"mine")
-    job = ended(host, start("preview", "map.png", replace=True))
-    assert "was changed after rsegen wrote it" in job["lines"][0] or "is not replaced" in job["lines"][0]
+    with pytest.raises(Question, match=r"^map\.png: exists already$"):
+        start("preview", "map.png")
     assert (host.folder / "map.png").read_bytes() == b"mine"
+    assert ended(host, start("preview", "map.png", replace=True))["state"] == "done"
+    assert (host.folder / "map.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, start: Start, doc: str) -> None:

@@ -180,3 +180,18 @@ def test_pip_installs_it_and_it_is_found(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pip", "install", *quiet, "--target", str(tmp_path), str(DEMO)]
     subprocess.run(command, check=True, capture_output=True)
     assert "From rsegen-demo 1.2." in done("obstacles", packages=tmp_path)
+
+
+def test_a_capability_brings_a_command_a_public_name_and_a_file_next_to_worlds(packages: Path, tmp_path: Path) -> None:
+    assert "  tally            count the blocks of a map\n" in done("--help", packages=packages)
+    assert "add the number of blocks" in done("generate", "--help", packages=packages)
+    done("generate", "peak", "--tally", "-o", tmp_path / "worlds", packages=packages)
+    world = tmp_path / "worlds" / "peak_0000"
+    assert (world / "tally.txt").read_text() == "32\n"
+    assert done("tally", world, packages=packages) == "32 blocks\n"
+    assert done("tally", world, "--above", "5", packages=packages) == "0 blocks\n"
+    code = (
+        "import sys, rsegen; recipe = rsegen.load(sys.argv[1]);"
+        "print(rsegen.tally(rsegen.build(recipe)), 'tally' in rsegen.__all__)"
+    )
+    assert done(world / "recipe.json", packages=packages, code=code) == "32 True\n"

@@ -200,8 +200,3 @@ def test_a_pit_below_the_floor_is_refused() -> None:
 def test_ground_under_obstacles_that_would_be_too_high_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"ground_level: 32765 and obstacles of 4 units are above .*, 32766"):
         _on_ground(Random(levels=5), ground_level=32765)
-
-
-def test_a_robot_that_would_have_to_climb_onto_the_ground_is_refused() -> None:
-    with pytest.raises(ParameterError, match="crossable_by: burger starts on the floor, 3 units below"):
-        _on_ground(crossable_by="burger")

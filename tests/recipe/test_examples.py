@@ -34,9 +34,11 @@ def test_an_existing_file_keeps_all_examples_from_being_copied(
     assert main(["examples", "-o", str(tmp_path)]) == 2
     assert "turtlebot.yaml: exists already" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["turtlebot.yaml"]
-    assert main(["examples", "-o", str(tmp_path), "--force"]) == 2
-    assert "turtlebot.yaml: was not written by rsegen" in capsys.readouterr().err
-    assert [path.read_text() for path in tmp_path.iterdir()] == ["mine"]
+    assert (tmp_path / "turtlebot.yaml").read_text() == "mine"
+    assert main(["examples", "-o", str(tmp_path), "--force"]) == 0
+    assert {path.stem: path.read_bytes() for path in tmp_path.iterdir()} == {
+        name: path.read_bytes() for name, path in EXAMPLES.items()
+    }
 
 
 @pytest.mark.parametrize("command", [["info", "--json"], ["info", "--json", "--map", "2"]])

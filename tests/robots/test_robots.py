@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from rsegen import Recipe
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import BACKENDS
@@ -118,3 +119,8 @@ def test_a_burger_s_wheels_gather_speed_in_gazebo_sim() -> None:
     assert number(plugin, "max_linear_acceleration") == -number(plugin, "min_linear_acceleration") == 1
     assert number(plugin, "max_angular_acceleration") * 0.16 / 2 == pytest.approx(1)
     assert "acceleration" not in robot_of_kind("burger").model("one", "classic")
+
+
+def test_a_robot_that_would_have_to_climb_onto_the_ground_is_refused() -> None:
+    with pytest.raises(ParameterError, match="crossable_by: burger starts on the floor, 3 units below"):
+        Recipe(ground_level=3, crossable_by="burger")

@@ -185,7 +185,7 @@ def test_what_is_left_of_a_run_that_was_killed_before_its_first_journal_is_clear
     before = contents(tmp_path / "set")
     left = tmp_path / "set" / ".rsegen.next" / ".rsegen"
     (left / "new").mkdir(parents=True)
-    (left / "lease-1").write_text("{}")
+    (left / "lock").write_text("{}")
     (left / "new" / ".rsegen.jsonl").write_text("{")
     assert exit_code(*arguments, "--force") == 0
     assert contents(tmp_path / "set") == before

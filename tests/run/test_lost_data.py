@@ -92,12 +92,31 @@ def test_a_picture_next_to_an_empty_recipe_is_kept(tmp_path: Path, capsys: pytes
         assert str(home) in refused(capsys, tmp_path, "generate", *OBSTACLE, "-o", tmp_path, flag, "--preview")
 
 
-def test_an_example_that_was_edited_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for flags in ([], ["--force"]):
-        assert exit_code("examples", "-o", tmp_path, *flags) == 0
-    (tmp_path / "peak.yaml").write_text(WORK)
-    line = refused(capsys, tmp_path, "examples", "-o", tmp_path, "--force")
-    assert "peak.yaml: was changed after rsegen wrote it" in line
+SINGLE_FILES: dict[str, list[str]] = {
+    "preview": ["peak", "-o", "a.png"],
+    "view": ["peak", "-o", "a.html"],
+    "sheet": ["peak", "-o", "a.pdf", "--csv", "a.csv"],
+    "metrics": ["peak", "--climb-cm", "10", "-o", "a.svg"],
+    "examples": ["-o", "."],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", SINGLE_FILES)
+def test_a_single_file_leaves_nothing_next_to_it_and_is_replaced_by_force_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments = [command, *SINGLE_FILES[command]]
+    assert exit_code(*arguments) == 0
+    made = sorted(path.name for path in tmp_path.iterdir())
+    names = [name for name in arguments if name.startswith("a.")]
+    assert made == sorted(names) if names else all(name.endswith(".yaml") for name in made)
+    (tmp_path / made[0]).write_text(WORK)
+    assert "exists already" in refused(capsys, tmp_path, *arguments)
+    assert exit_code(*arguments, "--force") == 0
+    assert (tmp_path / made[0]).read_bytes() != WORK.encode()
+    assert sorted(path.name for path in tmp_path.iterdir()) == made
 
 
 def test_a_data_set_that_cannot_be_made_leaves_the_old_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from functools import partial
 from hashlib import sha256
+from itertools import count
 from pathlib import Path, PurePosixPath
 
 import pytest
 
-from rsegen.errors import OutputError, Stopped, WriteError
+from rsegen.errors import FilesDamaged, OutputError, Stopped, WriteError
 from rsegen.input_files import JOURNAL
 from rsegen.run import store as store_module
 from rsegen.run import swap
+from rsegen.run.journal import verify
 from rsegen.run.store import (
     Store,
     new_root,
@@ -110,21 +114,25 @@ def test_no_path_leaves_the_folder(tmp_path: Path, path: str) -> None:
     assert list(tmp_path.rglob("*")) == []
 
 
-def test_a_single_file_is_replaced_only_by_force_and_only_if_it_is_unchanged(tmp_path: Path) -> None:
-    write_file([b"old"], tmp_path / "map.png")
+def test_a_single_file_is_replaced_only_by_force_and_leaves_nothing_next_to_it(tmp_path: Path) -> None:
+    (tmp_path / "map.png").write_bytes(b"mine")
     with pytest.raises(OutputError, match="exists already"):
         write_file([b"new"], tmp_path / "map.png")
+    assert contents(tmp_path) == {"map.png": b"mine"}
     for content in (b"new", b"newer"):
         write_file([content], tmp_path / "map.png", force=True)
-    assert contents(tmp_path)["map.png"] == b"newer"
-    (tmp_path / "map.png").write_bytes(b"mine")
-    with pytest.raises(OutputError, match=r"map\.png: was changed after rsegen wrote it"):
-        write_file([b"new"], tmp_path / "map.png", force=True)
-    (tmp_path / "theirs.png").write_bytes(b"mine")
-    with pytest.raises(OutputError, match=r"theirs\.png: was not written by rsegen"):
-        write_file([b"new"], tmp_path / "theirs.png", force=True)
-    assert contents(tmp_path).keys() == {"map.png", "theirs.png", JOURNAL}
-    assert {contents(tmp_path)[name] for name in ("map.png", "theirs.png")} == {b"mine"}
+        assert contents(tmp_path) == {"map.png": content}
+
+
+def test_the_journal_of_a_folder_lists_a_single_file_that_is_put_into_it(tmp_path: Path) -> None:
+    write_folder(BUNDLE, tmp_path / "map")
+    (tmp_path / "map" / "b.png").write_bytes(b"mine")
+    write_file([b"1"], tmp_path / "map" / "a.png")
+    write_file([b"2"], tmp_path / "map" / "b.png", force=True)
+    write_file([b"3"], tmp_path / "map" / "recipe.json", force=True)
+    assert verify(tmp_path / "map").files == len(BUNDLE) + 2
+    write_folder(BUNDLE, tmp_path / "map", force=True)
+    assert verify(tmp_path / "map").files == len(BUNDLE)
 
 
 def test_a_single_file_that_fails_leaves_the_old_one(tmp_path: Path) -> None:
@@ -135,21 +143,83 @@ def test_a_single_file_that_fails_leaves_the_old_one(tmp_path: Path) -> None:
     assert contents(tmp_path) == before
 
 
-def left_by_a_killed_run(folder: Path, replaced: str) -> None:
-    """Lay out what a run leaves that is killed while it replaces a folder on a disk that cannot exchange two names."""
-    hidden = folder / ".rsegen"
-    (hidden / "new" / "0123abcd").mkdir(parents=True)
-    (hidden / "old" / "4567abcd").mkdir(parents=True)
-    (folder / replaced).rename(hidden / "old" / "4567abcd" / replaced)
+class Killed(Exception):
+    """The end of a process, after which only the disk is left."""
 
 
-def test_a_map_that_was_moved_aside_when_the_run_was_killed_comes_back(tmp_path: Path) -> None:
-    write_folder(BUNDLE, tmp_path / "map")
-    before = contents(tmp_path)
-    left_by_a_killed_run(tmp_path, "map")
+def replaced_until(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, renames: int, put_new: Callable[[Store], object]
+) -> bool:
+    """Replace a map on a disk that cannot exchange two names, killed after some renames; whether it was."""
+    left = count(renames, -1)
+
+    def rename(do: Callable[[Path, Path], None], source: Path, place: Path) -> None:
+        if next(left) <= 0:
+            raise Killed
+        do(source, place)
+
+    with monkeypatch.context() as patches:
+        patches.setattr(swap, "_of_libc", lambda _: None)
+        store = Store(folder, sync=False)
+        store.lock.take(0.0)
+        store.staging.mkdir()
+        for name in ("rename", "replace"):
+            patches.setattr(os, name, partial(rename, getattr(os, name)))
+        try:
+            put_new(store)
+        except Killed:
+            return True
+        finally:
+            store.lock.release()
+    return False
+
+
+@pytest.mark.parametrize("renames", range(4))
+def test_a_map_that_lies_aside_when_the_run_is_killed_comes_back_and_is_never_merged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, renames: int
+) -> None:
+    write_folder({**BUNDLE, PurePosixPath("arrays/levels.npy"): [b"old"]}, tmp_path / "map")
+    old = contents(tmp_path / "map")
+
+    def put_new(store: Store) -> None:
+        root = new_root(store.staging)
+        files = stage_all(root, {PurePosixPath("recipe.json"): [b"new"]})
+        store.put_complete(root, files, "map", "map", force=True)
+
+    is_killed = replaced_until(tmp_path, monkeypatch, renames, put_new)
+    assert is_killed == (renames < 3)
+    is_aside = not (tmp_path / "map").exists()
+    assert is_aside == (renames == 1)
+    if is_aside:
+        with pytest.raises(FilesDamaged, match=r"map: lies in .*, as a run that replaced it was killed"):
+            verify(tmp_path)
     write_folder(BUNDLE, tmp_path / "other")
-    assert contents(tmp_path / "map") == {name.removeprefix("map/"): content for name, content in before.items()}
+    assert (contents(tmp_path / "map") == old) == (renames < 2)
+    assert contents(tmp_path / "map").keys() == (old.keys() if renames < 2 else {"recipe.json", JOURNAL})
     assert {path.name for path in tmp_path.iterdir()} == {"map", "other"}
+    assert verify(tmp_path).unlisted == ()
+
+
+@pytest.mark.parametrize("renames", range(4))
+def test_a_format_that_lies_aside_when_the_run_is_killed_comes_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, renames: int
+) -> None:
+    write_folder({**BUNDLE, PurePosixPath("arrays/levels.npy"): [b"old"]}, tmp_path / "map")
+    old = contents(tmp_path)
+
+    def put_new(store: Store) -> None:
+        root = new_root(store.staging)
+        files = stage_all(root, {PurePosixPath("arrays/other.npy"): [b"new"]})
+        whole = {"arrays"}
+        store.put_staged(root, files, below="map", force=whole, whole=whole, holds="map")
+
+    replaced_until(tmp_path, monkeypatch, renames, put_new)
+    assert (tmp_path / "map" / "arrays").exists() == (renames != 1)
+    write_folder(BUNDLE, tmp_path / "other")
+    is_old = contents(tmp_path / "map" / "arrays") == {"levels.npy": b"old"}
+    assert is_old == (renames < 2)
+    assert is_old or contents(tmp_path / "map" / "arrays") == {"other.npy": b"new"}
+    assert old.keys() - {"map/arrays/levels.npy"} <= contents(tmp_path).keys()
 
 
 def test_ctrl_c_while_the_hidden_folder_is_removed_leaves_nothing_that_stays(
@@ -200,10 +270,10 @@ def test_files_that_cannot_all_be_put_in_place_are_all_as_before(
     before = contents(tmp_path)
     sync = store_module.Store._put_unit
 
-    def fails(self: Store, new: Path, place: Path, undo: ExitStack) -> None:
+    def fails(self: Store, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
         if place.name == "c":
             raise OSError(errno.EIO, "Input/output error")
-        sync(self, new, place, undo)
+        sync(self, new, place, undo, replaces=replaces)
 
     monkeypatch.setattr(store_module.Store, "_put_unit", fails)
     with pytest.raises(WriteError, match="nothing was changed"), open_store(tmp_path) as store:
@@ -280,9 +350,3 @@ def test_another_replacement_begins_anew(tmp_path: Path) -> None:
     with replacing(tmp_path / "set", "data set", "third") as store:
         store.put({"d": [b"third"]})
     assert contents(tmp_path / "set").keys() == {"d", JOURNAL}
-
-
-def test_a_confirmed_overwrite_replaces_any_file(tmp_path: Path) -> None:
-    (tmp_path / "recipe.yaml").write_text("# by hand")
-    write_file([b"new"], tmp_path / "recipe.yaml", confirmed=True)
-    assert contents(tmp_path)["recipe.yaml"] == b"new"

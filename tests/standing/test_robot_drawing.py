@@ -44,10 +44,10 @@ def seen(field: StepField, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> 
 
 @pytest.mark.slow
 def test_a_robot_is_behind_what_is_in_front_of_it() -> None:
-    assert min(seen(walled(side)) for side in ("north", "west")) > 0.01
-    assert max(seen(walled(side)) for side in ("south", "east")) < 0.5 * min(
-        seen(walled(side)) for side in ("north", "west")
-    )
+    share = {side: seen(walled(side)) for side in ("north", "west", "south", "east")}
+    behind = min(share["north"], share["west"])
+    assert behind > 0.01
+    assert max(share["south"], share["east"]) < 0.5 * behind
 
 
 @pytest.mark.parametrize("kind", sorted(ROBOTS))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     pass
 
 
-Force = Annotated[bool, Flag(help="replace what is there, if rsegen wrote it and nobody has changed it since")]
+Force = Annotated[bool, Flag(help="replace the file, or a folder that rsegen wrote and nobody has changed since")]
 
 Resume = Annotated[
     bool,

@@ -133,7 +133,9 @@ def make_shards(plan: DatasetPlan, progress: SeriesProgress | None) -> Dataset:
     with _opened(plan) as store:
         names = {number: layout.names(number).values() for number in range(layout.shards)}
         existing = [] if plan.replaces else shards_run.existing
-        store.foresee([*chain(*names.values()), MANIFEST], kept=[name for number in existing for name in names[number]])
+        store.announce_files(
+            [*chain(*names.values()), MANIFEST], kept=[name for number in existing for name in names[number]]
+        )
         journal = store.journal.content
         if plan.replaces and journal:  # what an earlier run of the same command has made
             existing = complete_shards(layout, store.folder, journal)

@@ -31,7 +31,7 @@ from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, Output, RunPlan, is_kept, run_in
 from rsegen.run.resources import check_needs
 from rsegen.run.sidecars import Sidecars
-from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_taken_file
+from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_unit
 from rsegen.run.worlds import GeneratedMap, seconds_per_world, world_output
 from rsegen.scene.scene import Scene, compose
 
@@ -103,9 +103,8 @@ def plan_series(
     if callable(plan.by):  # a function of the caller, which another process may not have
         execution = Execution(sync=execution.sync)
     replaces, keeps = on_existing is not OnExisting.REFUSE, on_existing is OnExisting.KEEP
-    read_journal(folder)  # which will list both
     for name in (TABLE, PICTURE):
-        refuse_taken_file(folder / name, force=replaces)
+        refuse_unit(folder, name, read_journal(folder), force=replaces)
     if not keeps:
         refuse_taken((folder / plan.map_name(number) for number in numbers), force=replaces)
     spans: list[Span] = []

@@ -133,7 +133,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.driving.robot_runs import robot_runs
     from rsegen.driving.routes import AlongWay
     from rsegen.params.streams import fresh_seed
-    from rsegen.run.dry import foresee
+    from rsegen.run.dry import announce_files
     from rsegen.run.store import unchanged_if_stopped
     from rsegen.run.target_worlds import world_of
     from rsegen.simulators.server import choose_installation
@@ -149,7 +149,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
     pictured = picture and "pictures" not in here.simulator.drives_without
     if output is not None:
-        foresee(Path(output), file_names(runs, picture=pictured), is_whole=True)
+        announce_files(Path(output), file_names(runs, picture=pictured), is_whole=True)
     with unchanged_if_stopped(output), world.on_disk() as file:
         extent = scene.field.extent if pictured else None
         recording = record_drive(

@@ -36,7 +36,7 @@ from rsegen.robots.drives import Tracks
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.run.programs import has_screen
-from rsegen.run.store import refuse_busy, refuse_not_a_folder, refuse_taken, write_folder
+from rsegen.run.store import refuse_busy, refuse_taken, write_folder
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.live_world import Pose
@@ -245,8 +245,8 @@ def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
     if output is not None:
-        refuse_not_a_folder(output)
-        refuse_busy(output.parent)
+        for folder in (output, output.parent):
+            refuse_busy(folder)
         refuse_taken([output], force=force, holds="drive")
 
 

@@ -100,7 +100,7 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
     machine = {"simulator": ", ".join(map(str, installed.values())), **_description()}
     with _opened(plan, folder, force=force) as store:
         done = read_entries(store.journal.content, folder, len(plan.rows))
-        store.foresee([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
+        store.announce_files([*REPORT_FILES, *track_names(plan)], kept=track_names(plan, done))
         for number, (cell, repeat) in enumerate(plan.order()):
             progress(number, cell)
             if (cell, repeat) not in done:

@@ -67,7 +67,7 @@ class CrossingModel(ABC):
 
     def pose_maps(self, scene: Any, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
         """Return maps of its poses on a scene at a heading [rad], as an image file."""
-        raise ParameterError("--heading", "limits of steps have no poses; give --robot")
+        raise ParameterError("heading", "limits of steps have no poses; give a robot")
 
 
 def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> CrossingModel:

@@ -84,6 +84,8 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
     heading = given(_Options, arguments).get("heading")
     if heading is not None and picture is None:
         raise ParameterError("--heading", "is for a picture; give -o too")
+    if heading is not None and isinstance(robot, StepLimits):
+        raise ParameterError("--heading", "limits of steps have no poses; give --robot")
     scenes = _scenes(arguments)
     first = next(scenes)
     measured = _measured(first, robot)

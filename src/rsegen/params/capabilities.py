@@ -96,14 +96,21 @@ class Finding(NamedTuple):
 
 
 @cache
-def capabilities() -> Mapping[str, Capability]:
-    """Return the core's declaration, those of the folders that are here, and those of other packages, by name."""
+def own_capabilities() -> Mapping[str, Capability]:
+    """Return the core's declaration, and those of the folders that are here, by name."""
     root = Path(__file__).parents[1]
     folders = sorted(path.parent.name for path in root.glob("*/__init__.py"))
     by_name: dict[str, Capability] = {"core": import_module("rsegen.cli").CAPABILITY}
     for folder in folders:
         if folder not in CORE:
             by_name[folder] = import_module(f"rsegen.{folder}").CAPABILITY
+    return MappingProxyType(by_name)
+
+
+@cache
+def capabilities() -> Mapping[str, Capability]:
+    """Return all capabilities by name, those of other packages too."""
+    by_name = dict(own_capabilities())
     for offer in entry_points("rsegen.capabilities"):
         if capability := _loaded(offer, by_name):
             by_name.setdefault(offer.name, capability)
@@ -144,21 +151,24 @@ def commands() -> Mapping[str, Command]:
 @cache
 def public_names() -> Mapping[str, str]:
     """Return the module of every public name of rsegen."""
-    return MappingProxyType(
-        {
-            name: module
-            for capability in capabilities().values()
-            for module, names in capability.public.items()
-            for name in names
-        }
-    )
+    return MappingProxyType({name: module for known in capabilities().values() for name, module in _public(known)})
+
+
+def home_of(name: str) -> str:
+    """Return the module of a public name; empty for another one. Other packages are asked for those they alone have."""
+    own = {public: module for known in own_capabilities().values() for public, module in _public(known)}
+    return own.get(name) or public_names().get(name, "")
+
+
+def _public(capability: Capability) -> Iterator[tuple[str, str]]:
+    return ((name, module) for module, names in capability.public.items() for name in names)
 
 
 def offered_modules(group: str) -> Mapping[str, str]:
-    """Return the modules of what capabilities add to a registry, by name."""
+    """Return the modules of what rsegen's capabilities add to a registry, by name; other packages have entry points."""
     return {
         name: module
-        for capability in capabilities().values()
+        for capability in own_capabilities().values()
         for name, module in capability.offers.get(group, {}).items()
     }
 

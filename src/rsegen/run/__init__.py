@@ -1,4 +1,4 @@
-"""The one engine that writes whatever rsegen writes: nothing is lost, whenever a run ends (docs/reliability.md).
+"""The one engine that writes whatever rsegen writes: nothing is lost, whenever a run ends (docs/engine.md).
 
     product --execute: here, in workers, on a cluster--> staged files --Store: one swap each--> a folder with a Journal
 
@@ -7,6 +7,6 @@ execute.py   where it is made: here, in workers, on a Dask cluster; always in or
 store.py     a folder that one run alone writes into: hidden staging, one swap per item, a journal
 swap.py      the swap of a staged file or folder with what is in its place
 journal.py   what rsegen wrote into a folder, with checksums: nothing else is ever replaced
-lease.py     which run has a folder, also where the disk has no locks
+lock.py      which run has a folder, also where the disk has no locks
 stop.py      signals that stop a run, held back where they would leave something half done
 """

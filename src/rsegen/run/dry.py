@@ -4,19 +4,22 @@
         command()           every store that is opened inside (store.py) notes names in place of writing
 
 All that refuses a run refuses its dry run. Files of maps are named by what makes them, so the names are right by
-construction; a run whose work is long, such as trials or shards, names its files beforehand by `foresee`, and ends.
+construction; a run whose work is long, such as trials or shards, names its files beforehand (`announce_files`), and
+ends.
 What breaks it: a file that is put on the disk by anything but a store.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from contextvars import ContextVar
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from rsegen.errors import OutputError
 from rsegen.input_files import JOURNAL
+from rsegen.run.store import NOTES, Store, refuse_taken, refuse_unit
 
 FATES = ("write", "replace", "remove", "keep")
 
@@ -31,9 +34,9 @@ class Notes:
     def __init__(self) -> None:
         self._fates: dict[Path, str] = {}
 
-    def put(self, folder: Path, names: Iterable[str]) -> None:
+    def put(self, folder: Path, names: Iterable[str], *, is_listed: bool = True) -> None:
         """Note files that are put into a folder, and the journal that will list them."""
-        for name in dict.fromkeys((*names, JOURNAL)):
+        for name in dict.fromkeys((*names, *([JOURNAL] if is_listed else []))):
             path = folder / name
             self._fates[path] = "replace" if os.path.lexists(path) else "write"
 
@@ -48,6 +51,16 @@ class Notes:
             if not path.is_dir():
                 self._fates.setdefault(path, fate)
 
+    @contextmanager
+    def store(self, folder: Path, *, output: Path | None = None, is_whole: bool = False) -> Iterator[Store]:
+        """Open a folder whose files are noted; an OutputError, about `output`, if nothing may be written there."""
+        above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not above.is_dir() or not os.access(above, os.W_OK):
+            problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
+            raise OutputError(f"{output or folder}: cannot be written: {problem}")
+        with TemporaryDirectory(prefix="rsegen-") as staging:
+            yield _DryStore(folder, self, Path(staging), is_whole=is_whole)
+
     def by_fate(self) -> Mapping[str, list[str]]:
         """Return the sorted paths of the files of each fate."""
         return {fate: sorted(str(path) for path, its in self._fates.items() if its == fate) for fate in FATES}
@@ -60,32 +73,58 @@ class Notes:
         yield f"a dry run: {counts or 'no files'}; nothing was changed"
 
 
-_NOTES: ContextVar[Notes | None] = ContextVar("the notes of a dry run", default=None)
-
-
-def notes() -> Notes | None:
-    """Return the notes of the dry run that this is, None if it is none."""
-    return _NOTES.get()
-
-
 @contextmanager
 def dry_run() -> Iterator[Notes]:
     """Let stores that are opened inside note the names of files, and write none."""
     noted = Notes()
-    token = _NOTES.set(noted)
+    token = NOTES.set(noted)
     try:
         with suppress(_Ended):
             yield noted
     finally:
-        _NOTES.reset(token)
+        NOTES.reset(token)
 
 
-def foresee(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_whole: bool = False) -> None:
+class _DryStore(Store):
+    """A store of a dry run: it notes the names of files, and stages in a temporary folder what is made before it.
+
+    is_whole: whether its files take the place of all that is in the folder
+    """
+
+    def __init__(self, folder: Path, noted: Notes, staging: Path, *, is_whole: bool) -> None:
+        super().__init__(folder, sync=False)
+        self.staging = staging
+        self._noted, self._is_whole = noted, is_whole
+
+    def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
+        """Note the files of a folder."""
+        refuse_taken([self.folder / name], force=force, holds=holds)
+        files = (path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file())
+        self._noted.put_whole(self.folder / name, files)
+
+    def put(
+        self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
+    ) -> None:
+        """Note files of the folder."""
+        if self._is_whole:
+            self._noted.put_whole(self.folder, bundle)
+            return
+        journal = self.journal.content
+        for name in bundle:
+            refuse_unit(self.folder, name, journal, force=force, is_single=not holds)
+        self._noted.put(self.folder, bundle, is_listed=bool(holds or journal))
+
+    def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+        """Note these files, and end the dry run."""
+        announce_files(self.folder, names, kept=kept, is_whole=self._is_whole)
+
+
+def announce_files(folder: Path, names: Iterable[str], *, kept: Iterable[str] = (), is_whole: bool = False) -> None:
     """Note the files that will be put into a folder, and end it, in a dry run; else do nothing.
 
     kept: those that exist and stay; is_whole: whether they take the place of all that is in the folder
     """
-    if (noted := notes()) is None:
+    if (noted := NOTES.get()) is None:
         return
     stay = frozenset(kept)
     noted.put(folder, [name for name in names if name not in stay])

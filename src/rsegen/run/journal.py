@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 import os
 import stat
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
@@ -29,7 +29,7 @@ from typing import Any
 from rsegen.errors import FileError, FilesDamaged, OutputError
 from rsegen.input_files import JOURNAL, Checksum, checksum_of, open_regular
 from rsegen.params.sorts import Json
-from rsegen.run.swap import put, sync_folder
+from rsegen.run.swap import put, sync
 
 HIDDEN = ".rsegen"
 """Start of the names of rsegen's own folders, which no journal lists: staging, and a folder being replaced."""
@@ -63,22 +63,24 @@ class Journal:
     size: int = 0
 
 
-def first_line(holds: str, of: Json = None) -> bytes:
-    """Return the first line of a journal."""
-    return _line({"rsegen_journal": _FORMAT, "holds": holds} | ({} if of is None else {"of": of}))
-
-
-def file_lines(files: Mapping[str, Checksum | tuple[Checksum, ...]]) -> bytes:
-    """Return a line for each of these files, or for each checksum that it may have."""
-    return b"".join(
-        _line({"file": name, "bytes": checksum.bytes, "sha256": checksum.sha256})
-        for name, checksums in sorted(files.items())
-        for checksum in ((checksums,) if isinstance(checksums, Checksum) else checksums)
-    )
-
-
-def _line(entry: Mapping[str, object]) -> bytes:
-    return json.dumps(entry).encode() + b"\n"
+def journal_text(
+    holds: str | None,
+    files: Mapping[str, Checksum | tuple[Checksum, ...]],
+    of: Json = None,
+    *,
+    results: Iterable[Mapping[str, Any]] = (),
+    gone: Iterable[str] = (),
+) -> bytes:
+    """Return lines of a journal: the first one, unless `holds` is None, and one for each checksum, result and name."""
+    entries: list[Mapping[str, object]] = []
+    if holds is not None:
+        entries.append({"rsegen_journal": _FORMAT, "holds": holds} | ({} if of is None else {"of": of}))
+    for name, checksums in sorted(files.items()):
+        several = (checksums,) if isinstance(checksums, Checksum) else checksums
+        entries += [{"file": name, "bytes": checksum.bytes, "sha256": checksum.sha256} for checksum in several]
+    entries += [{"result": result} for result in results]
+    entries += [{"gone": name} for name in sorted(gone)]
+    return b"".join(json.dumps(entry).encode() + b"\n" for entry in entries)
 
 
 def read_journal(folder: Path) -> Journal | None:
@@ -134,50 +136,37 @@ def _inside(name: str) -> str:
 class OpenJournal:
     """The journal of a folder that this run alone appends to; `content` is as it is on disk, None if there is none."""
 
-    def __init__(self, folder: Path, staging: Path, *, sync: bool, is_dry: bool = False) -> None:
+    def __init__(self, folder: Path, staging: Path, *, sync: bool) -> None:
         self.content: Journal | None = read_journal(folder)
-        self._is_dry = is_dry
-        self._path = folder / JOURNAL
-        self._staged = staging / JOURNAL
-        self._sync = sync
+        self._path, self._staged, self._sync = folder / JOURNAL, staging / JOURNAL, sync
         self._size = self.content.size if self.content else 0
-        self._has_begun = False
 
-    def begin(self, holds: str, of: Json = None) -> None:
-        """Write the first line if there is no journal."""
-        if self.content is None:
-            self.append(first_line(holds, of))
-            self.content = Journal(holds=holds, of=of)
-            self._has_begun = True
-
-    def forget(self) -> None:
-        """Remove a journal that has begun, of a folder into which nothing was written."""
-        if self._has_begun:
-            self._cut(0)
+    def begin(self, holds: str, of: Json = None) -> Journal:
+        """Say what the folder holds, if it has no journal; the first line is written with the first file or result."""
+        self.content = self.content or Journal(holds=holds, of=of)
+        return self.content
 
     @contextmanager
-    def announced(self, files: Mapping[str, Checksum], holds: str = "files") -> Iterator[None]:
+    def announced(self, files: Mapping[str, Checksum], holds: str) -> Iterator[None]:
         """Append a line for each of these files first; if what is done inside fails, they are cut off again."""
-        size = self._size
-        content = self.content or Journal(holds=holds)
-        self.append((b"" if self.content else first_line(holds)) + file_lines(files))
+        size, content = self._size, self.begin(holds)
+        self._append(files)
         try:
             yield
         except BaseException:
             self._cut(size)
             raise
         content.files.update((name, (checksum,)) for name, checksum in files.items())
-        self.content = content
 
     def tidy(self) -> None:
         """Write the journal anew with one line per file, sorted: a run that was stopped and went on leaves the same.
 
         If that fails, it says the same as it is.
         """
-        if self.content is None:
+        content = self.content
+        if content is None or not self._size:
             return
-        results = b"".join(_line({"result": result}) for result in self.content.results)
-        text = first_line(self.content.holds, self.content.of) + file_lines(self.content.files) + results
+        text = journal_text(content.holds, content.files, content.of, results=content.results)
         with suppress(OSError):
             if len(text) != self._size or self._path.read_bytes() != text:
                 self._write(self._staged, text, 0)
@@ -186,40 +175,36 @@ class OpenJournal:
 
     def note(self, result: Mapping[str, Json]) -> None:
         """Append a result to a journal that has begun."""
-        self.append(_line({"result": result}))
-        if self.content:
-            self.content = replace(self.content, results=(*self.content.results, result))
+        content = self.begin("files")
+        self._append(results=[result])
+        self.content = replace(content, results=(*content.results, result))
 
     def drop(self, names: Collection[str]) -> None:
         """List files as gone, which rsegen has removed."""
-        self.append(b"".join(_line({"gone": name}) for name in sorted(names)))
-        if self.content:
-            for name in names:
-                self.content.files.pop(name, None)
+        self._append(gone=names)
+        for name in names:
+            self.begin("files").files.pop(name, None)
 
-    def append(self, lines: bytes) -> None:
+    def _append(self, files: Mapping[str, Checksum] | None = None, **more: Any) -> None:
         """Append lines, and wait until the disk has them; half a line, of a run that was killed, is cut off before.
 
-        A new journal appears with its lines, so that none has half a first line. In a dry run nothing is appended.
+        A new journal is staged, and gets its name with its lines, so that none has half a first line.
         """
-        size = self._size
-        if self._is_dry:
-            return
-        if not size:  # a new journal is staged, and gets its name with its lines
-            self._write(self._staged, lines, 0)
-            put(self._staged, self._path)
-            try:
-                if self._sync:
-                    sync_folder(self._path.parent)
-            except BaseException:
-                self._cut(0)
-                raise
-        else:
-            try:
+        size, content = self._size, self.begin("files")
+        lines = journal_text(None if size else content.holds, files or {}, content.of, **more)
+        try:
+            if size:
                 self._write(self._path, lines, size)
-            except BaseException:
-                self._cut(size)
-                raise
+            else:
+                self._write(self._staged, lines, 0)
+                put(self._staged, self._path)
+                if self._sync:
+                    sync(self._path.parent)
+        except FileExistsError:  # somebody else's
+            raise
+        except BaseException:
+            self._cut(size)
+            raise
         self._size += len(lines)
 
     def _write(self, path: Path, lines: bytes, size: int) -> None:
@@ -337,6 +322,14 @@ def is_empty(folder: Path) -> bool:
     return not folder.is_dir() or next(_files(folder), None) is None
 
 
+def asides(folder: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield what a killed run has moved aside in a folder, to replace it, and its place."""
+    # Nothing else is removed of a map that is replaced than one folder in it, so no path is deeper (swap.exchange).
+    for depth in (1, 2):
+        above = folder / HIDDEN / "old" / str(depth)
+        yield from ((aside, folder / aside.relative_to(above)) for aside in above.glob("/".join("*" * depth)))
+
+
 def _is_own(name: str, path: str) -> bool:
     """Return whether a folder is a hidden one of a run, and does not only have such a name."""
     if name == f"{HIDDEN}.next":  # without a journal, if the run was killed before it wrote the first one
@@ -364,7 +357,7 @@ def _files(folder: Path, above: str = "") -> Iterator[tuple[str, os.stat_result]
             yield start.removesuffix("/"), os.lstat(path)
         for entry in entries:
             if not entry.is_dir(follow_symlinks=False):
-                if not f"{start}{entry.name}".startswith(f"{HIDDEN}/lease-"):
+                if f"{start}{entry.name}" != f"{HIDDEN}/lock":
                     yield f"{start}{entry.name}", entry.stat(follow_symlinks=False)
             elif not _is_own(f"{start}{entry.name}", entry.path):
                 waiting.append((entry.path, f"{start}{entry.name}/"))
@@ -425,6 +418,10 @@ def verify(folder: str | Path) -> Verified:
     with read_errors(folder):
         inside = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
         journals = {path: journal for path in (folder, *inside) if (journal := read_journal(path))}
+    for aside, place in asides(folder):
+        if not os.path.lexists(place):
+            problem = f"lies in {aside}, as a run that replaced it was killed"
+            raise FilesDamaged(f"{place}: {problem}; the next one that writes into {folder} puts it back")
     if not journals:
         raise FileError(f"{folder}: no {JOURNAL} in it, nor in its folders, so its files cannot be compared")
     unlisted: list[Path] = []

@@ -17,19 +17,21 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import partial
 from pathlib import Path, PurePosixPath
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
-from rsegen.input_files import Checksum
+from rsegen.input_files import JOURNAL, Checksum
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
-from rsegen.run import dry
 from rsegen.run.execute import Execution, execute
-from rsegen.run.journal import compare, read_errors, read_journal, refuse_link, refuse_loss
+from rsegen.run.journal import compare, journal_text, read_errors, read_journal, refuse_link, refuse_loss
 from rsegen.run.stop import held
-from rsegen.run.store import Store, new_root, open_store, stage_all, stage_journal
+from rsegen.run.store import NOTES, Store, new_root, open_store, stage_all
 from rsegen.run.swap import sync_trees
 from rsegen.run.targets import index_of
+
+if TYPE_CHECKING:
+    from rsegen.run.dry import Notes
 
 Item = TypeVar("Item")
 Made = TypeVar("Made")
@@ -53,13 +55,8 @@ class Output(Generic[Made]):
     whole: frozenset[str] = frozenset()
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Staged(Generic[Made]):
-    """An item whose files are complete in a folder of the staging: `output` without their bytes."""
-
-    output: Output[Made]
-    root: Path | None
-    files: Mapping[str, Checksum]
+Staged = tuple[Output[Made], Path, Mapping[str, Checksum]]
+"""An item without the bytes of its files, the folder in which they are staged, and their checksums."""
 
 
 def _stage(
@@ -73,23 +70,17 @@ def _stage(
     error = None
     for item in items:
         try:
-            staged.append(_staged(product(item), folder))
+            output, root = product(item), new_root(folder)
+            files = stage_all(root, output.files)
+            if files and not output.adds:
+                stage_all(root, {PurePosixPath(JOURNAL): [journal_text(output.holds, files)]})
+            staged.append((replace(output, files={}), root, files))
         except Exception as failure:  # raised by the run, once those before it are in their places
             error = failure
             break
     if sync:
-        sync_trees(*(item.root for item in staged if item.root))
+        sync_trees(*(root for _, root, files in staged if files))
     return staged, error
-
-
-def _staged(output: Output[Made], folder: Path) -> Staged[Made]:
-    if not output.files:
-        return Staged(output=output, root=None, files={})
-    root = new_root(folder)
-    files = stage_all(root, output.files)
-    if output.folder and not output.adds:
-        stage_journal(root, files, output.holds)
-    return Staged(output=replace(output, files={}), root=root, files=files)
 
 
 class OnExisting(Enum):
@@ -141,28 +132,21 @@ def run_in(
     Whatever ends it, what is in its place stays. Raises Stopped for Ctrl-C, and Incomplete for a mistake of the
     user that shows only after something was written.
     """
-    if noted := dry.notes():
+    if noted := NOTES.get():
         return tuple(_noted(noted, store.folder, plan))
-    return _made_in(store, plan, progress)
-
-
-def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made], object] | None) -> tuple[Made, ...]:
     # Batches come in the order of the items; after each, results are reported, and an error ends the run.
     staging = partial(_stage, plan.product, store.staging.absolute(), sync=plan.execution.sync)
-    batches = execute(staging, plan.to_make, plan.seconds, plan.execution)
     made: list[Made] = []
     try:
-        with closing(batches):
+        with closing(execute(staging, plan.to_make, plan.seconds, plan.execution)) as batches:
             for batch, failure in batches:
                 for staged in batch:
                     with held():
-                        _put(store, staged, force=plan.replaces)
-                        made.append(staged.output.made)
-                if batch:
-                    store.sync_names()
+                        made.append(_put(store, staged, force=plan.replaces))
+                store.sync_names()
                 if progress:
-                    for staged in batch:
-                        progress(staged.output.made)
+                    for output, _, _ in batch:
+                        progress(output.made)
                 if failure:
                     raise failure
     except (KeyboardInterrupt, UserError, OSError) as error:
@@ -170,7 +154,7 @@ def _made_in(store: Store, plan: RunPlan[Item, Made], progress: Callable[[Made],
     return tuple(made)
 
 
-def _noted(noted: dry.Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Made]:
+def _noted(noted: Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Made]:
     """Note the files of each item in a dry run, and yield what is known of those that would be made."""
     for item in plan.existing:
         noted.rest(folder / plan.product(item).folder, "keep")
@@ -203,13 +187,14 @@ def _ended(error: BaseException, store: Store, plan: RunPlan[Item, Made], made: 
     return Incomplete(f"{error}; {left}")
 
 
-def _put(store: Store, staged: Staged[Made], *, force: bool) -> None:
-    """Put the files of an item in their place; force: of a whole folder."""
-    root, files, output = staged.root, staged.files, staged.output
-    if root and output.adds:
+def _put(store: Store, staged: Staged[Made], *, force: bool) -> Made:
+    """Put the files of an item in their place, force: of a whole folder; return what is known of it."""
+    output, root, files = staged
+    if output.adds:
         store.put_staged(root, files, below=output.folder, force=output.force, whole=output.whole, holds=output.holds)
-    elif root:
+    elif files:
         store.put_folder(root, output.folder, output.holds, force=force)
+    return output.made
 
 
 def existing_maps(recipe: Recipe, folder: Path, is_complete: Callable[[str], bool]) -> list[int]:

@@ -9,10 +9,10 @@ from rsegen.recipe.codec import to_json
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import to_yaml
-from rsegen.run.store import write_file, write_paths
+from rsegen.run.store import write_file, write_files
 
 
-def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bool = False) -> None:
+def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
     """Write a recipe file, whole or not at all.
 
     Parameters
@@ -22,9 +22,7 @@ def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bo
     path : str or Path
         The file, YAML or JSON by its suffix.
     force : bool, default False
-        Replace it if rsegen wrote it and it is unchanged.
-    confirmed : bool, default False
-        Replace it whoever wrote it, as a person was asked.
+        Replace it if it exists.
 
     Raises
     ------
@@ -33,11 +31,11 @@ def save(recipe: Recipe, path: str | Path, *, force: bool = False, confirmed: bo
     """
     path = Path(path)
     text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
-    write_file([text.encode()], path, force=force, confirmed=confirmed)
+    write_file([text.encode()], path, force=force)
 
 
 def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
     """Write the included recipes into a folder, all or none of them; return their paths."""
-    copies = {folder / path.name: path.read_bytes() for path in EXAMPLES.values()}
-    write_paths(copies, force=force)
+    copies = {folder / path.name: [path.read_bytes()] for path in EXAMPLES.values()}
+    write_files(copies, force=force)
     return list(copies)

@@ -10,15 +10,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 
-
-class _State:
-    def __init__(self) -> None:
-        self.asked: bool = False
-        self.held: bool = False
-
-
-STATE = _State()
+STATE = SimpleNamespace(asked=False, held=False)
+"""Whether a signal has come, and whether it is to wait."""
 
 
 def ask() -> None:

@@ -1,15 +1,15 @@
 """A folder that one run alone writes into: staged in a hidden folder, put in place in one swap, listed in a journal.
 
-
-    DIR/.rsegen/lease-1      this run has the folder
+    DIR/.rsegen/lock         this run has the folder
     DIR/.rsegen/new/0a1b...  what is being written
-    DIR/.rsegen/old/         what was replaced, where the disk cannot exchange two names at once
+    DIR/.rsegen/old/1/NAME   what is being replaced, between two renames on a disk that cannot exchange two names
     DIR/.rsegen.next/        a data set or experiment that will replace DIR as a whole, once it is complete
 
 What exists is replaced only if rsegen wrote it and it has not changed since; it is looked at before the swap, and once
-more after it, when nobody else has it. If anything fails, what was swapped is swapped back. Cost: each file is read
-once to be checked, if it is replaced, and waits for the disk unless --no-sync. What breaks it: a single file that
-somebody changes in the milliseconds between check and swap, and a disk that reports as written what is not.
+more after it, when nobody else has it. If anything fails, what was swapped is swapped back. A single file is replaced
+because a person said so, and leaves nothing next to it. docs/engine.md draws what a kill leaves, and who removes it.
+Cost: each file is read once to be checked, if it is replaced, and waits for the disk unless --no-sync. What breaks it:
+a file that somebody changes in the milliseconds between check and swap, and a disk that reports as written what is not.
 """
 
 from __future__ import annotations
@@ -20,33 +20,35 @@ import os
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
-from functools import cached_property, partial
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextvars import ContextVar
+from functools import cached_property
 from pathlib import Path, PurePosixPath
-from tempfile import TemporaryDirectory
-from typing import ClassVar
+from typing import TYPE_CHECKING
 
 from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
 from rsegen.gazebo import Bundle
-from rsegen.input_files import JOURNAL, Checksum, checksum_of
+from rsegen.input_files import JOURNAL, Checksum
 from rsegen.params.sorts import Json
-from rsegen.run import dry
 from rsegen.run.journal import (
     HIDDEN,
     Journal,
     OpenJournal,
-    file_lines,
-    first_line,
+    asides,
     is_empty,
     is_intact,
+    journal_text,
     read_journal,
     refuse_link,
     refuse_loss,
     refuse_loss_below,
 )
-from rsegen.run.lease import Lease, refuse_leased, take, wait_until_free
+from rsegen.run.lock import Lock, refuse_locked
 from rsegen.run.stop import held
-from rsegen.run.swap import exchange, put, sync_folder, sync_trees
+from rsegen.run.swap import exchange, put, sync, sync_trees
+
+if TYPE_CHECKING:
+    from rsegen.run.dry import Notes
 
 PATIENCE = 5.0
 """Seconds that the writer of a single file waits for another run in the same folder.
@@ -57,30 +59,24 @@ Another writer of single files is done in less; a long run is reported after it.
 NEXT = f"{HIDDEN}.next"
 """The folder in a folder in which what will replace it grows."""
 
-
-def stage(root: Path, name: str | PurePosixPath, content: Iterable[bytes]) -> Checksum:
-    """Write one file below a staged folder, and the folders above it; an OutputError if its path leads out of it."""
-    relative = PurePosixPath(name)
-    if relative.is_absolute() or ".." in relative.parts or not relative.parts:
-        raise OutputError(f"{name}: leaves the output folder")
-    path = root / relative
-    os.makedirs(path.parent, exist_ok=True)
-    checksum, size = hashlib.sha256(), 0
-    with open(path, "wb") as file:
-        for piece in content:
-            checksum.update(piece)
-            size += file.write(piece)
-    return Checksum(bytes=size, sha256=checksum.hexdigest())
+NOTES: ContextVar[Notes | None] = ContextVar("the notes of a dry run (dry.py), None in a run that writes", default=None)
 
 
 def stage_all(root: Path, bundle: Mapping[PurePosixPath, Iterable[bytes]]) -> dict[str, Checksum]:
-    """Write the files of a bundle below a staged folder."""
-    return {str(path): stage(root, path, content) for path, content in bundle.items()}
-
-
-def stage_journal(root: Path, files: Mapping[str, Checksum], holds: str) -> None:
-    """Write the journal of a staged folder that has these files."""
-    stage(root, JOURNAL, [first_line(holds) + file_lines(files)])
+    """Write the files of a bundle below a staged folder; an OutputError if a path leads out of it."""
+    checksums = {}
+    for name, content in bundle.items():
+        if name.is_absolute() or ".." in name.parts or not name.parts:
+            raise OutputError(f"{name}: leaves the output folder")
+        path = root / name
+        os.makedirs(path.parent, exist_ok=True)
+        digest, size = hashlib.sha256(), 0
+        with open(path, "wb") as file:
+            for piece in content:
+                digest.update(piece)
+                size += file.write(piece)
+        checksums[str(name)] = Checksum(bytes=size, sha256=digest.hexdigest())
+    return checksums
 
 
 def new_root(staging: Path) -> Path:
@@ -96,66 +92,65 @@ class Store:
     Its journal lists the files that are put into the folder itself. A folder of maps has none: each map has its own.
     """
 
-    _is_dry: ClassVar[bool] = False
-
     def __init__(self, folder: Path, *, sync: bool) -> None:
         self.folder: Path = folder
         self.home: Path = folder / HIDDEN
+        self.lock: Lock = Lock(folder, self.home)
         self.staging: Path = self.home / "new"
         self.sync: bool = sync
         self.changed: bool = False
-        self._lease: Lease | None = None
+        self._renamed_in: set[Path] = set()
 
     @cached_property
     def journal(self) -> OpenJournal:
         """The journal of the folder."""
-        return OpenJournal(self.folder, self.staging, sync=self.sync, is_dry=self._is_dry)
+        return OpenJournal(self.folder, self.staging, sync=self.sync)
+
+    # Whole folders, each with a journal of its own.
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
         place = self.folder / name
-        self._check_lease()
-        with held():
-            if not os.path.lexists(place):
-                put(root, place)
-            elif not force:
+        self.lock.check()
+        if replaces := os.path.lexists(place):
+            if not force:
                 raise taken(place)
-            else:
-                refuse_link(place)
-                self._replace(root, place, holds)
+            refuse_link(place)
+            refuse_locked(place)
+        with held(), ExitStack() as undo:
+            self._put_unit(root, place, undo, replaces=replaces)
+            if replaces:  # the old one is looked at once more, as nobody else has it now
+                refuse_loss(root, holds, place)
+            undo.pop_all()
             self.changed = True
+        self._renamed_in.add(self.folder)
         _remove(root)  # where the old one is now
 
     def put_complete(self, root: Path, files: Mapping[str, Checksum], name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder a journal of its files, and its name, as `put_folder` does; the disk has all of it."""
-        stage_journal(root, files, holds)
+        stage_all(root, {PurePosixPath(JOURNAL): [journal_text(holds, files)]})
         if self.sync:
             sync_trees(root)
         self.put_folder(root, name, holds, force=force)
         self.sync_names()
 
-    def _replace(self, root: Path, place: Path, holds: str) -> None:
-        """Exchange a folder for a staged one; it is exchanged back if it holds anything that would be lost."""
-        refuse_leased(place / HIDDEN)
-        old = exchange(root, place, partial(self._aside, place))
-        try:
-            refuse_loss(old, holds, place)
-        except BaseException:
-            exchange(old, place, lambda: root)
-            raise
+    # Files of the folder, which its journal lists.
 
     def put(
         self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
     ) -> None:
-        """Write files of the folder, with a journal: all of them, or none if that fails.
+        """Write files of the folder: all of them, or none if that fails.
 
-        force: the names of those that may be replaced, or all of them.
+        force: the names of those that may be replaced, or all of them
+        holds: what the folder is, as its journal says; none is begun for single files, `""`, which `force` replaces
+        whoever wrote them
         """
         root = new_root(self.staging)
         files = stage_all(root, {PurePosixPath(path): content for path, content in bundle.items()})
         if self.sync:
             sync_trees(root)
         self.put_staged(root, files, force=force, holds=holds)
+        self.sync_names()
 
     def put_staged(
         self,
@@ -177,177 +172,98 @@ class Store:
         folder = self.folder / below
         journal = OpenJournal(folder, self.staging, sync=self.sync) if below else self.journal
         units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
-        for name in units:
-            if os.path.lexists(folder / name):
-                refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole)
+        existing = {name for name in units if os.path.lexists(folder / name)}
+        for name in existing:
+            refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole, is_single=not holds)
         before = journal.content.files if journal.content else {}
         gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
-        self._check_lease()
+        self.lock.check()
         if below:
-            refuse_leased(folder / HIDDEN)
+            refuse_locked(folder)
+        is_listed = bool(holds or journal.content)
         with held():
-            with journal.announced(files, holds), ExitStack() as undo:
+            with journal.announced(files, holds) if is_listed else nullcontext(), ExitStack() as undo:
                 for name in units:
-                    self._put_unit(root / name, folder / name, undo)
+                    self._put_unit(root / name, folder / name, undo, replaces=name in existing)
                 undo.pop_all()
             self.changed = True
         if gone:
             journal.drop(gone)
         if below:
             journal.tidy()
+        self._renamed_in |= {(folder / name).parent for name in units}
         _remove(root)
-        self._sync_folders((folder / name).parent for name in units)
 
-    def _check_lease(self) -> None:
-        if self._lease:
-            self._lease.check()
-
-    def _put_unit(self, new: Path, place: Path, undo: ExitStack) -> None:
+    def _put_unit(self, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
         """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""
         _make_folder(place.parent, undo)
-        if os.path.lexists(place):
-            old = exchange(new, place, partial(self._aside, place))
-            undo.callback(exchange, old, place, lambda: new)
+        if replaces:
+            self._exchange(new, place)
+            undo.callback(self._exchange, new, place)
         else:
             put(new, place)
             undo.callback(os.rename, place, new)
 
-    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+    def _exchange(self, new: Path, place: Path) -> None:
+        parts = place.relative_to(self.folder).parts
+        exchange(new, place, self.home.joinpath("old", str(len(parts)), *parts))
+
+    def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
 
     def note(self, result: Mapping[str, Json]) -> None:
         """Append a result to the journal, which has begun."""
-        self._check_lease()
+        self.lock.check()
         self.journal.note(result)
         self.changed = True
 
-    def adopt(self, names: Iterable[str]) -> None:
-        """List files that exist as if rsegen had written them: a person was asked whether they may be replaced."""
-        checksums = {name: checksum_of(self.folder / name) for name in names}
-        files = {name: checksum for name, checksum in checksums.items() if checksum}
-        if files:
-            with self.journal.announced(files):
-                pass
-
     def sync_names(self) -> None:
         """Wait until the disk has the names of what was put in place, unless nobody asked for it."""
-        self._sync_folders([self.folder])
+        for folder in self._renamed_in if self.sync else ():
+            sync(folder)
+        self._renamed_in.clear()
 
-    def _sync_folders(self, folders: Iterable[Path]) -> None:
-        if self.sync:
-            for folder in set(folders):
-                sync_folder(folder)
-
-    def _aside(self, place: Path) -> Path:
-        """Return where something that is replaced lies meanwhile, on a disk that cannot exchange two names."""
-        aside = self.home / "old" / secrets.token_hex(4) / place.relative_to(self.folder)
-        aside.parent.mkdir(parents=True)
-        return aside
-
-    # Opening and closing.
-
-    def _open(self, wait: float) -> None:
-        refuse_link(self.home)
-        while self._lease is None:
-            self.home.mkdir(exist_ok=True)
-            wait_until_free(self.home, wait)
-            with held(), suppress(FileNotFoundError):  # the run that had it has just removed the hidden folder
-                self._lease = take(self.home)
-        # What a killed run had moved aside and not yet replaced is put back, and what it had staged is removed.
-        for aside in (self.home / "old").glob("*"):
-            _put_back(aside, self.folder)
+    def clear(self) -> None:
+        """Empty the hidden folder: what lies aside and has no successor yet is put back, all else is removed."""
+        for aside, place in asides(self.folder):
+            if not os.path.lexists(place):
+                os.rename(aside, place)
         for path in (self.staging, self.home / "old"):
             _remove(path)
-            if path.exists():
-                raise WriteError(f"{self.home}: what a killed run left there cannot be removed")
-        self.staging.mkdir()
-
-    def _close(self) -> None:
-        """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
-        try:
-            if "journal" in vars(self):
-                (self.journal.tidy if self.changed else self.journal.forget)()
-            for path in (self.staging, self.home / "old") if self._lease else ():
-                _remove(path)
-        finally:
-            if self._lease:
-                self._lease.release()
-            _remove_empty(self.home)
-
-
-class _DryStore(Store):
-    """A store of a dry run: it notes the names of files, and stages in a temporary folder what is made before it.
-
-    is_whole: whether its files take the place of all that is in the folder
-    """
-
-    _is_dry: ClassVar[bool] = True
-
-    def __init__(self, folder: Path, noted: dry.Notes, staging: Path, *, is_whole: bool = False) -> None:
-        super().__init__(folder, sync=False)
-        self.staging = staging
-        self._noted, self._is_whole = noted, is_whole
-
-    def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
-        """Note the files of a folder."""
-        refuse_taken([self.folder / name], force=force, holds=holds)
-        files = (path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file())
-        self._noted.put_whole(self.folder / name, files)
-
-    def put(
-        self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
-    ) -> None:
-        """Note files of the folder."""
-        for name in bundle if not self._is_whole else ():
-            if os.path.lexists(self.folder / name):
-                refuse_unit(self.folder, name, self.journal.content, force=force, is_folder=False)
-        (self._noted.put_whole if self._is_whole else self._noted.put)(self.folder, bundle)
-
-    def foresee(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
-        """Note these files, and end the dry run."""
-        dry.foresee(self.folder, names, kept=kept, is_whole=self._is_whole)
-
-
-@contextmanager
-def _dry_store(
-    folder: Path, noted: dry.Notes, *, output: Path | None = None, is_whole: bool = False
-) -> Iterator[Store]:
-    above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        problem = f"{above} is {'read-only' if above.is_dir() else 'a file'}"
-        raise OutputError(f"{output or folder}: cannot be written: {problem}")
-    with TemporaryDirectory(prefix="rsegen-") as staging:
-        yield _DryStore(folder, noted, Path(staging), is_whole=is_whole)
-
-
-def _put_back(aside: Path, place: Path) -> None:
-    """Move everything below a folder to the same path below another, unless it is there."""
-    for path in aside.iterdir():
-        if not os.path.lexists(place / path.name):
-            os.rename(path, place / path.name)
-        elif path.is_dir() and not path.is_symlink() and (place / path.name).is_dir():
-            _put_back(path, place / path.name)
 
 
 def refuse_unit(
-    folder: Path, name: str, journal: Journal | None, *, force: Collection[str] | bool, is_folder: bool
+    folder: Path,
+    name: str,
+    journal: Journal | None,
+    *,
+    force: Collection[str] | bool,
+    is_folder: bool = False,
+    is_single: bool = False,
 ) -> None:
-    """Raise an OutputError if a file or folder that exists must not be replaced."""
-    _refuse_kept(folder / name, force=force if isinstance(force, bool) else name in force, is_folder=is_folder)
-    if is_folder:
-        refuse_loss_below(folder, name, journal)
-    else:
-        is_intact(folder, name, journal)
+    """Raise an OutputError if what has the name of a file or folder must not be replaced.
 
-
-def _refuse_kept(place: Path, *, force: bool, is_folder: bool = False) -> None:
-    """Raise an OutputError if what exists at a path is a link, of another kind, or not to be replaced."""
+    That is: a link, something of another kind, without `force` anything, and what rsegen did not write or somebody has
+    changed since. A single file is replaced by `force` alone.
+    """
+    place = folder / name
+    if not os.path.lexists(place):
+        return
     refuse_link(place)
     if not (place.is_dir() if is_folder else place.is_file()):
         kind = "folder" if is_folder else "file"
         raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
-    if not force:
+    if not (force if isinstance(force, bool) else name in force):
         raise taken(place)
+    if is_folder:
+        refuse_loss_below(folder, name, journal)
+    elif not is_single:
+        is_intact(folder, name, journal)
+
+
+def refuse_taken_file(path: Path, *, force: bool) -> None:
+    """Raise an OutputError if a single file exists, unless it is a file and `force` is given."""
+    refuse_unit(path.parent, path.name, None, force=force, is_single=True)
 
 
 def taken(place: Path) -> OutputError:
@@ -370,14 +286,11 @@ def _remove_empty(folder: Path) -> None:
         folder.rmdir()
 
 
-def _remove(path: Path) -> None:
-    """Remove a file or folder of the hidden folder; twice, as the first time an error may interrupt it."""
+def _remove(folder: Path) -> None:
+    """Remove a folder of the hidden folder; twice, as the first time an error may interrupt it."""
     for _ in range(2):
-        if path.is_dir():
-            shutil.rmtree(path, ignore_errors=True)
-        elif path.exists():
-            with suppress(OSError):
-                path.unlink()
+        if folder.exists():
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager
@@ -388,36 +301,46 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
     run; output: the path in messages, by default the folder. Raises an OutputError if another run is writing there, or
     if nothing may be written there; a WriteError if the disk failed after something was written.
     """
-    if noted := dry.notes():
-        with _dry_store(folder, noted, output=output) as store:
+    if noted := NOTES.get():
+        with noted.store(folder, output=output) as store:
             yield store
         return
     store = Store(folder, sync=sync)
-    with _as_our_errors(store, output or folder), ExitStack() as undo:
-        _make_folder(folder, undo)
-        try:
-            store._open(wait)
-            yield store
-        finally:
-            store._close()
-            if store.changed or (folder.is_dir() and any(folder.iterdir())):
-                undo.pop_all()
-
-
-@contextmanager
-def _as_our_errors(store: Store, output: Path) -> Iterator[None]:
-    """Turn errors of the system into an OutputError, or into a WriteError if anything was written before."""
     try:
-        yield
+        with ExitStack() as undo:  # removes the folder again if nothing was written into it
+            _make_folder(folder, undo)
+            refuse_link(store.home)
+            try:
+                store.lock.take(wait)
+                store.clear()
+                store.staging.mkdir()
+                yield store
+            finally:
+                _close(store)
+                if store.changed or any(folder.iterdir()):
+                    undo.pop_all()
     except (RsegenError, Stopped):
         raise
     except KeyboardInterrupt:
-        left = f"what is complete in {output} stays" if store.changed else f"nothing was changed in {output}"
+        what = output or folder
+        left = f"what is complete in {what} stays" if store.changed else f"nothing was changed in {what}"
         raise Stopped(left, changed=store.changed) from None
     except OSError as error:
         refused = error.errno in REFUSED and not store.changed
         kind, left = (OutputError if refused else WriteError), "" if store.changed else "; nothing was changed"
-        raise kind(f"{output}: cannot be written: {error.strerror or error}{left}") from error
+        raise kind(f"{output or folder}: cannot be written: {error.strerror or error}{left}") from error
+
+
+def _close(store: Store) -> None:
+    """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
+    try:
+        if store.changed and "journal" in vars(store):
+            store.journal.tidy()
+        if store.lock.is_taken:
+            store.clear()
+    finally:
+        store.lock.release()
+        _remove_empty(store.home)
 
 
 @contextmanager
@@ -438,11 +361,11 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
     If the run is stopped, the folder is as it was, and the same call goes on with what is there. Whether it may be
     replaced is checked before by `refuse_irreplaceable`, which reads all of it, and once more at the swap.
     """
-    if noted := dry.notes():
-        with _dry_store(folder, noted, is_whole=True) as store:
+    if noted := NOTES.get():
+        with noted.store(folder, is_whole=True) as store:
             yield store
         return
-    with open_store(folder, sync=sync):  # the old folder is leased too, so that no other run changes it meanwhile
+    with open_store(folder, sync=sync):  # the old folder is locked too, so that no other run changes it meanwhile
         begun = folder / NEXT
         if not is_empty(begun):
             refuse_loss(begun, holds)
@@ -477,7 +400,7 @@ def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
 
 def refuse_irreplaceable(folder: Path, holds: str) -> None:
     """Raise an OutputError if a folder may not be replaced as a whole, or cannot be."""
-    refuse_leased(folder / HIDDEN)
+    refuse_locked(folder)
     real = folder.resolve()
     refuse_loss(real, holds, folder)
     if real.is_mount() or not os.access(real.parent, os.W_OK):
@@ -488,8 +411,8 @@ def refuse_irreplaceable(folder: Path, holds: str) -> None:
 # Checks before a run, and single files.
 
 
-def refuse_not_a_folder(folder: Path) -> None:
-    """Raise an OutputError if the path is something else than a folder, or if no folder can have that name."""
+def refuse_busy(folder: Path) -> None:
+    """Raise an OutputError if a path is no folder and cannot be one, or if another run writes into it."""
     try:
         is_taken = folder.exists() and not folder.is_dir()
     except (OSError, ValueError) as error:
@@ -497,12 +420,7 @@ def refuse_not_a_folder(folder: Path) -> None:
         raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
     if is_taken:
         raise OutputError(f"{folder}: is a file; give a folder")
-
-
-def refuse_busy(folder: Path) -> None:
-    """Raise an OutputError if the path is no folder, or another run is writing into it."""
-    refuse_not_a_folder(folder)
-    refuse_leased(folder / HIDDEN)
+    refuse_locked(folder)
 
 
 def refuse_taken(folders: Iterable[str | Path], *, force: bool, holds: str = "map") -> None:
@@ -511,13 +429,6 @@ def refuse_taken(folders: Iterable[str | Path], *, force: bool, holds: str = "ma
         if not force:
             raise taken(folder)
         refuse_loss(folder, holds)
-
-
-def refuse_taken_file(path: Path, *, force: bool) -> None:
-    """Raise an OutputError if a path exists, unless it is a file that rsegen wrote and `force` is given."""
-    if os.path.lexists(path):
-        _refuse_kept(path, force=force)
-        is_intact(path.parent, path.name, read_journal(path.parent))
 
 
 def write_folder(
@@ -530,26 +441,19 @@ def write_folder(
     return sorted_names(bundle)
 
 
-def write_file(content: Iterable[bytes], path: Path, *, force: bool = False, confirmed: bool = False) -> None:
-    """Write one file, whole or not at all; an OutputError if it exists already.
-
-    force: replace it if rsegen wrote it and it is unchanged; confirmed: whoever wrote it, as a person has just been
-    asked about this very file.
-    """
-    with open_store(path.parent, wait=PATIENCE, output=path) as store:
-        if confirmed:
-            store.adopt([path.name])
-        store.put({path.name: content}, force=force or confirmed)
+def write_file(content: Iterable[bytes], path: Path, *, force: bool = False) -> None:
+    """Write one file, whole or not at all; an OutputError if it exists already, unless `force`."""
+    write_files({path: content}, force=force)
 
 
-def write_paths(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write files anywhere: all files of a folder, or none of them."""
+def write_files(contents: Mapping[Path, Iterable[bytes]], *, force: bool = False) -> None:
+    """Write single files anywhere: all files of a folder, or none of them."""
     for path in contents:
         refuse_taken_file(path, force=force)
     for folder in dict.fromkeys(path.parent for path in contents):
         paths = [path for path in contents if path.parent == folder]
         with open_store(folder, wait=PATIENCE, output=paths[0]) as store:
-            store.put({path.name: [contents[path]] for path in paths}, force=force)
+            store.put({path.name: contents[path] for path in paths}, force=force, holds="")
 
 
 def sorted_names(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:

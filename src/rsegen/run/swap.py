@@ -1,8 +1,9 @@
-"""Put a staged file or folder in its place in one step: at no moment is there neither the old nor the new.
+"""Put a staged file or folder in its place in one step, so that a kill leaves the old or the new.
 
-Linux can exchange two names at once, and rename one without replacing another (renameat2(2), since 3.15). If system or
-disk cannot, a folder is moved aside first: if the run is killed in that moment, the next one that writes there puts it
-back (store.py). Cost: one system call. What breaks it: staging on another disk than the place, so it is below it.
+Linux can exchange two names at once, and rename one without replacing another (renameat2(2), since 3.15). Where system
+or disk cannot, a folder lies aside between two renames, and the next run that writes there puts it back (store.py).
+Afterwards both ways leave the same: each has the other's name. Cost: one system call, or three. What breaks it: staging
+on another disk than the place, so it is below it.
 
 Files are on the disk before they get their names (fsync(2)), else a power failure could leave an empty file of the new
 name. Many files are synced with the whole disk at once (syncfs(2)), which is quicker, and waits for others' data too.
@@ -14,7 +15,6 @@ import errno
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -39,28 +39,30 @@ def put(new: Path, place: Path) -> None:
         os.rename(new, place)
 
 
-def exchange(new: Path, place: Path, make_aside: Callable[[], Path]) -> Path:
-    """Exchange a staged file or folder with the one at its place; return where the old one is now.
+def exchange(new: Path, place: Path, aside: Path) -> None:
+    """Exchange the names of a staged file or folder and of the one at its place.
 
-    make_aside: gives a path for the old one, if the system cannot exchange them
+    aside: the name of the old one meanwhile, if the system cannot exchange them
     """
     if _renamed(new, place, _EXCHANGE):
-        return new
-    aside = make_aside()
-    if place.is_file():  # one rename is enough
+        return
+    aside.parent.mkdir(parents=True, exist_ok=True)
+    is_folder = place.is_dir()
+    if is_folder:
+        os.rename(place, aside)
+    else:  # one rename replaces a file
         try:
             os.link(place, aside)
         except OSError:  # a disk without hard links
             shutil.copyfile(place, aside)
-        os.replace(new, place)
-        return aside
-    os.rename(place, aside)
     try:
-        os.rename(new, place)
+        os.replace(new, place)
+        os.rename(aside, new)
     except BaseException:
-        os.rename(aside, place)
+        if is_folder and os.path.lexists(place):
+            os.rename(place, new)
+        os.replace(aside, place)
         raise
-    return aside
 
 
 def _renamed(source: Path, place: Path, flags: int) -> bool:
@@ -90,42 +92,32 @@ def _of_libc(name: str) -> Any:
 
 def sync_trees(*folders: Path) -> None:
     """Wait until the disk has all that is below some folders of one disk, and these folders themselves."""
-    below = [(path, is_folder) for folder in folders for path, is_folder in [*_below(folder), (str(folder), True)]]
-    if len(below) > _FEW and (sync_disk := _of_libc("syncfs")):
+    paths = [
+        path
+        for folder in folders
+        for above, _, names in os.walk(folder)
+        for path in (*(os.path.join(above, name) for name in names), above)
+    ]
+    if len(paths) > _FEW and (sync_disk := _of_libc("syncfs")):
         import ctypes
 
-        descriptor = os.open(below[-1][0], os.O_RDONLY)
+        descriptor = os.open(paths[0], os.O_RDONLY)
         try:
             if sync_disk(descriptor):
-                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()), below[-1][0])
+                raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()), paths[0])
         finally:
             os.close(descriptor)
         return
-    for path, is_folder in below:
-        (sync_folder if is_folder else sync_file)(path)
+    for path in paths:
+        sync(path)
 
 
-def sync_folder(folder: str | Path) -> None:
-    """Wait until the disk has the names in a folder; Windows does that by itself."""
-    if sys.platform == "win32":
+def sync(path: str | Path) -> None:
+    """Wait until the disk has the content of a file, or the names in a folder; Windows does the latter by itself."""
+    if sys.platform == "win32" and os.path.isdir(path):
         return
-    descriptor = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
-
-
-def sync_file(path: str | Path) -> None:
-    """Wait until the disk has the content of a file."""
-    with open(path, "r+b") as file:
-        os.fsync(file.fileno())
-
-
-def _below(folder: str | Path) -> Iterator[tuple[str, bool]]:
-    """Yield every file and folder below a folder, and whether it is a folder."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if is_folder := entry.is_dir(follow_symlinks=False):
-                yield from _below(entry.path)
-            yield entry.path, is_folder

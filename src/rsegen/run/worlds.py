@@ -23,7 +23,7 @@ from rsegen.run.journal import read_journal
 from rsegen.run.plan import OnExisting, Output, RunPlan, existing_maps, run_in
 from rsegen.run.resources import check_needs
 from rsegen.run.sidecars import Sidecars
-from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_taken_file, sorted_names
+from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_unit, sorted_names
 from rsegen.scene.scene import Scene, compose
 
 
@@ -127,9 +127,8 @@ def plan_worlds(
     if not keep:
         homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
         refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
-    for name in beside:
-        read_journal(folder)  # which will list it
-        refuse_taken_file(folder / name, force=on_existing is not OnExisting.REFUSE)
+    for name in beside:  # which the journal will list
+        refuse_unit(folder, name, read_journal(folder), force=on_existing is not OnExisting.REFUSE)
     known = frozenset(existing)
     return RunPlan(
         folder=folder,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rsegen.recipe.recipe import Recipe
 from rsegen.run.resources import refuse_too_large
-from rsegen.run.store import refuse_taken_file, write_paths
+from rsegen.run.store import refuse_taken_file, write_files
 from rsegen.scene.scene import Scene, compose
 from rsegen.sheets.cut_settings import CutSettings
 from rsegen.sheets.document import refuse_unbuildable, sheet, sheet_format
@@ -29,5 +29,5 @@ def write_sheets(
     refuse_too_large(recipe)
     refuse_unbuildable(recipe, saw)
     scene = compose(recipe, index)
-    write_paths({path: sheet(scene, saw, format_) for path, format_ in formats.items()}, force=force)
+    write_files({path: [sheet(scene, saw, format_)] for path, format_ in formats.items()}, force=force)
     return scene

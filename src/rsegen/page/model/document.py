@@ -88,7 +88,7 @@ class Document:
             recipe = self.session.draft.recipe()
             same_kind = (target.suffix.lower() == ".json") == self.text.lstrip().startswith("{")
             text = text_after(self.text if same_kind else "", recipe, target.suffix)
-            write_file([text.encode()], target, confirmed=True)
+            write_file([text.encode()], target, force=True)
         if target != self.path:
             self.journal.remove()
             self.journal = DraftFile(name=str(target))

@@ -7,14 +7,14 @@ import os
 import signal
 import subprocess
 import sys
-import threading
-from itertools import count
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from rsegen.errors import OutputError
-from rsegen.run import lease
+from rsegen.input_files import JOURNAL
+from rsegen.run import lock
 from rsegen.run.store import open_store, write_file
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import ended, started, until_there
@@ -37,11 +37,12 @@ def holding(folder: Path) -> subprocess.Popen[str]:
     return process
 
 
-def of_another_machine(folder: Path) -> Path:
-    """Make the lease of a folder look as if a run of another machine had it."""
-    (held,) = (folder / ".rsegen").glob("lease-*")
-    held.write_text(json.dumps({**json.loads(held.read_text("utf-8")), "host": "elsewhere", "boot": "x"}), "utf-8")
-    return held
+@pytest.fixture(params=["locks", "no locks"])
+def disk(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A disk with locks, and one without."""
+    if request.param == "no locks":
+        monkeypatch.setattr(lock, "_locked", lambda _: None)
+    return str(request.param)
 
 
 def test_a_second_run_is_refused_by_name(tmp_path: Path) -> None:
@@ -50,6 +51,16 @@ def test_a_second_run_is_refused_by_name(tmp_path: Path) -> None:
         with pytest.raises(OutputError, match=expected), open_store(tmp_path):
             pass
         process.kill()
+    with open_store(tmp_path):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("disk")
+def test_a_killed_run_keeps_nobody_out(tmp_path: Path) -> None:
+    with holding(tmp_path) as process:
+        process.kill()
+    assert (tmp_path / ".rsegen" / "lock").exists()
     with open_store(tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []
@@ -64,48 +75,58 @@ def test_a_run_that_was_killed_and_not_yet_reaped_is_dead(tmp_path: Path) -> Non
     assert (tmp_path / "a").read_bytes() == b"1"
 
 
-def test_a_run_of_another_machine_is_alive_while_its_heart_beats(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(lease, "SILENCE", 1.0)
+def test_a_suspended_run_keeps_its_folder(tmp_path: Path) -> None:
     with holding(tmp_path) as process:
         process.send_signal(signal.SIGSTOP)
-        held, ended = of_another_machine(tmp_path), threading.Event()
-
-        def beat() -> None:
-            for beats in count():
-                held.write_text(json.dumps({"host": "elsewhere", "beat": beats}), "utf-8")
-                if ended.wait(0.1):
-                    return
-
-        heart = threading.Thread(target=beat)
-        heart.start()
         with pytest.raises(OutputError, match="another run is writing there"), open_store(tmp_path):
             pass
-        ended.set()
-        heart.join()
-        with open_store(tmp_path):
-            assert not held.exists()
         process.kill()
 
 
-def test_a_run_whose_folder_was_taken_writes_nothing_more(tmp_path: Path) -> None:
-    with open_store(tmp_path) as store:
-        (held,) = store.home.glob("lease-*")
-        held.unlink()
-        with pytest.raises(OutputError, match="another run took this folder"):
-            store.put({"a": [b"1"]})
+@pytest.mark.usefixtures("disk")
+def test_of_many_threads_one_has_a_folder_at_a_time(tmp_path: Path) -> None:
+    inside = []
+
+    def write(number: int) -> None:
+        with open_store(tmp_path, wait=600.0, sync=False) as store:
+            inside.append(number)
+            assert len(inside) == 1
+            store.put({f"{number}": [b"1"]})
+            inside.remove(number)
+
+    with ThreadPoolExecutor(8) as pool:
+        assert [*pool.map(write, range(16))] == [None] * 16
+    assert {path.name for path in tmp_path.iterdir()} == {JOURNAL, *map(str, range(16))}
+
+
+@pytest.mark.parametrize(
+    ("says", "is_gone"),
+    [("{", True), ("", True), ({"host": "elsewhere", "pid": 1}, False), ({"pid": 0}, True), ({"pid": 2**22 + 1}, True)],
+)
+def test_without_locks_a_run_of_another_computer_is_never_taken_for_dead(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, says: str | dict[str, object], is_gone: bool
+) -> None:
+    monkeypatch.setattr(lock, "_locked", lambda _: None)
+    file = tmp_path / ".rsegen" / "lock"
+    file.parent.mkdir()
+    file.write_text(says if isinstance(says, str) else json.dumps({**lock._here(), **says}))
+    if is_gone:
+        write_file([b"1"], tmp_path / "a")
+        assert [path.name for path in tmp_path.iterdir()] == ["a"]
+        return
+    refusal = r"process 1 on 'elsewhere'.*; if it no longer exists, delete .*lock"
+    with pytest.raises(OutputError, match=refusal), open_store(tmp_path):
+        pass
+    assert file.exists()
     assert not (tmp_path / "a").exists()
 
 
-def test_a_lease_that_is_half_written_is_dead_if_nobody_goes_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(lease, "SILENCE", 0.2)
-    (tmp_path / ".rsegen").mkdir()
-    (tmp_path / ".rsegen" / "lease-7").write_text("{")
-    write_file([b"1"], tmp_path / "a")
-    assert (tmp_path / "a").read_bytes() == b"1"
+def test_a_run_whose_lock_was_removed_writes_nothing_more(tmp_path: Path) -> None:
+    with open_store(tmp_path) as store:
+        (store.home / "lock").unlink()
+        with pytest.raises(OutputError, match="another run took this folder"):
+            store.put({"a": [b"1"]})
+    assert not (tmp_path / "a").exists()
 
 
 @pytest.mark.slow

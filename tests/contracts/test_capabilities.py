@@ -1,0 +1,148 @@
+"""Each capability is a folder that can be taken away, and says what it needs."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import rsegen
+from rsegen.params.capabilities import (
+    CORE,
+    Capability,
+    Command,
+    all_extras,
+    capabilities,
+    commands,
+    public_names,
+)
+from tests.support.deletion import FOLDERS, environment, sources_without, tree_without, with_dependants
+
+HOUSE = Path(rsegen.__file__).parent
+
+
+def imports() -> Iterator[tuple[str, str]]:
+    """Yield each import of a module of rsegen, in functions and for type checkers too: its module, what it imports."""
+    for path in HOUSE.rglob("*.py"):
+        module = ".".join(["rsegen", *path.relative_to(HOUSE).with_suffix("").parts]).removesuffix(".__init__")
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rsegen"):
+                yield from ((module, f"{node.module}.{name.name}") for name in node.names)
+
+
+def folder_of(module: str) -> str:
+    return module.split(".")[1] if "." in module else ""
+
+
+def asked_by_another(capability: Capability) -> set[str]:
+    """Modules that only another capability imports, by what this one declares: formats of it, calls of the page."""
+    return {*capability.calls, *(module for offered in capability.offers.values() for module in offered.values())}
+
+
+def test_every_folder_is_of_the_core_or_declares_itself() -> None:
+    folders = {path.parent.name for path in HOUSE.glob("*/__init__.py")}
+    assert folders == {*CORE, *FOLDERS}
+    assert len(FOLDERS) > 10
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_a_capability_imports_those_that_it_needs_and_no_other(name: str) -> None:
+    capability = capabilities()[name]
+    used = {
+        folder_of(imported)
+        for module, imported in imports()
+        if folder_of(module) == name and module not in asked_by_another(capability)
+    }
+    assert used & set(FOLDERS) - {name} == set(capability.needs)
+
+
+def test_no_capability_needs_itself_by_way_of_others() -> None:
+    needs = {name: capabilities()[name].needs for name in FOLDERS}
+    assert len([*TopologicalSorter(needs).static_order()]) == len(FOLDERS)
+
+
+def test_all_that_is_declared_is_there() -> None:
+    for capability in capabilities().values():
+        for command in capability.commands:
+            module = importlib.import_module(command.module)
+            assert callable(getattr(module, f"add_{command.name}"))
+            assert callable(getattr(module, f"run_{command.name}"))
+            assert not command.function or command.function in public_names()
+        places = [capability.targets, capability.crossers, capability.doctor, capability.notebook]
+        for place in [*filter(None, places), *capability.sidecars, *capability.words.values()]:
+            module_name, _, attribute = place.partition(":")
+            assert hasattr(importlib.import_module(module_name), attribute), place
+        manual = HOUSE.parents[1] / "docs" / f"{capability.manual}.md"
+        assert not capability.manual or manual.is_file(), manual
+    names = [command.name for capability in capabilities().values() for command in capability.commands]
+    assert sorted(names) == sorted(commands())
+
+
+def test_the_extras_are_those_of_the_package() -> None:
+    text = (HOUSE.parents[1] / "pyproject.toml").read_text("utf-8")
+    assert all(f"\n{name} = [" in text for name in all_extras())
+
+
+def run_without(copy: Path, *arguments: str) -> str:
+    """Return what rsegen prints in a copy, where it has to end with exit code 0."""
+    run = subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, cwd=copy, env=environment(copy), check=False
+    )
+    assert run.returncode == 0, run.stderr
+    assert "Traceback" not in run.stderr
+    return run.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*FOLDERS, "all"])
+def test_what_is_left_works_without_a_capability(name: str, tmp_path: Path) -> None:
+    gone = set(FOLDERS) if name == "all" else with_dependants([name])
+    copy = sources_without(gone, tmp_path / "copy")
+    text = run_without(copy, "-m", "rsegen", "--help")
+    lost = {command.name for folder in gone for command in capabilities()[folder].commands}
+    listed = {line.split()[0] for line in text.splitlines() if line.startswith("  ") and line[2:3].isalpha()}
+    assert listed == set(commands()) - lost
+    run_without(copy, "-m", "rsegen", "generate", "peak", "-o", str(tmp_path / "worlds"))
+    world = tmp_path / "worlds" / "peak_0000" / "peak_0000.world"
+    assert world.is_file()
+    assert "68.0%" in run_without(copy, "-m", "rsegen", "info", str(world.parent))
+    run_without(copy, "-m", "rsegen", "doctor")
+    code = "import rsegen; print(len([getattr(rsegen, name) for name in rsegen.__all__]))"
+    assert int(run_without(copy, "-c", code)) < len(public_names()) + 1 or not any(
+        capabilities()[folder].public for folder in gone
+    )
+
+
+@pytest.mark.long(reason="it runs the fast tests of the whole core: a minute of CPU")
+def test_the_core_passes_its_tests_without_any_capability(tmp_path: Path) -> None:
+    copy = tree_without(FOLDERS, tmp_path / "copy")
+    marks = ["-m", "not slow and not long and not real"]
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *marks, "tests"],
+        capture_output=True,
+        text=True,
+        cwd=copy,
+        env=environment(copy),
+        check=False,
+    )
+    assert run.returncode == 0, run.stdout[-3000:]
+    assert int(run.stdout.rsplit(" passed", 1)[0].split()[-1]) > 800
+
+
+def test_a_command_of_another_package_may_not_take_the_name_of_one_of_rsegen() -> None:
+    from rsegen.errors import PluginError
+    from rsegen.params.capabilities import _checked
+
+    taken = Capability(summary="", commands=(Command("drive", "simulation", "", "elsewhere"),))
+    with pytest.raises(PluginError, match="the command 'drive' is taken"):
+        _checked(taken, capabilities())
+    with pytest.raises(PluginError, match="it needs 'wings', which is not here"):
+        _checked(Capability(summary="", needs=("wings",)), capabilities())
+    with pytest.raises(PluginError, match="3 is not a"):
+        _checked(3, capabilities())

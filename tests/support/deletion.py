@@ -1,0 +1,95 @@
+"""A copy of the tree without some capabilities, and what is left of it.
+
+`python -m tests.support.deletion` deletes each capability in turn, with those that need it, and runs the fast tests
+that are left; names of capabilities on the command line choose which.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+
+from rsegen.params.capabilities import capabilities
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = [name for name in capabilities() if (ROOT / "src" / "rsegen" / name).is_dir()]
+"""Capabilities that can be deleted."""
+
+_OF_ALL = ("bad_input", "benchmarks", "contracts", "crash", "docs", "examples", "fuzz", "golden", "plugins", "real")
+"""Folders of tests that ask something of the whole, and so need all of it."""
+
+_LEFT_OUT = shutil.ignore_patterns("*.pyc", "__pycache__", "node_modules", "test_house.py")
+
+
+def with_dependants(names: Iterable[str]) -> set[str]:
+    """Return capabilities, and all that need any of them."""
+    gone = set(names)
+    while more := {name for name in FOLDERS if gone.intersection(capabilities()[name].needs)} - gone:
+        gone |= more
+    return gone
+
+
+def sources_without(names: Collection[str], folder: Path) -> Path:
+    """Copy the sources into a folder without some capabilities; return the copy's root."""
+    shutil.copytree(ROOT / "src", folder / "src", ignore=_LEFT_OUT)
+    for name in names:
+        shutil.rmtree(folder / "src" / "rsegen" / name)
+    return folder
+
+
+def tree_without(names: Collection[str], folder: Path) -> Path:
+    """Copy sources and tests into a folder without some capabilities and tests that use them; return its root."""
+    sources_without(names, folder)
+    for part in ("tests", "benchmarks"):
+        shutil.copytree(ROOT / part, folder / part, ignore=_LEFT_OUT)
+    for name in (*_OF_ALL, *names):
+        shutil.rmtree(folder / "tests" / name, ignore_errors=True)
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    for test in [*uses_of_what_is_gone(folder, names)]:
+        test.unlink()
+    return folder
+
+
+def uses_of_what_is_gone(folder: Path, names: Collection[str]) -> Iterator[Path]:
+    """Yield the files of tests of others that use what some capabilities bring: modules, public names or commands."""
+    gone = [capabilities()[name] for name in names]
+    public = {name for capability in gone for of_module in capability.public.values() for name in of_module}
+    commands = {command.name for capability in gone for command in capability.commands}
+    uses = re.compile(
+        rf"\b(?:rsegen|tests)\.(?:{'|'.join(names)})\b|\btests\.(?:{'|'.join(_OF_ALL)})\b"
+        rf"|\brsegen\.(?:{'|'.join(public)})\b|^from rsegen import .*\b(?:{'|'.join(public)})\b"
+        rf"|\"(?:{'|'.join(commands)})[\" ]|--(?:preview|sheet|formats)",
+        re.MULTILINE,
+    )
+    for path in folder.glob("tests/**/*.py"):
+        if uses.search(path.read_text("utf-8")):
+            yield path
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """Return the environment in which a copy is what Python imports."""
+    return {**os.environ, "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+
+
+def main(names: list[str]) -> int:
+    """Delete each of some capabilities, by default all in turn, and run the fast tests that are left."""
+    code = 0
+    for name in names or FOLDERS:
+        gone = with_dependants([name])
+        with tempfile.TemporaryDirectory() as folder:
+            copy = tree_without(gone, Path(folder))
+            print(f"without {', '.join(sorted(gone))}", flush=True)  # noqa: T201  # a command
+            marks = ["-m", "not slow and not long and not real"]
+            command = [sys.executable, "-m", "pytest", "-q", "-n", "2", "-p", "no:cacheprovider", *marks, "tests"]
+            code |= subprocess.run(command, cwd=copy, env=environment(copy), check=False).returncode
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
