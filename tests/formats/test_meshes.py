@@ -19,7 +19,7 @@ from tests.formats.maps import SCENES, made
 from tests.support.strategies import fields
 
 MESH = pytest.mark.parametrize("name", ["glb", "ply", "stl"])
-STANDING = {name: scene for name, scene in SCENES.items() if scene.field.stands()}
+STANDING = {name: scene for name, scene in SCENES.items() if scene.field.is_raised()}
 SCENE = pytest.mark.parametrize("scene", STANDING.values(), ids=list(STANDING))
 
 

@@ -20,7 +20,7 @@ from tests.real.maps import slippery
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
 
 SLIPPERY = {scene.recipe.name: scene for scene in map(compose, slippery())}
-STANDING = {name: scene for name, scene in SCENES.items() if scene.field.stands()}
+STANDING = {name: scene for name, scene in SCENES.items() if scene.field.is_raised()}
 STAND = pytest.mark.parametrize("scene", STANDING.values(), ids=list(STANDING))
 SCENE = pytest.mark.parametrize("scene", SCENES.values(), ids=list(SCENES))
 BINARY = pytest.mark.parametrize("binary", [False, True], ids=["usda", "usdc"])

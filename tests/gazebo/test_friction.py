@@ -169,7 +169,7 @@ def numbers(text: str | None) -> np.ndarray:
 def test_surfaces_by_material_are_the_whole_field(field: StepField) -> None:
     materials = field.materials()
     parts = [field.only([material]) for material in materials]
-    assert bool(materials) == field.stands()
+    assert bool(materials) == field.is_raised()
     assert all(part.materials() == [material] for part, material in zip(parts, materials, strict=True))
     np.testing.assert_array_equal(sum((part.heights for part in parts), np.zeros(field.shape)), field.heights)
     assert field.only(materials).heights.tolist() == field.heights.tolist()

@@ -71,8 +71,8 @@ def test_what_somebody_else_wrote_is_noticed_and_not_overwritten(host: Host, ope
     act(opened, {"do": "set", "name": "unit_cm", "value": 5})
     path = host.folder / "course.yaml"
     path.write_text("seed: 4\n")
-    assert opened.document.look()
-    assert not opened.document.look()
+    assert opened.document.check_file()
+    assert not opened.document.check_file()
     with pytest.raises(Question) as asked:
         calls.save(host, doc=opened.id)
     assert asked.value.kind == "changed"
@@ -85,7 +85,7 @@ def test_what_somebody_else_wrote_is_noticed_and_not_overwritten(host: Host, ope
 def test_a_file_of_another_time_with_the_same_text_has_not_changed(opened: Opened) -> None:
     assert opened.document.path
     os.utime(opened.document.path, (1, 1))
-    assert not opened.document.look()
+    assert not opened.document.check_file()
     assert not opened.document.changed_on_disk
 
 

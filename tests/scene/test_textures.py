@@ -74,7 +74,7 @@ def test_textured_worlds_name_files_that_they_have(name: str, mesh_type: str) ->
     world = next(content for path, content in files.items() if path.endswith(".world")).decode()
     uris = {part.partition("<")[0] for part in world.split("<uri>")[1:]}
     assert uris <= set(files)
-    assert not rsegen.compose(recipe).field.stands() or uris
+    assert not rsegen.compose(recipe).field.is_raised() or uris
 
 
 @pytest.mark.parametrize("name", ["frames round every chunk", "one frame of another height"])

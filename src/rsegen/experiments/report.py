@@ -90,26 +90,26 @@ def outcomes_of(results: Results, row: int, size: int, pace: str) -> Sequence[Ou
     return results.get(Cell(row=row, size=size, pace=pace), [])
 
 
-def known(outcomes: Iterable[Outcome], name: str) -> list[float]:
+def values_of(outcomes: Iterable[Outcome], name: str) -> list[float]:
     """Return a figure of those outcomes that have it."""
     return [value for value in (getattr(outcome, name) for outcome in outcomes) if value is not None]
 
 
 def median_of(outcomes: Iterable[Outcome], name: str) -> float | None:
     """Return the median of a figure of outcomes; None if none has it."""
-    values = known(outcomes, name)
+    values = values_of(outcomes, name)
     return median(values) if values else None
 
 
 def mean_of(outcomes: Iterable[Outcome], name: str) -> float | None:
     """Return the mean of a figure of outcomes; None if none has it."""
-    values = known(outcomes, name)
+    values = values_of(outcomes, name)
     return fmean(values) if values else None
 
 
 def rtf_limits(outcomes: Sequence[Outcome]) -> tuple[float, float, float] | None:
     """Return the least, the mean and the most real-time factor over all trials; None without any."""
-    least, mean, most = (known(outcomes, name) for name in ("rtf_min", "rtf", "rtf_max"))
+    least, mean, most = (values_of(outcomes, name) for name in ("rtf_min", "rtf", "rtf_max"))
     return (min(least), fmean(mean), max(most)) if least and mean and most else None
 
 
@@ -220,7 +220,7 @@ def _rested_at(plan: ExperimentPlan, results: Results, index: int, size: int) ->
 
 def _has_incidents(results: Results) -> bool:
     """Return whether it was recorded what happened to robots and servers, which earlier trials have not."""
-    return any(known(outcomes, "attempts") for outcomes in results.values())
+    return any(values_of(outcomes, "attempts") for outcomes in results.values())
 
 
 def _title(row: TableRow) -> str:
@@ -232,7 +232,7 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
     rows = {index: plan.rows[index] for index in numbers}
     several, first = len(rows) > 1, plan.rows[numbers[0]]
     yield f"## {first.label}{'' if several or not _title(first) else f', in {_title(first)}'}\n"
-    rendering = bool(set(SOURCES) & set(plan.paces)) or any(known(outcomes, "gpu") for outcomes in results.values())
+    rendering = bool(set(SOURCES) & set(plan.paces)) or any(values_of(outcomes, "gpu") for outcomes in results.values())
     unknown = (*(() if rendering else _RENDERING), *(() if _has_incidents(results) else _INCIDENTS))
     titles = [title for title in _cells({}, ()) if title not in unknown]
     paper = _PAPER if any(map(published_figures, rows.values())) else ()
@@ -256,7 +256,7 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
         yield f"\n{_RESTED}"
     if starved := [outcome for outcomes in tried for outcome in _starved(outcomes)]:
         yield f"\n{_STARVED}{_of_the_starved(starved)}."
-    if not all(known(outcomes, "driven") for outcomes in tried):
+    if not all(values_of(outcomes, "driven") for outcomes in tried):
         yield f"\n{_UNKNOWN}"
     yield ""
 
@@ -293,14 +293,14 @@ def _cells(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -
         "frames per s": _plain(median_of(every, "fps"), 1),
         "GPU": _percent(median_of(every, "gpu")),
         "simulated s per CPU s": _plain(median_of(quick, "speed"), 1) or "-",
-        "of the empty world's": (share if known(quick, "driven") else "") or "-",
+        "of the empty world's": (share if values_of(quick, "driven") else "") or "-",
         "driven": at_each_pace(way),
         "stuck": means("stuck"),
         "tipped": at_each_pace(lambda outcomes: _plain(mean_of(outcomes, "tipped"), 2)),
         "covered": means("covered"),
         "off the map": means("off"),
         "impossible": means("impossible"),
-        "attempts": at_each_pace(lambda outcomes: _plain(sum(known(outcomes, "attempts")) or None)),
+        "attempts": at_each_pace(lambda outcomes: _plain(sum(values_of(outcomes, "attempts")) or None)),
     }
 
 
@@ -310,8 +310,8 @@ def _starved(outcomes: Sequence[Outcome]) -> list[Outcome]:
 
 def _of_the_starved(starved: Sequence[Outcome]) -> str:
     """Return how many trials were starved, and how little of the machine they had at worst."""
-    cpu, simulated = (min(known(starved, name), default=None) for name in ("cpu", "simulated"))
-    machine = max(known(starved, "machine"), default=None)
+    cpu, simulated = (min(values_of(starved, name), default=None) for name in ("cpu", "simulated"))
+    machine = max(values_of(starved, "machine"), default=None)
     facts = [f"{len(starved)} {'trial' if len(starved) == 1 else 'trials'}"]
     facts += [f"with {_percent(cpu)} of a core or more"] if cpu is not None else []
     facts += [f"{simulated:.3g} s of simulation time or more"] if simulated is not None else []
@@ -321,7 +321,7 @@ def _of_the_starved(starved: Sequence[Outcome]) -> str:
 
 def _share(beside: Sequence[Outcome]) -> str:
     """Return the share of the empty world's speed, simulated in turns with it, and its standard error."""
-    shares = known(beside, "share")
+    shares = values_of(beside, "share")
     if len(shares) < 2:
         return "".join(f"{share:.2f}" for share in shares)
     return f"{median(shares):.2f} ± {sqrt(pi / 2 / len(shares)) * stdev(shares):.2f}"
@@ -421,7 +421,7 @@ def _points(
 
 def _limits(outcomes: Sequence[Outcome], name: str) -> tuple[float, float, float] | None:
     """Return the least, the median and the most of a figure; None if no outcome has it."""
-    values = known(outcomes, name)
+    values = values_of(outcomes, name)
     return (min(values), median(values), max(values)) if values else None
 
 

@@ -82,16 +82,16 @@ class StepField:
         """The window of all cells."""
         return slice(0, self.shape[0]), slice(0, self.shape[1])
 
-    def stands(self, window: CellWindow | None = None) -> bool:
+    def is_raised(self, window: CellWindow | None = None) -> bool:
         """Return whether anything in the field, or in a window of it, is above the ground."""
         part = window or self.whole
-        return bool(self.levels[part].any()) or self._frame_stands(part)
+        return bool(self.levels[part].any()) or self._frame_is_raised(part)
 
     def materials(self, window: CellWindow | None = None) -> list[int]:
         """Return the materials above the ground in the field or a window: 0 for frames, else the level of blocks."""
         part = window or self.whole
         levels = np.flatnonzero(np.bincount(self.levels[part].ravel())).tolist()
-        return [0] * self._frame_stands(part) + [int(level) for level in levels if level]
+        return [0] * self._frame_is_raised(part) + [int(level) for level in levels if level]
 
     def only(self, materials: Sequence[int]) -> StepField:
         """Return the field with only these materials; the cells of all others become level ground."""
@@ -150,7 +150,7 @@ class StepField:
                 field = replace(self, levels=self.levels[part], frame=self.frame[part])
                 yield Chunk(index=(i, j), centre=(float(x), float(y)), field=field)
 
-    def _frame_stands(self, part: CellWindow) -> bool:
+    def _frame_is_raised(self, part: CellWindow) -> bool:
         return bool(round(self.frame_height, NANOMETRE_DIGITS) and self.frame[part].any())
 
 

@@ -59,7 +59,7 @@ class Mjcf(Format):
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
             problem = "'hfield' has one friction coefficient, but the recipe gives several; give boxes or mesh"
             raise ParameterError("shape", problem)
-        if not scene.field.stands():
+        if not scene.field.is_raised():
             return _BodyElements()
         if self.shape == "hfield":
             return _height_field(scene, self.pixels)

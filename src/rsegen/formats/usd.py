@@ -49,7 +49,7 @@ def _material(root: Any, scene: Scene, material: int, part: str) -> Any:
     """Return the material of a surface without gloss: of its tint, times the image of its texture if it has one."""
     from pxr import Gf, Sdf, UsdShade
 
-    types, (stage, path) = Sdf.ValueTypeNames, _look(root, material_name(material, part))
+    types, (stage, path) = Sdf.ValueTypeNames, _stage_and_path(root, material_name(material, part))
     result, tint = UsdShade.Material.Define(stage, path), srgb_to_linear(scene.tint(material))
     # Three shaders in a row: texture coordinates -> image -> surface.
     if part:
@@ -97,7 +97,7 @@ class Usd(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Return a USD file, and the images of its textures if the recipe's look has any."""
-        images = texture_files(scene) if scene.field.stands() else {}
+        images = texture_files(scene) if scene.field.is_raised() else {}
         return {f"{scene.name}.usd{'c' if self.binary else 'a'}": _layer(scene, binary=self.binary), **images}
 
 
@@ -170,7 +170,7 @@ def _mesh(root: Any, scene: Scene, surface: Solid, name: str) -> Any:
     return mesh
 
 
-def _look(root: Any, name: str) -> tuple[Any, Any]:
+def _stage_and_path(root: Any, name: str) -> tuple[Any, Any]:
     """Return the stage, and the path of a material of a name in the scope of materials."""
     from pxr import UsdGeom
 
@@ -186,7 +186,7 @@ def _add_physics(root: Any, mesh: Any, friction: float, name: str) -> None:
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
     binding = UsdShade.MaterialBindingAPI(mesh.GetPrim())
-    material = UsdShade.Material.Define(*_look(root, name))
+    material = UsdShade.Material.Define(*_stage_and_path(root, name))
     physics = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
     physics.CreateStaticFrictionAttr(friction)
     physics.CreateDynamicFrictionAttr(friction)

@@ -35,4 +35,4 @@ def _models(scene: Scene) -> Iterator[str]:
 
 def _pallets(scene: Scene) -> Iterator[tuple[str, Chunk]]:
     chunks = scene.field.chunks(scene.recipe.chunk_size)
-    return (("pallet_{}_{}".format(*chunk.index), chunk) for chunk in chunks if chunk.field.stands())
+    return (("pallet_{}_{}".format(*chunk.index), chunk) for chunk in chunks if chunk.field.is_raised())

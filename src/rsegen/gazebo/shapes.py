@@ -100,7 +100,7 @@ def _parts(scene: Scene, field: StepField, stem: str) -> Iterator[tuple[str, Cel
     """Yield the name of every mesh and its window of the field: the whole field, or each tile that is not flat."""
     tile = scene.recipe.tile
     for part in split_window(field.whole, tile or max(field.shape)):
-        if field.stands(part):
+        if field.is_raised(part):
             suffix = f"_{part[0].start // tile}_{part[1].start // tile}" if tile else ""
             yield f"{stem}{suffix}", part
 

@@ -545,7 +545,7 @@ def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
     until = time.monotonic() + _REFUSED_WITHIN
     while not made.ended.wait(0.05) and time.monotonic() < until and not made.job.done:
         pass
-    refused = _EXISTS.match(made.said[-1]) if made.job.state == "failed" and made.said else None
+    refused = _EXISTS.match(made.stderr_lines[-1]) if made.job.state == "failed" and made.stderr_lines else None
     if refused and _may_be_replaced(made.folder / refused[1], _HOLDS.get(made.job.command, "map")):
         jobs.forget(made.job.id)
         raise Question(f"{refused[1]}: exists already", "exists")

@@ -87,7 +87,7 @@ JobValues = Annotated[dict[str, Any], Job]
 class JobRun:
     """The parts of a job: its arguments, the recipe that stands for one of them, and the program while it runs.
 
-    is_shown: whether pages get its changes; said: the lines of stderr that are no progress
+    is_shown: whether pages get its changes; stderr_lines: the lines of stderr that are no progress
     """
 
     job: Job
@@ -98,7 +98,7 @@ class JobRun:
     program: RunningProgram | None = None
     is_cancelled: bool = False
     is_shown: bool = True
-    said: list[str] = field(default_factory=list)
+    stderr_lines: list[str] = field(default_factory=list)
     ended: threading.Event = field(default_factory=threading.Event)
 
 
@@ -230,8 +230,8 @@ class Jobs:
             elif "report" in values:
                 run.job.lines = list(map(str, values["report"]))[:_MOST_LINES]
             elif line.strip():
-                run.said.append(line.strip())
-                del run.said[:-_MOST_LINES]
+                run.stderr_lines.append(line.strip())
+                del run.stderr_lines[:-_MOST_LINES]
 
     def _conclude(self, run: JobRun, code: int, result: str, began: float) -> None:
         """Say how a command ended: its report and files, or the one line of its error."""
@@ -241,10 +241,10 @@ class Jobs:
                 job.result = json.loads(result)
         # What differs is a result too, with exit code 1.
         if code and (run.is_cancelled or job.result is None):
-            job.lines = [line.removeprefix("rsegen: ") for line in run.said[-1:]]
+            job.lines = [line.removeprefix("rsegen: ") for line in run.stderr_lines[-1:]]
             job.state = "cancelled" if run.is_cancelled else "failed"
             return
-        job.lines = [*job.lines, *run.said][:_MOST_LINES]
+        job.lines = [*job.lines, *run.stderr_lines][:_MOST_LINES]
         if run.output:
             job.files = list(islice(_made(run.folder, run.output, began), _MOST_FILES))
         if run.recipe is None and (made := [file for file in job.files if file["kind"] == "recipe"]):

@@ -333,7 +333,7 @@ class Desk:
         while True:
             await asyncio.sleep(1.0)
             for opened in [document for document in self.host.all() if document.pages]:
-                await run_in_threadpool(_look, opened)
+                await run_in_threadpool(_check_file, opened)
 
     async def _arguments(self, request: Request) -> dict[str, Any]:
         """Return the arguments of a call that has the token."""
@@ -378,10 +378,10 @@ def _named(*, path: str) -> None:
     """Take what a file is asked with."""
 
 
-def _look(opened: Opened) -> None:
+def _check_file(opened: Opened) -> None:
     if opened.lock.acquire(blocking=False):  # else the next second is early enough
         try:
-            if not opened.document.look():
+            if not opened.document.check_file():
                 return
         finally:
             opened.lock.release()

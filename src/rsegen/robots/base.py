@@ -70,7 +70,7 @@ class Robot(RobotOnField):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN, *, lidar: bool = False) -> str:
         """Return its <model> for a simulator, with its lidar if wanted; `at`: the pose of its origin."""
         sensors = self.lidar.sdf(simulator) if self.lidar and lidar else ""
-        plugins = [self.drive.plugins(_known(simulator)), servo_plugins(self.servos, simulator)]
+        plugins = [self.drive.plugins(_checked_simulator(simulator)), servo_plugins(self.servos, simulator)]
         if simulator != "classic":  # which publishes poses by itself
             frames = element("odom_frame", f"{name}/odom") + element("robot_base_frame", self.links[0].name)
             topic = element("odom_topic", f"/model/{name}/ground_truth")  # /model/NAME/odometry is that of the drive
@@ -106,21 +106,21 @@ class Robot(RobotOnField):
         for what, value, most, unit in (("v", v, self.drive.speed, "m/s"), ("w", w, self.drive.turn, "rad/s")):
             if not abs(value) <= most:
                 raise ParameterError(what, f"{shown(value)} is outside -{numbers([most])}..{numbers([most])} {unit}")
-        return self.drive.command(name, v, w, _known(simulator))
+        return self.drive.command(name, v, w, _checked_simulator(simulator))
 
     def servo_command(self, name: str, joint: str, angle: float, simulator: str = "classic") -> PublishCommand:
         """Return the command that turns a joint to an angle, radians."""
         servos = {servo.joint: servo for servo in self.servos}
         if joint not in servos:
             raise UnknownName.among("joint", "joint with a motor", joint, servos)
-        return servos[joint].command(name, angle, _known(simulator))
+        return servos[joint].command(name, angle, _checked_simulator(simulator))
 
 
 _AWAKE = "      <allow_auto_disable>false</allow_auto_disable>\n"
 """Gazebo Classic would put a robot to sleep that pushes against a wall, and no command wakes its tracks."""
 
 
-def _known(simulator: str) -> str:
+def _checked_simulator(simulator: str) -> str:
     if simulator not in BACKENDS:
         raise UnknownName.among("simulator", "simulator", simulator, BACKENDS)
     return simulator

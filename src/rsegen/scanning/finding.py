@@ -70,7 +70,7 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     settings = settings or ScanSettings()
     near, middle = _usable(points)
     if known:
-        return _known(near, middle, settings, known)
+        return _scan_of_known_field(near, middle, settings, known)
     scan = _found_field(_gridded(near, middle, settings, None), settings)
     better = _corrected(settings, scan)
     return scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
@@ -89,7 +89,7 @@ def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
     return settings
 
 
-def _known(near: Array, middle: Array, settings: ScanSettings, known: StepField) -> Scan:
+def _scan_of_known_field(near: Array, middle: Array, settings: ScanSettings, known: StepField) -> Scan:
     """Return the known field in a cloud, on the floor, or else on a board that the cloud shows."""
     try:
         return _known_field(_gridded(near, middle, settings, known), known)

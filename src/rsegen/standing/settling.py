@@ -240,12 +240,12 @@ class _Settling:
         few, turned, three = _of_each(self.points[:, coarse], len(live)), self.axes(live), np.tile(far, len(live))
         _plane(self.under(few, live, turned), few, turned, three)
         self.three = coarse[three]
-        live, columns = self.look(live)
+        live, columns = self.look_at_all_samples(live)
         for _ in range(_LOOKS):
             if not len(live):
                 break
             self.settle_on(live, columns)
-            live, columns = self.look(live)
+            live, columns = self.look_at_all_samples(live)
         # Those that end before they are still are as high as all of their samples demand.
         self.find_contacts(np.flatnonzero(np.isinf(self.turn)))
 
@@ -279,7 +279,7 @@ class _Settling:
         self.slope[:, rows] = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
         return np.asarray((share * steep >= _STILL) & (np.hypot(*self.slope[:, rows]) <= _LOST))
 
-    def look(self, rows: Ints) -> tuple[Ints, Ints]:
+    def look_at_all_samples(self, rows: Ints) -> tuple[Ints, Ints]:
         """Return the robots that neither rest nor tip over, and samples of each on which they turn: columns (n, k)."""
         samples, members, count = self.points.shape[1], self.points.shape[1] // self.groups, min(_NEAR, self.groups)
         # As a robot is turned its contacts move; where they are no longer around it, they are found anew.

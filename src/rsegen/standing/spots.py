@@ -222,11 +222,11 @@ class Bounds(NamedTuple):
 
 def _fits(bounds: Bounds, body: Body) -> bool:
     yaw = np.arange(HEADINGS) * 2 * pi / HEADINGS
-    room = _room(bounds, Outline.of(body), yaw)
+    room = _range_inside(bounds, Outline.of(body), yaw)
     return bool((room[:, 0] <= room[:, 1]).all(axis=0).any())
 
 
-def _room(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
+def _range_inside(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
     """Return the least and largest x and y of a robot that is wholly within bounds, at each heading: (2, 2, n)."""
     c, s, (middle_x, middle_y) = np.cos(yaw), np.sin(yaw), outline.middle
     middles = middle_x * c - middle_y * s, middle_x * s + middle_y * c
@@ -335,7 +335,7 @@ class _Judge:
         ahead, aside = np.add.outer(np.asarray(along), points[:, 0]).ravel(), np.tile(points[:, 1], len(along))
         return np.asarray(ground.below(x + c * ahead - s * aside, y + s * ahead + c * aside))
 
-    def room(self, at: _At) -> Ints:
+    def level_lanes(self, at: _At) -> Ints:
         """Return on how many of some lanes ahead the ground is level, for each place, (n,)."""
         room = np.zeros(len(at[0]), np.intp)
         for lengths, turn in _ROOM:
@@ -444,7 +444,7 @@ def find_spots(  # noqa: PLR0913  # the last three by name
     that were refused last, and of these the least tilted. ParameterError if there are too few.
     """
     judge = _judge(field, body, most_tilt, [Bounds.of(field)])
-    (part,) = _looked_for(judge, [Bounds.of(field)], count, [rng], gap)
+    (part,) = _searched_parts(judge, [Bounds.of(field)], count, [rng], gap)
     return part.spots(evenest=evenest)
 
 
@@ -465,7 +465,7 @@ def spots_of_parts(  # the last by name
     judge = _judge(field, body, MOST_TILT, bounds)
     for begin in range(0, len(bounds), _PARTS):
         some = bounds[begin : begin + _PARTS]
-        for part in _looked_for(judge, some, count, list(islice(left, len(some))), 0.0):
+        for part in _searched_parts(judge, some, count, list(islice(left, len(some))), 0.0):
             yield part.spots(evenest=evenest)
 
 
@@ -514,7 +514,7 @@ class _Part:
         """
         even, (along, across, turn) = numbers % 2 == 0, self.drawn[:, numbers]
         yaw = np.where(even, np.floor(turn * HEADINGS) / HEADINGS, turn) * 2 * pi
-        room, half = _room(self.bounds, self.outline, yaw), self.half
+        room, half = _range_inside(self.bounds, self.outline, yaw), self.half
         inside = np.asarray((room[:, 0] <= room[:, 1]).all(axis=0))
         sides: list[Array] = []
         for (low, high), share, rim in zip(room, (along, across), self.bounds.low, strict=True):
@@ -587,7 +587,7 @@ def _by_fault_and_tilt(place: _Place) -> tuple[int, float]:
 _HELP = "add a platform obstacle, or give a smaller robot or another map"
 
 
-def _looked_for(
+def _searched_parts(
     judge: _Judge, bounds: Sequence[Bounds], count: int, rngs: Sequence[np.random.Generator], gap: float
 ) -> list[_Part]:
     """Return the search in each part of a field: level places first, the roomy ones of them before, then all others."""
@@ -606,7 +606,7 @@ def _looked_for(
     # Level places come first: look-ups find them, and only the roomy ones have to settle, which costs far more.
     _find_level(judge, parts)
     places = [part.places(part.level)[0] for part in parts]
-    for part, room in zip(parts, _split(judge.room(_joined(places)), places), strict=True):
+    for part, room in zip(parts, _split(judge.level_lanes(_joined(places)), places), strict=True):
         part.order = part.level[np.argsort(-room, kind="stable")][: _SETTLED + _MORE * count]
     _try(judge, parts)
     for part in parts:

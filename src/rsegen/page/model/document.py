@@ -104,7 +104,7 @@ class Document:
         self.session.restore(draft)
         self._saved()
 
-    def look(self) -> bool:
+    def check_file(self) -> bool:
         """Look whether somebody else wrote the file; return whether that has changed since the last look."""
         stamp = self._stamp_now()
         if stamp == self._stamp:
