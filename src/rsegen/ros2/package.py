@@ -239,6 +239,7 @@ def common_files(package: str, robots: Mapping[str, Mapping[str, str]], robot: s
 
 def _readme(package: str, robots: Iterable[str]) -> str:
     """Return the README of a package: what its files are, one line for each thing to do, and its topics."""
+    # A table for each question of who opens the package: how is it used, what is in it, what does it publish?
     nav2 = f"`ros2 launch {package} gazebo_sim.launch.py robot:=jackal start:=ground rviz:=true nav2:=true`"
     kinds = ", ".join(f"`{kind}`" for kind in robots)
     return f"""\
