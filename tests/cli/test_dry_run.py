@@ -112,7 +112,7 @@ def test_what_refuses_a_run_refuses_its_dry_run(
 
 @pytest.mark.parametrize("command", commands())
 def test_every_command_that_replaces_files_has_a_dry_run(command: str) -> None:
-    flags = parser_of(command)._option_string_actions
+    flags = parser_of(command).flags
     assert ("--force" in flags) == ("--dry-run" in flags)
 
 

@@ -38,7 +38,7 @@ def test_a_page_has_every_flag_and_groff_warns_of_nothing(command: list[str], ca
     )
     assert shown.stderr == ""
     words = set(re.split(r"[\s,=]+", shown.stdout))
-    actions = parser_of(command[0])._actions if command else []
+    actions = parser_of(command[0]).actions if command else []
     flags = [flag for action in actions if action.help != argparse.SUPPRESS for flag in action.option_strings]
     wanted = flags if command else commands()
     assert [word for word in wanted if word not in words] == []

@@ -19,7 +19,7 @@ import rsegen.simulators.commands
 import rsegen.spawning.commands
 from rsegen.cli.edge import main
 from rsegen.cli.flags import target_of
-from rsegen.cli.parser import parser
+from rsegen.cli.parser import parsed as parsed_words
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.simulators.live_world import Pose
 from rsegen.simulators.open_world import OpenedWorld, OpenResult
@@ -138,7 +138,7 @@ def test_nothing_to_look_at_is_refused_in_one_line(command: str, capsys: pytest.
 
 
 def parsed(*command: str) -> argparse.Namespace:
-    found: argparse.Namespace = parser().parse_args(command)
+    found: argparse.Namespace = parsed_words(command)
     return found
 
 

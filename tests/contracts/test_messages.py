@@ -100,7 +100,7 @@ def _name(node: ast.Assign | ast.AnnAssign) -> str:
 
 @pytest.mark.slow
 def test_no_text_of_the_library_has_a_flag() -> None:
-    flags = {flag for name in commands() for action in parser_of(name)._actions for flag in action.option_strings}
+    flags = {flag for name in commands() for action in parser_of(name).actions for flag in action.option_strings}
     found = {(name, flag) for name, text in texts() for flag in FLAG.findall(text) if flag in flags and " " in text}
     assert {(name, flag) for name, flag in found if name not in COMMAND_LINES} == set()
 

@@ -31,7 +31,7 @@ from traceback import walk_tb
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
-from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parser, parser_of
+from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parsed, parser_of
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
 from rsegen.params.capabilities import commands
 from rsegen.run import stop
@@ -222,17 +222,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str], signals: Signals) -> int:
     try:
-        top = parser()
-        complete(top)
-        parsed = top.parse_args(load_plugins(words))
-        if not hasattr(parsed, "run"):
+        complete()
+        arguments = parsed(load_plugins(words))
+        if not hasattr(arguments, "run"):
             print(OVERVIEW, end="")
             return 0
         from rsegen.cli.report import planned, progress_of
 
-        with signals.stop_it(), progress_of(parsed):
-            outcome = planned(parsed) if getattr(parsed, "dry_run", False) else parsed.run(parsed)
-            return outcome.show(parsed) if outcome else 0
+        with signals.stop_it(), progress_of(arguments):
+            outcome = planned(arguments) if getattr(arguments, "dry_run", False) else arguments.run(arguments)
+            return outcome.show(arguments) if outcome else 0
     finally:
         if sys.stdout:
             sys.stdout.flush()
@@ -262,7 +261,7 @@ def _command_line(call: re.Match[str]) -> str:
 def _with_flags(text: str, command: str) -> str:
     if not _ARGUMENT.search(text):
         return text  # most messages have no advice, and no parser is made for them
-    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command)._actions)
+    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command).actions)
     flags = {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
 
     def flag(argument: re.Match[str]) -> str:

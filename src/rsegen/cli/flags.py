@@ -63,7 +63,7 @@ def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> N
 
 
 def _add_recipe_group(command: Parser, text: str, helps: Mapping[Declared, str]) -> None:
-    group = command.add_argument_group(RECIPE, text)
+    group = command.group(RECIPE, text)
     example = "add an obstacle, as in 'peak levels=5 softness=30 first=2,2 last=7,7'; may be repeated"
     group.add_argument("--obstacle", action="append", default=[], metavar="'KIND KEY=VALUE ...'", help=example)
     for parameter, meaning in helps.items():
@@ -156,7 +156,7 @@ _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a 
 
 def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
-    group = command.add_argument_group("input")
+    group = command.group("input")
     add_input(group, f"{_WHERE}; or none, but --obstacle", name="target", metavar="RECIPE-or-DIR")
     group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
 

@@ -91,14 +91,14 @@ def add_generate(command: Parser) -> None:
     """Add the flags of `rsegen generate`."""
     epilog = "rsegen obstacles lists the kinds of obstacles and their parameters."
     command.explain(generate.__doc__, epilog)
-    add_input(command.add_argument_group("input"))
+    add_input(command.group("input"))
     add_output_flags(command)
     add_recipe_flags(command)
 
 
 def add_output_flags(command: Parser) -> None:
     """Add where to write worlds, and how."""
-    add_flags(command.add_argument_group("output"), generate)
+    add_flags(command.group("output"), generate)
     for kind in sidecar_kinds():
         kind.explain(command)
 

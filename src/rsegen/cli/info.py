@@ -36,7 +36,7 @@ def add_info(command: Parser) -> None:
     command.explain(text)
     add_target_flags(command)
     text = "compare every file in DIR, and in the maps in it, with the sizes and checksums that rsegen recorded"
-    command.add_argument_group("output").add_argument("--verify", action="store_true", help=text)
+    command.group("output").add_argument("--verify", action="store_true", help=text)
     add_target_recipe_flags(command)
 
 

@@ -11,7 +11,7 @@ import argparse
 import os
 import re
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from itertools import takewhile
@@ -22,29 +22,8 @@ from rsegen.errors import UnknownName, did_you_mean, line_of, shown
 from rsegen.params.capabilities import commands
 
 
-class _Commands(argparse._SubParsersAction):  # type: ignore[type-arg]  # argparse has no public name for it
-    """The commands, of which the module of the named one adds its parser, and no other."""
-
-    def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
-        self.choices = {name: command.help for name, command in commands().items()}
-
-    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
-        self.add(values[0])
-        super().__call__(parser, namespace, values, option_string)
-
-    def add(self, name: str) -> Parser:
-        """Return the parser of a command, with the function that runs it; add it if it is not there yet."""
-        if name not in self._name_parser_map:
-            module, command = import_module(commands()[name].module), self.add_parser(name)
-            import_module("rsegen.cli.report").add_shared_flags(command, getattr(module, f"add_{name}"))
-            command.set_defaults(run=getattr(module, f"run_{name}"))
-        made: Parser = self._name_parser_map[name]
-        return made
-
-
 def parser() -> Parser:
-    """Return the parser of the whole command line."""
+    """Return the parser of the command line without a command, whose help lists the commands."""
     top = Parser(
         prog="rsegen",
         usage="rsegen COMMAND [options]",
@@ -52,9 +31,6 @@ def parser() -> Parser:
         epilog="Start with: rsegen generate --obstacle 'random levels=5' -o worlds",
     )
     top.add_argument("-V", "--version", action="version", version=f"rsegen {__version__}")
-    top.commands = top.add_subparsers(  # type: ignore[assignment]  # typeshed gives its base
-        action=_Commands, prog="rsegen", metavar="COMMAND", help=argparse.SUPPRESS
-    )
     for title in dict.fromkeys(command.group for command in commands().values()):
         top.add_rows(title, partial(_rows_of, title))
     return top
@@ -65,8 +41,26 @@ def _rows_of(title: str) -> list[tuple[str, str]]:
 
 
 def parser_of(command: str) -> Parser:
-    """Return the parser of one command."""
-    return parser().commands.add(command)
+    """Return the parser of one command, whose module is imported for it."""
+    return _filled(Parser(prog=f"rsegen {command}"), command)
+
+
+def _filled(empty: Parser, command: str) -> Parser:
+    """Return a parser with the flags of a command, and the function that runs it."""
+    module = import_module(commands()[command].module)
+    import_module("rsegen.cli.report").add_shared_flags(empty, getattr(module, f"add_{command}"))
+    empty.set_defaults(run=getattr(module, f"run_{command}"))
+    return empty
+
+
+def parsed(words: Sequence[str]) -> argparse.Namespace:
+    """Return what a command line says; its `run` runs the command, if one is named."""
+    if not words or words[0].startswith("-"):
+        return parser().parse_args(words)
+    command, *others = words
+    if command not in commands():
+        parser().error(str(UnknownName.among("", "command", command, commands())))
+    return parser_of(command).parse_args(others)
 
 
 OVERVIEW = """\
@@ -81,21 +75,19 @@ rsegen makes Random Step Environments (NIST stepfields) as worlds and models for
 """What `rsegen` alone prints."""
 
 
-def complete(top: Parser) -> None:
+def complete() -> None:
     """Answer a shell that asks what may follow, and end; return if none asks (`_ARGCOMPLETE` is argcomplete's own)."""
     if "_ARGCOMPLETE" not in os.environ:
         return
     import argcomplete
 
-    parsers = top.commands
-    words = os.environ.get("COMP_LINE", "").split()[1:]
+    top, words = parser(), os.environ.get("COMP_LINE", "").split()[1:]
     named = next((word for word in words if word in commands()), None)
-    if named:
-        parsers.add(named)
+    parsers = top.add_subparsers(parser_class=Parser)
     for name in commands():  # argcomplete looks into each parser
-        if name not in parsers._name_parser_map:
-            parsers._name_parser_map[name] = Parser(prog=f"rsegen {name}")
-    parsers.choices = parsers._name_parser_map
+        empty = parsers.add_parser(name)
+        if name == named:
+            _filled(empty, name)
     argcomplete.autocomplete(top, always_complete_options="long")
 
 
@@ -136,16 +128,65 @@ _HELP = partial(argparse.HelpFormatter, max_help_position=26)
 """The layout of help: `argparse` leaves two columns less for flags, and breaks the line of more of them."""
 
 
-class Parser(argparse.ArgumentParser):
-    """A parser that says what is wrong in one line, with the nearest flag or command, and takes flags in full only."""
+class Group:
+    """Flags under a title of the help; of those that exclude each other the help says what must be given."""
 
-    commands: _Commands
+    def __init__(self, title: str, text: str | None, into: Any, whole: Group | None = None) -> None:
+        self.title, self.text = title, text
+        self.actions: list[argparse.Action] = []
+        self._whole = whole
+        self.exclusive: list[tuple[Any, list[argparse.Action]]] = []
+        self._into = into
+
+    def add_argument(self, *names: str, **options: Any) -> argparse.Action:
+        """Add a flag or an argument, as `argparse` takes it."""
+        action: argparse.Action = self._into.add_argument(*names, **options)
+        for group in filter(None, (self, self._whole)):
+            group.actions.append(action)
+        return action
+
+    def one_of(self) -> Group:
+        """Return a part of this group, of whose flags one must be given."""
+        real = self._into.add_mutually_exclusive_group(required=True)
+        part = Group(self.title, None, real, self)
+        self.exclusive.append((real, part.actions))
+        return part
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says what is wrong in one line, with the nearest flag or command, and takes flags in full only.
+
+    groups: flags under titles; of its own it has arguments, and options that all commands have
+    """
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
+        self.groups: list[Group] = []
+        self._own: list[argparse.Action] = []
         self._rows: list[tuple[str, Callable[[], Iterable[tuple[str, str]]]]] = []
+        super().__init__(allow_abbrev=False, formatter_class=_HELP, **options)
         text = f"load obstacles, formats, ... from file.py or a module, may be repeated (or set {VARIABLE})"
         self.add_argument(FLAG, metavar="MODULE", help=text)  # for --help; `load_plugins` has read it before
+
+    def add_argument(self, *names: Any, **options: Any) -> argparse.Action:
+        """Add an argument, or an option, to no group."""
+        action = super().add_argument(*names, **options)
+        self._own.append(action)
+        return action
+
+    def group(self, title: str, text: str | None = None) -> Group:
+        """Add a group of flags."""
+        self.groups.append(Group(title, text, self.add_argument_group(title, text)))
+        return self.groups[-1]
+
+    @property
+    def actions(self) -> list[argparse.Action]:
+        """All arguments and flags, as `argparse` has them."""
+        return [*self._own, *(action for group in self.groups for action in group.actions)]
+
+    @property
+    def flags(self) -> Mapping[str, argparse.Action]:
+        """The action of every flag, by the flag."""
+        return {flag: action for action in self.actions for flag in action.option_strings}
 
     def explain(self, text: str | None, epilog: str = "") -> None:
         """Set what the help says first, which is the first line of a docstring, and what it says last."""
@@ -157,14 +198,20 @@ class Parser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         """Return the help: how to call it, the groups of flags, the names, and the options of all commands last."""
-        formatter = self._get_formatter()
+        formatter = self.formatter_class(prog=self.prog)
         self._add_usage(formatter)
         formatter.add_text(self.description)
-        positionals, options, *groups = self._action_groups
-        flags = [(group.title, group.description, group._group_actions) for group in (positionals, *groups)]
+        arguments = [action for action in self._own if not action.option_strings]
+        options = [action for action in self._own if action.option_strings]
+        groups = [(group.title, group.text, group.actions) for group in self.groups]
         # Rows are laid out as arguments are.
         names = [(title, None, [_row(*row) for row in rows()]) for title, rows in self._rows]
-        for title, text, actions in [*flags, *names, (options.title, None, options._group_actions)]:
+        for title, text, actions in [
+            ("positional arguments", None, arguments),
+            *groups,
+            *names,
+            ("options", None, options),
+        ]:
             formatter.start_section(title)
             formatter.add_text(text)
             formatter.add_arguments(actions)
@@ -174,11 +221,11 @@ class Parser(argparse.ArgumentParser):
 
     def _add_usage(self, formatter: argparse.HelpFormatter) -> None:
         """Add what must be given; of all the rest, that there is more."""
-        groups = [group for group in self._mutually_exclusive_groups if group.required]
-        either = [action for group in groups for action in group._group_actions]
-        needed = [action for action in self._actions if action.required or not action.option_strings]
+        exclusive = [pair for group in self.groups for pair in group.exclusive]
+        either = [action for _, actions in exclusive for action in actions]
+        needed = [action for action in self.actions if action.required or not action.option_strings]
         options = argparse.Action([], "options", nargs="?", metavar="options")
-        formatter.add_usage(self.usage, [*either, *needed, options], groups)
+        formatter.add_usage(self.usage, [*either, *needed, options], [real for real, _ in exclusive])
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2."""
@@ -186,20 +233,15 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Refuse what is unknown in the parser of the command itself, which has the flags to compare it with."""
-        for obstacle in _unquoted(args or ()) if "--obstacle" in self._option_string_actions else ():
+        for obstacle in _unquoted(args or ()) if "--obstacle" in self.flags else ():
             self.error(f"put quotes around the obstacle: --obstacle {obstacle}")
-        parsed, unknown = super().parse_known_args(args, namespace)
+        known, unknown = super().parse_known_args(args, namespace)
         for text in unknown[:1]:
             if text.startswith("-"):
                 name = text.partition("=")[0]
-                flags = [flag for action in self._actions for flag in action.option_strings]
-                self.error(f"unknown flag {shown(name)}{did_you_mean(name, flags)}")
+                self.error(f"unknown flag {shown(name)}{did_you_mean(name, self.flags)}")
             self.error(f"unexpected argument {shown(text)}")
-        return parsed, unknown
-
-    def _check_value(self, action: argparse.Action, value: Any) -> None:
-        if action.choices is not None and value not in action.choices:
-            self.error(str(UnknownName.among("", "command", value, action.choices)))
+        return known, unknown
 
 
 def _row(name: str, text: str) -> argparse.Action:

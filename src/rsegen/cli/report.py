@@ -87,7 +87,7 @@ def add_shared_flags(command: Parser, add: Callable[[Parser], None]) -> None:
     command.add_argument("-q", "--quiet", action="store_true", help="print no report and no progress")
     add_flags(command, _Shared, only=["progress"])
     add(command)
-    if "--force" in command._option_string_actions:  # it writes files
+    if "--force" in command.flags:  # it writes files
         add_flags(command, _Shared, only=["dry_run"])
 
 

@@ -151,11 +151,11 @@ def add_series(command: Parser) -> None:
     """Add the flags of `rsegen series`."""
     epilog = "docs/difficulty.md defines difficulty, and shows how near the maps come to it."
     command.explain(series.__doc__, epilog)
-    add_input(command.add_argument_group("input"))
-    add_flags(command.add_argument_group("output"), series, only=declared(generate))
+    add_input(command.group("input"))
+    add_flags(command.group("output"), series, only=declared(generate))
     for kind in sidecar_kinds():
         kind.explain(command)
-    add_flags(command.add_argument_group("difficulty"), series, without=declared(generate))
+    add_flags(command.group("difficulty"), series, without=declared(generate))
     add_recipe_flags(command)
 
 
@@ -211,9 +211,9 @@ def add_dataset(command: Parser) -> None:
     epilog = "DIR#17 then names one of its maps in every command: rsegen generate DIR#17 -o worlds. docs/datasets.md "
     command.explain(make_dataset.__doc__, f"{epilog}shows how to read it in Python, and how to train on it.")
     text = f"{RECIPE_HELP}; flags apply to every recipe, so --maps N makes N maps of each"
-    add_input(command.add_argument_group("input"), text, name="recipes", nargs="*")
-    group = command.add_argument_group("output")
-    what = group.add_mutually_exclusive_group(required=True)
+    add_input(command.group("input"), text, name="recipes", nargs="*")
+    group = command.group("output")
+    what = group.one_of()
     what.add_argument("-o", "--output", dest="folder", metavar="DIR", help="folder for the data set")
     what.add_argument("--verify", metavar="DIR", help="check every file of the data set in DIR instead")
     add_flags(group, make_dataset, without=["folder"])

@@ -190,7 +190,7 @@ def add_drive(command: Parser) -> None:
     )
     command.explain(drive.__doc__, epilog + robot_kinds())
     add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=_WORLD)
-    add_flags(command.add_argument_group("drive"), drive)
+    add_flags(command.group("drive"), drive)
     add_target_recipe_flags(command, ("seed", *_OWN))
 
 

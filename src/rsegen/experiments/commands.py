@@ -100,7 +100,7 @@ def add_experiment(command: Parser) -> None:
     command.explain(experiment.__doc__, epilog)
     names = "quick, driven, paper, burgers, frames, representations"
     command.add_argument("plan", metavar="PLAN", help=f"{names}, or a YAML file like these")
-    add_flags(command.add_argument_group("output"), experiment)
+    add_flags(command.group("output"), experiment)
 
 
 def run_experiment(arguments: argparse.Namespace) -> Report:

@@ -124,7 +124,7 @@ def add_export(command: Parser) -> None:
     command.explain(export_maps.__doc__, epilog)
     add_target_flags(command, "all")
     command.add_argument("--list", action=_List, nargs=0, help="explain each format and its options")
-    add_flags(command.add_argument_group("output"), export_maps)
+    add_flags(command.group("output"), export_maps)
     add_format_rows(command, "--to")
     add_target_recipe_flags(command)
 

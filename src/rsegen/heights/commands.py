@@ -90,8 +90,8 @@ def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:
     return cls(**given_values)
 
 
-def _add_reading_flags(command: argparse.ArgumentParser) -> None:
-    group = command.add_argument_group("reading")
+def _add_reading_flags(command: Parser) -> None:
+    group = command.group("reading")
     for name, option in _options().items():
         text = "; ".join(f"{', '.join(kinds)}: {meaning}" for meaning, kinds in _meanings(name).items())
         is_switch = isinstance(option.sort, Flag)

@@ -42,8 +42,8 @@ def add_terrain(command: Parser) -> None:
     epilog = "Columns along y are of one recipe each. NAME_0000.json has the difficulty, kind and origin of each tile. "
     command.explain(_Tiles.__doc__, f"{epilog}docs/learning.md shows how to use it for training.")
     text = "YAML or JSON file, or the name of an example; each recipe has the same number of columns"
-    add_input(command.add_argument_group("input"), text, name="recipes", nargs="+")
-    group = command.add_argument_group("terrain")
+    add_input(command.group("input"), text, name="recipes", nargs="+")
+    group = command.group("terrain")
     add_flags(group, TerrainDesign)
     add_flags(group, _Tiles)
     add_output_flags(command)

@@ -54,7 +54,7 @@ def add_gui(command: Parser) -> None:
     command.explain(_Serving.__doc__)
     where = "YAML or JSON file, the name of an example, a folder, that of a drive, or DIR#17 of a data set"
     add_input(command, where, metavar="RECIPE-or-DIR")
-    add_flags(command.add_argument_group("server"), _Serving)
+    add_flags(command.group("server"), _Serving)
     add_target_recipe_flags(command)
 
 
@@ -145,7 +145,7 @@ def add_view(command: Parser) -> None:
     """Add the flags of `rsegen view`."""
     command.explain(_Page.__doc__)
     add_target_flags(command, "all, to choose from on the page")
-    add_flags(command.add_argument_group("output"), _Page)
+    add_flags(command.group("output"), _Page)
     add_target_recipe_flags(command)
 
 

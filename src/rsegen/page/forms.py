@@ -297,16 +297,16 @@ class CommandForm:
     can_replace: bool
 
     @classmethod
-    def of(cls, name: str, text: str, group: str, parser: argparse.ArgumentParser) -> CommandForm:
+    def of(cls, name: str, text: str, group: str, parser: Any) -> CommandForm:
         """Return the form of a command from its parser."""
-        actions = {action.dest: action for action in parser._actions}
-        arguments = {action.dest for action in parser._actions if not action.option_strings}
+        actions = {action.dest: action for action in parser.actions}
+        arguments = {action.dest for action in parser.actions if not action.option_strings}
         takes_recipe = name == "compare" or not arguments.isdisjoint(_RECIPES)
         of_recipe = {
             action
-            for part in parser._action_groups
+            for part in parser.groups
             if part.title == import_module("rsegen.cli.flags").RECIPE
-            for action in part._group_actions
+            for action in part.actions
         }
         output = next((action for action in actions.values() if "--output" in action.option_strings), None)
         left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}

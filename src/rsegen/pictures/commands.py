@@ -60,7 +60,7 @@ def add_preview(command: Parser) -> None:
     epilog = "Needs no screen. The plan counts cells below and on the left, and metres above and on the right."
     command.explain(_Preview.__doc__, epilog)
     add_target_flags(command)
-    add_flags(command.add_argument_group("output"), _Preview)
+    add_flags(command.group("output"), _Preview)
     add_target_recipe_flags(command)
 
 

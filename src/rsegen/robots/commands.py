@@ -96,8 +96,8 @@ def add_spots(command: Parser) -> None:
     epilog = "rsegen drive --route random with the same seed starts there."
     command.explain(spots.__doc__, f"{epilog} {robot_kinds()}")
     add_target_flags(command)
-    add_flags(command.add_argument_group("spots"), spots, without=["map"])
-    add_flags(command.add_argument_group("output"), _Outlines)
+    add_flags(command.group("spots"), spots, without=["map"])
+    add_flags(command.group("output"), _Outlines)
     add_target_recipe_flags(command, ("seed",))
 
 

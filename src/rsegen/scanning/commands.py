@@ -59,7 +59,7 @@ def add_scan(command: Parser) -> None:
     epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
     command.explain(_Fit.__doc__, epilog)
     command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {', '.join('*' + name for name in CLOUDS)}")
-    group = command.add_argument_group("reading", "what is not given is found from the cloud")
+    group = command.group("reading", "what is not given is found from the cloud")
     add_flags(group, ScanOptions, without=parameters(Recipe))
     add_output_flags(command)
     add_flags(command, _Fit)
@@ -201,8 +201,8 @@ def add_compare(command: Parser) -> None:
         "stand: a recipe, an example, the folder of a map",
     )
     command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
-    add_flags(command.add_argument_group("output"), _Drawing)
-    add_flags(command.add_argument_group("reading a scan"), ScanOptions, without=_OF_THE_MAP)
+    add_flags(command.group("output"), _Drawing)
+    add_flags(command.group("reading a scan"), ScanOptions, without=_OF_THE_MAP)
     add_target_recipe_flags(command)
 
 

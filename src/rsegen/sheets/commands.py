@@ -49,8 +49,8 @@ def add_sheet(command: Parser) -> None:
     )
     command.explain(_Files.__doc__, epilog)
     add_target_flags(command)
-    add_flags(command.add_argument_group("output"), _Files)
-    add_flags(command.add_argument_group("cutting"), CutSettings)
+    add_flags(command.group("output"), _Files)
+    add_flags(command.group("cutting"), CutSettings)
     add_target_recipe_flags(command)
 
 

@@ -92,7 +92,7 @@ def add_open(command: Parser) -> None:
     command.explain(open.__doc__, epilog)
     where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
     add_input(command, where, name="target", metavar=_WORLD)
-    group = command.add_argument_group("open")
+    group = command.group("open")
     add_flags(group, open)
     group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
     add_target_recipe_flags(command, _OWN)

@@ -200,7 +200,7 @@ def add_spawn(command: Parser) -> None:
     command.explain(spawn.__doc__, epilog + robot_kinds())
     where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF or Xacro file of a robot"
     add_input(command, where, name="target", metavar="DIR-or-RECIPE-or-ROBOT")
-    add_flags(command.add_argument_group("spawn"), spawn)
+    add_flags(command.group("spawn"), spawn)
     add_target_recipe_flags(command, _OWN_OF_SPAWN)
 
 
@@ -232,7 +232,7 @@ def add_respawn(command: Parser) -> None:
     command.explain(respawn.__doc__, epilog)
     where = "the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first"
     command.add_argument("target", metavar="RECIPE-or-DIR", help=where)
-    add_flags(command.add_argument_group("respawn"), respawn)
+    add_flags(command.group("respawn"), respawn)
 
 
 def run_respawn(arguments: argparse.Namespace) -> Report:

@@ -110,7 +110,7 @@ _OBSTACLES += (
 @cache
 def options(command: str) -> Mapping[str, argparse.Action]:
     """Every flag of a command."""
-    actions = parser_of(command)._actions
+    actions = parser_of(command).actions
     found = {flag: action for action in actions for flag in action.option_strings if flag not in NEVER}
     return {flag: action for flag, action in found.items() if (command, flag) not in LONG}
 

@@ -9,7 +9,7 @@ from hypothesis import example, given
 
 from rsegen import Peak, Recipe
 from rsegen.cli.flags import recipe_from
-from rsegen.cli.parser import parser
+from rsegen.cli.parser import parsed
 from rsegen.page.model.texts import command_line, python_code
 from tests.support.samples import FULL
 from tests.support.strategies import recipes
@@ -19,7 +19,7 @@ from tests.support.strategies import recipes
 @example(FULL)
 def test_the_command_line_makes_the_same_recipe(recipe: Recipe) -> None:
     words = shlex.split(command_line(recipe, "worlds"))
-    assert recipe_from(parser().parse_args(words[1:])) == recipe
+    assert recipe_from(parsed(words[1:])) == recipe
 
 
 @given(recipes())
