@@ -5,7 +5,7 @@
 #               those of one folder of src/rsegen, WHAT="scanning heights" of two
 # make deletions   deletes each capability in turn, in a copy, and runs the fast tests that are left; WHAT=scanning for one of them
 # make coverage  which lines of the core its quick tests do not run
-# make mutants  which small changes to the core no test notices; MUTANTS=field/obstacles/peak.py or MUTANTS=50, a sample
+# make mutants  which small changes to the core no test notices; MUTANTS=obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
 # make check    lint, types, import contracts
@@ -27,7 +27,7 @@ ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=workstea
 LONG ?= $(ARGS)
 FAST ?= --numprocesses=2
 WHAT ?=
-CORE = tests/params tests/field tests/recipe tests/geometry tests/scene tests/gazebo
+CORE = tests/params tests/field tests/obstacles tests/recipe tests/geometry tests/scene tests/gazebo
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=

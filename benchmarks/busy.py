@@ -24,9 +24,9 @@ from typing import Any
 
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
-from rsegen.run.target_worlds import world_of
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import running_server
+from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "busy.json"
 LOADS = (0, 10, 50)

@@ -29,12 +29,12 @@ from rsegen.field.stepfield import Levels
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import from_file
-from rsegen.run.target_worlds import write_world
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.live_world import Pose
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
+from rsegen.writing.target_worlds import write_world
 from tests.real.burger import Start, way
 
 HEADINGS = (0, 20, 45, 70, 90)

@@ -38,13 +38,13 @@ from rsegen.field.stepfield import Array
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.links import rotation
-from rsegen.run.target_worlds import world_of
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import attempted, running_server
 from rsegen.standing.body import Body
 from rsegen.standing.resting import has_stood, resting_poses
 from rsegen.standing.settling import PaddedGround, Settled, _Settling, outer_radius, settle
+from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "rests.json"
 

@@ -30,10 +30,10 @@ from rsegen.driving.routes import STOP, Motion, Route
 from rsegen.errors import ParameterError
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.base import ROBOTS
-from rsegen.run.target_worlds import world_of
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.live_world import Pose
+from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "starts.json"
 SEEDS = (1, 2, 3, 4, 5)

@@ -39,12 +39,13 @@ from rsegen import (
     schema,
     series,
 )
+from rsegen.build_sheets.document import pages
 from rsegen.cli.parser import parser_of
 from rsegen.experiments import report as experiments
 from rsegen.experiments.run import load_summary
-from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.formats import MAT
 from rsegen.measuring.plots import path_plot
+from rsegen.obstacles.base import PLACING, own_parameters
 from rsegen.params.capabilities import capabilities, commands, public_names
 from rsegen.params.command import rows
 from rsegen.params.registry import summary_of_class
@@ -53,7 +54,6 @@ from rsegen.pictures.preview import encoded, preview
 from rsegen.recipe.codec import decode, to_json
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.base import ROBOTS
-from rsegen.sheets.document import pages
 from rsegen.standing.plots import pose_maps
 
 DOCS = Path(__file__).parent
@@ -92,7 +92,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     ),
     "Fields and their metrics": (
         "field/stepfield",
-        "field/obstacles/rearranged",
+        "obstacles/rearranged",
         "field/traversability",
         "field/graphs",
         "measuring/roughness",
@@ -127,7 +127,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
     ),
     "Ground for robots that learn": ("learning/ground",),
     "Files and pictures": (
-        "sheets/timber",
+        "build_sheets/timber",
         "standing/posture",
         "scene/looks/images",
         "scene/looks/pine",
@@ -136,11 +136,11 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "scene/scene",
     ),
     "What is written": (
-        "run/execute",
-        "run/journal",
-        "run/store",
-        "run/swap",
-        "run/lock",
+        "writing/execute",
+        "writing/journal",
+        "writing/store",
+        "writing/swap",
+        "writing/lock",
         "datasets/series_rows",
         "heights/measured",
     ),

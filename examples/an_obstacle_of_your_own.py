@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 import rsegen
-from rsegen.field.obstacles.base import Shaped
+from rsegen.obstacles.base import Shaped
 from rsegen.params.sorts import Float
 
 

@@ -1,5 +1,7 @@
 """Made by `make docs` from the declarations of the core and the capabilities, for type checkers."""
 
+from rsegen.build_sheets.cut_settings import CutSettings as CutSettings
+from rsegen.build_sheets.document import sheet as sheet
 from rsegen.cli.generate import generate as generate
 from rsegen.datasets.commands import make_dataset as make_dataset
 from rsegen.datasets.commands import series as series
@@ -13,20 +15,6 @@ from rsegen.errors import UserError as UserError
 from rsegen.experiments.commands import experiment as experiment
 from rsegen.experiments.run import ExperimentResult as ExperimentResult
 from rsegen.field.limits import StepLimits as StepLimits
-from rsegen.field.obstacles import KINDS as KINDS
-from rsegen.field.obstacles import Obstacle as Obstacle
-from rsegen.field.obstacles.barrier import DiagonalBarrier as DiagonalBarrier
-from rsegen.field.obstacles.barrier import HorizontalBarrier as HorizontalBarrier
-from rsegen.field.obstacles.matrix import Matrix as Matrix
-from rsegen.field.obstacles.pallet import Pallet as Pallet
-from rsegen.field.obstacles.peak import Peak as Peak
-from rsegen.field.obstacles.pit import Pit as Pit
-from rsegen.field.obstacles.platform import Platform as Platform
-from rsegen.field.obstacles.rails import Rails as Rails
-from rsegen.field.obstacles.random import NormalRandom as NormalRandom
-from rsegen.field.obstacles.random import Random as Random
-from rsegen.field.obstacles.stairs import Stairs as Stairs
-from rsegen.field.obstacles.stones import Stones as Stones
 from rsegen.field.stepfield import StepField as StepField
 from rsegen.formats.base import FORMATS as FORMATS
 from rsegen.formats.commands import export as export
@@ -46,6 +34,20 @@ from rsegen.measuring.catalogue import Metric as Metric
 from rsegen.measuring.catalogue import Metrics as Metrics
 from rsegen.measuring.catalogue import metric as metric
 from rsegen.measuring.catalogue import metrics as metrics
+from rsegen.obstacles import KINDS as KINDS
+from rsegen.obstacles import Obstacle as Obstacle
+from rsegen.obstacles.barrier import DiagonalBarrier as DiagonalBarrier
+from rsegen.obstacles.barrier import HorizontalBarrier as HorizontalBarrier
+from rsegen.obstacles.matrix import Matrix as Matrix
+from rsegen.obstacles.pallet import Pallet as Pallet
+from rsegen.obstacles.peak import Peak as Peak
+from rsegen.obstacles.pit import Pit as Pit
+from rsegen.obstacles.platform import Platform as Platform
+from rsegen.obstacles.rails import Rails as Rails
+from rsegen.obstacles.random import NormalRandom as NormalRandom
+from rsegen.obstacles.random import Random as Random
+from rsegen.obstacles.stairs import Stairs as Stairs
+from rsegen.obstacles.stones import Stones as Stones
 from rsegen.page.service import Gui as Gui
 from rsegen.page.service import gui as gui
 from rsegen.page.view import View as View
@@ -60,11 +62,6 @@ from rsegen.recipe.recipe_file import load as load
 from rsegen.robots.commands import spots as spots
 from rsegen.robots.lookup import poses as poses
 from rsegen.robots.lookup import robot_of as robot_of
-from rsegen.run.journal import Verified as Verified
-from rsegen.run.journal import verify as verify
-from rsegen.run.recipe_files import save as save
-from rsegen.run.worlds import Generated as Generated
-from rsegen.run.worlds import GeneratedMap as GeneratedMap
 from rsegen.scanning.scan_options import ScanOptions as ScanOptions
 from rsegen.scanning.scans import ComparedMap as ComparedMap
 from rsegen.scanning.scans import ScannedMap as ScannedMap
@@ -72,8 +69,6 @@ from rsegen.scanning.scans import compare as compare
 from rsegen.scanning.scans import scan as scan
 from rsegen.scene.scene import Scene as Scene
 from rsegen.scene.scene import compose as compose
-from rsegen.sheets.cut_settings import CutSettings as CutSettings
-from rsegen.sheets.document import sheet as sheet
 from rsegen.simulators.commands import open as open
 from rsegen.simulators.open_world import OpenResult as OpenResult
 from rsegen.spawning.commands import remove as remove
@@ -84,6 +79,11 @@ from rsegen.spawning.spawning import RespawnResult as RespawnResult
 from rsegen.spawning.spawning import SpawnResult as SpawnResult
 from rsegen.standing.resting import Poses as Poses
 from rsegen.standing.spots import Spot as Spot
+from rsegen.writing.journal import Verified as Verified
+from rsegen.writing.journal import verify as verify
+from rsegen.writing.recipe_files import save as save
+from rsegen.writing.worlds import Generated as Generated
+from rsegen.writing.worlds import GeneratedMap as GeneratedMap
 
 __version__: str
 

@@ -224,7 +224,7 @@ def opened_image(path: Path) -> Iterator[Image]:
 
 
 JOURNAL = ".rsegen.jsonl"
-"""The file of a folder that lists what rsegen wrote there, with sizes and checksums (rsegen.run.journal)."""
+"""The file of a folder that lists what rsegen wrote there, with sizes and checksums (rsegen.writing.journal)."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from rsegen.run import plan
+from rsegen.writing import plan
 from tests.support.complaints import (
     OBSTACLE,
     Refused,

@@ -17,8 +17,8 @@ import yaml
 import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli.edge import main
-from rsegen.field.obstacles.base import own_parameters
 from rsegen.input_files import JOURNAL
+from rsegen.obstacles.base import own_parameters
 from rsegen.params.capabilities import commands
 from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import decode

@@ -106,5 +106,5 @@ def test_without_package_metadata_the_report_is_printed(monkeypatch: pytest.Monk
     def not_installed(_: str) -> list[str]:
         raise PackageNotFoundError
 
-    monkeypatch.setattr(extras, "requires", not_installed)
+    monkeypatch.setattr("importlib.metadata.requires", not_installed)
     assert summary(capsys)["libraries"] == {"numpy": np.__version__}

@@ -110,7 +110,7 @@ def test_completion_prints_what_the_shell_reads(shell: str, capsys: pytest.Captu
 
 UNUSED = [
     *("multiprocessing", "matplotlib", "yaml", "rsegen.recipe.constraints", "rsegen.recipe.difficulty"),
-    *("rsegen.simulators.base", "rsegen.datasets.making", "rsegen.sheets.document", "rsegen.pictures.preview"),
+    *("rsegen.simulators.base", "rsegen.datasets.making", "rsegen.build_sheets.document", "rsegen.pictures.preview"),
 ]
 
 
@@ -125,7 +125,7 @@ def imported_by_generate(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 @pytest.mark.parametrize("module", UNUSED)
 def test_a_small_world_takes_no_module_that_it_does_not_use(module: str, imported_by_generate: list[str]) -> None:
-    assert "rsegen.run.worlds" in imported_by_generate
+    assert "rsegen.writing.worlds" in imported_by_generate
     assert module not in imported_by_generate
 
 

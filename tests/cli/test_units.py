@@ -48,7 +48,7 @@ def test_stock_and_kerf_may_be_of_any_unit(tmp_path: Path) -> None:
 
 def test_pages_in_inches_have_no_centimetres(tmp_path: Path) -> None:
     from rsegen import CutSettings, compose
-    from rsegen.sheets.document import pages
+    from rsegen.build_sheets.document import pages
 
     assert main(["generate", *INCHES, "-o", str(tmp_path)]) == 0
     scene = compose(load(tmp_path / "red-diagonal-pallet_0000" / "recipe.json"))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rsegen import KINDS, Obstacle, Recipe, build
-from rsegen.field.obstacles import Grid
-from rsegen.field.obstacles.base import PLACING, RESERVED, own_parameters, row_parameters
+from rsegen.obstacles import Grid
+from rsegen.obstacles.base import PLACING, RESERVED, own_parameters, row_parameters
 from rsegen.params.registry import name_conflict, summary_of_class
 from rsegen.params.sorts import parameters
 from rsegen.params.streams import generator

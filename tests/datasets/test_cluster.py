@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from rsegen.input_files import JOURNAL
-from rsegen.run import execute
+from rsegen.writing import execute
 from tests.support.complaints import OBSTACLE, exit_code, the_line
 from tests.support.patience import PATIENCE
 from tests.support.runs import contents, ended, started, until_it_has

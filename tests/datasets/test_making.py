@@ -19,7 +19,7 @@ from rsegen.datasets import making as dataset_module
 from rsegen.errors import OutputError, TooLarge
 from rsegen.input_files import JOURNAL
 from rsegen.recipe.codec import decode
-from rsegen.run import execute as execute_module
+from rsegen.writing import execute as execute_module
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.long import long_unless
 from tests.support.runs import contents, ended, started, until_it_has

@@ -26,7 +26,7 @@ from rsegen.errors import OutputError, ParameterError
 from rsegen.input_files import JOURNAL
 from rsegen.measuring.catalogue import metric_by
 from rsegen.recipe.codec import decode
-from rsegen.run import execute as execute_module
+from rsegen.writing import execute as execute_module
 from tests.cli.test_cli import contents, printed, read
 
 RANDOM = Recipe(name="rough", seed=7, maps=8, obstacles=(Random(levels=5),))
@@ -136,7 +136,7 @@ def test_maps_that_keep_to_constraints_follow_the_line_too(tmp_path: Path) -> No
         assert row.highest_step <= 0.2
 
 
-@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
+@pytest.mark.long(reason="tests/writing/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 def test_workers_make_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     series(RANDOM, tmp_path / "1")

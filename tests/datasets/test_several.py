@@ -17,7 +17,7 @@ from rsegen import Dataset, Peak, Random, Recipe, make_dataset
 from rsegen.datasets import making as dataset_module
 from rsegen.datasets.layout import MOST, ShardLayout
 from rsegen.errors import DatasetDamaged, OutputError, UserError
-from rsegen.run import execute as execute_module
+from rsegen.writing import execute as execute_module
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents
 
@@ -83,7 +83,7 @@ def test_a_list_of_one_recipe_makes_the_same_bytes_as_the_recipe(tmp_path: Path)
     assert contents(tmp_path / "one") == contents(tmp_path / "list")
 
 
-@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
+@pytest.mark.long(reason="tests/writing/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 @pytest.mark.parametrize("metrics", ["npy", "parquet", "none"])
 def test_several_recipes_give_the_same_data_set_with_workers_and_a_cluster(

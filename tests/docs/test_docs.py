@@ -37,13 +37,13 @@ ELSEWHERE = {"CONTRIBUTING.md", "learning.md", "gazebo.md", "training.md"}
 """Pages whose programs have tests of their own below."""
 LONG = {
     "constraints.md": "tests/recipe/constraints has its recipes",
-    "datasets.md": "tests/run has its commands",
+    "datasets.md": "tests/writing has its commands",
     "difficulty.md": "tests/recipe has its commands",
     "formats.md": "tests/formats has every format",
     "README.md": "a robot looks for its ways over several maps",
     "metrics.md": "a robot looks for its ways over several maps",
     "scan.md": "tests/scanning/test_scan_command.py has its commands",
-    "sheet.md": "tests/sheets has its commands",
+    "sheet.md": "tests/build_sheets has its commands",
     "tutorial.md": "a robot looks for its ways over several maps",
 }
 """Page -> why make test leaves it to make test-all."""

@@ -17,7 +17,7 @@ from rsegen.errors import FileError, UserError
 from rsegen.experiments.plan import load_plan
 from rsegen.experiments.run import Entries, load_summary, read_entries
 from rsegen.input_files import JOURNAL
-from rsegen.run.journal import read_journal
+from rsegen.writing.journal import read_journal
 from tests.support.complaints import Refused
 
 ROW = {"robot": "burger", "robots": 2, "sizes": [0, 10], "recipe": {"obstacles": [{"kind": "peak", "levels": 4}]}}

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from rsegen.field.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged
+from rsegen.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged
 from rsegen.params.streams import generator
 from rsegen.recipe.constraints.inventory import BlockCounts
 from tests.support.arrangements import Counts, possible_counts

@@ -17,8 +17,8 @@ from rsegen.formats.base import FORMATS
 from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
 from rsegen.params.registry import summary_of_class
-from rsegen.run.plan import existing_maps
-from rsegen.run.sidecars import Sidecars
+from rsegen.writing.plan import existing_maps
+from rsegen.writing.sidecars import Sidecars
 from tests.formats.maps import RECIPES
 from tests.support.complaints import exit_code
 from tests.support.runs import contents
@@ -135,7 +135,7 @@ def test_a_map_with_an_invalid_list_of_formats_is_incomplete(content: bytes, tmp
     assert all(map(Sidecars().complete_in, homes))
 
 
-@pytest.mark.long(reason="tests/run/test_execute.py has workers once for all commands")
+@pytest.mark.long(reason="tests/writing/test_execute.py has workers once for all commands")
 @pytest.mark.slow
 def test_workers_make_the_same_files(tmp_path: Path) -> None:
     many: Recipe = replace(SMALL, maps=150)

@@ -18,8 +18,8 @@ from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
 from rsegen.input_files import JOURNAL
 from rsegen.recipe.codec import to_json
-from rsegen.run import resources, swap
-from rsegen.run import store as store_module
+from rsegen.writing import resources, swap
+from rsegen.writing import store as store_module
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
 

@@ -266,7 +266,7 @@ def _small_machine(root: Path) -> None:
     os.environ |= {"MPLCONFIGDIR": str(root / "home"), "MPLBACKEND": "agg", "COLUMNS": "100"}
     tempfile.tempdir = str(root / "tmp")
     sys.dont_write_bytecode = True
-    resources: Any = importlib.import_module("rsegen.run.resources")
+    resources: Any = importlib.import_module("rsegen.writing.resources")
     resources._free_memory = lambda: FREE_MEMORY
     resources._free_disk = lambda _: FREE_DISK
     patience: Any = importlib.import_module("rsegen.simulators.patience")

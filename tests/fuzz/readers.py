@@ -46,7 +46,7 @@ def _read_plan(name: str) -> None:
 
 def _read_journal(name: str) -> None:
     from rsegen.experiments.run import read_entries
-    from rsegen.run.journal import read_journal
+    from rsegen.writing.journal import read_journal
     from tests.fuzz.seeds import PLAN
 
     folder = Path(name).parent

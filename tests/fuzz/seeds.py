@@ -302,7 +302,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from rsegen import Obstacle
-from rsegen.field.obstacles.base import Region
+from rsegen.obstacles.base import Region
 from rsegen.params.sorts import Integer
 
 

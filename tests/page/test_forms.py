@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 
 from rsegen.cli.parser import parser_of
 from rsegen.errors import ParameterError, UnknownName
-from rsegen.field.obstacles import KINDS
-from rsegen.field.obstacles.base import row_parameters
+from rsegen.obstacles import KINDS
+from rsegen.obstacles.base import row_parameters
 from rsegen.page.forms import CommandForm, command_form, command_forms, global_groups, hello, kinds
 from rsegen.page.host import Host
 from rsegen.page.places import Places

@@ -19,7 +19,7 @@ from rsegen.page import forms, jobs
 from rsegen.page import host as hosting
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
-from rsegen.run.journal import read_journal
+from rsegen.writing.journal import read_journal
 from tests.support.patience import until
 
 pytestmark = pytest.mark.slow

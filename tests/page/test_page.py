@@ -25,8 +25,8 @@ from rsegen.page.shown_map import ShownMap
 from rsegen.page.shown_map import page as frozen_page
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
-from rsegen.run.recipe_files import save
 from rsegen.scene.scene import compose
+from rsegen.writing.recipe_files import save
 from tests.page.test_files import drive as recorded
 from tests.support.browser import BLURRED, chromium, complaints, resize
 from tests.support.long import long_unless

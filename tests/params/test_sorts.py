@@ -12,8 +12,8 @@ import pytest
 
 from rsegen import Peak, Recipe
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles.matrix import Rows
-from rsegen.field.obstacles.random import Counts, Weights
+from rsegen.obstacles.matrix import Rows
+from rsegen.obstacles.random import Counts, Weights
 from rsegen.params.sorts import (
     ANYWHERE,
     CellRef,

@@ -16,8 +16,8 @@ STEPS = "0,0,1,1,2,2,3,3,4,0"
 
 EAGER = """
 import sys
-import rsegen.run.execute
-rsegen.run.execute.WORTHWHILE = 0  # so few maps are shared out too
+import rsegen.writing.execute
+rsegen.writing.execute.WORTHWHILE = 0  # so few maps are shared out too
 from rsegen.cli.edge import main
 if __name__ == "__main__":
     sys.exit(main())

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from rsegen import Obstacle
-from rsegen.field.obstacles.base import Region
+from rsegen.obstacles.base import Region
 from rsegen.params.sorts import Integer
 
 
@@ -30,7 +30,7 @@ class Dune(Region):
 BROKEN = {
     "ImportError: No module named 'sand'": "raise ImportError(\"No module named 'sand'\")",
     "AttributeError: module 'dunes1' has no attribute 'Dune'": "pass",
-    "is not a subclass of rsegen.field.obstacles.base.Obstacle": "class Dune: pass",
+    "is not a subclass of rsegen.obstacles.base.Obstacle": "class Dune: pass",
     "does not define drawn": GOOD.replace("def drawn", "def shape"),
     "has no docstring": GOOD.replace('    """Sand."""\n', ""),
     "is named sand; its entry point must have the same name": GOOD.replace('"dune"', '"sand"'),
@@ -144,6 +144,6 @@ def test_reserved_names_are_the_keys_of_rows_and_of_readers() -> None:
     from rsegen.heights.base import IMPORTERS
     from rsegen.params.sorts import parameters
 
-    obstacles = importlib.import_module("rsegen.field.obstacles.base")
+    obstacles = importlib.import_module("rsegen.obstacles.base")
     assert {"kind", "first", "last", "blend", "key", "enabled"} == obstacles.RESERVED
     assert {name for cls in IMPORTERS.own() for name in parameters(cls)} == READING

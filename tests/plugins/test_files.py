@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import rsegen
-from rsegen.field.obstacles.base import Shaped
+from rsegen.obstacles.base import Shaped
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

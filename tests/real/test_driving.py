@@ -19,9 +19,9 @@ from rsegen.driving.world_file import world_with_robots
 from rsegen.field.stepfield import Levels
 from rsegen.gazebo import export
 from rsegen.robots.base import ROBOTS
-from rsegen.run.store import write_folder
 from rsegen.simulators.base import Installation
 from rsegen.simulators.server import running_server
+from rsegen.writing.store import write_folder
 from tests.real.bodies import furnished
 from tests.real.burger import SPEED, Start, Way, burger, way
 from tests.real.maps import SHAPES, Shape, shape_name

@@ -9,8 +9,8 @@ from benchmarks.starts import starts
 from rsegen.driving.recording import record_drive
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.robots.base import ROBOTS
-from rsegen.run.target_worlds import world_of
 from rsegen.simulators.base import Installation
+from rsegen.writing.target_worlds import world_of
 from tests.support.long import long_unless
 
 

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen import Matrix, Random, Recipe
 from rsegen.errors import ParameterError, TooLarge
-from rsegen.field.obstacles import Grid, Patch
-from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Levels
+from rsegen.obstacles import Grid, Patch
+from rsegen.obstacles.base import Shaped
 from rsegen.params.sorts import ANYWHERE, Cell
 from rsegen.params.streams import Streams, generator
 from rsegen.recipe.examples import EXAMPLES

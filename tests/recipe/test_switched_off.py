@@ -14,8 +14,8 @@ from rsegen import Peak, Random, Recipe, build, build_many, load, save
 from rsegen.cli.edge import main
 from rsegen.cli.flags import obstacle_in
 from rsegen.errors import ParameterError
-from rsegen.field.obstacles import Obstacle
 from rsegen.gazebo import map_summary
+from rsegen.obstacles import Obstacle
 from rsegen.recipe.codec import decode
 from tests.support.strategies import recipes
 

@@ -15,13 +15,13 @@ from PIL import Image
 
 import rsegen
 from rsegen import Random, Recipe, Scene, compose
+from rsegen.build_sheets.page import block_colour
 from rsegen.cli.edge import main
 from rsegen.formats.base import FORMATS
 from rsegen.gazebo import export
 from rsegen.pictures.preview import preview
 from rsegen.scene.colours import Colour
 from rsegen.scene.scene import FRAME_COLOUR, level_colour
-from rsegen.sheets.page import block_colour
 
 PLAIN = Recipe(seed=1, chunk_size=4, obstacles=(Random(levels=4),))
 PAINTED = replace(PLAIN, frame_colour="#336699", level_colours=("#ff0000", "#00FF33"))

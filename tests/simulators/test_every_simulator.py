@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import SimulatorFailed
-from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.base import SIMULATORS, Installation, OpenRequest, Simulator, installations
 from rsegen.simulators.gazebo_classic import STATE
+from rsegen.writing.programs import LaunchCommand
 from tests.simulators.standins import PROGRAMS, put, start
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")

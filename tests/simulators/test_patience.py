@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from rsegen.run.programs import LaunchCommand
 from rsegen.simulators import patience
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.process import OutputFiles, Work
+from rsegen.writing.programs import LaunchCommand
 from tests.support.patience import until
 
 STEP = 0.25

@@ -16,10 +16,10 @@ import pytest
 
 from rsegen.cli.edge import Signals
 from rsegen.errors import SimulatorFailed
-from rsegen.run.programs import LaunchCommand, running
 from rsegen.simulators import process
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.process import OutputFiles, Work, command_output
+from rsegen.writing.programs import LaunchCommand, running
 from tests.support.leftovers import MARK, left, left_in_the_end
 from tests.support.long import long_unless
 
@@ -40,8 +40,8 @@ SCRIPTS = (POLITE, STUBBORN, A_GROUP_OF_ITS_OWN, A_CHILD_LEFT_BEHIND)
 OUTER = """
 import sys, time
 from pathlib import Path
-from rsegen.run.programs import LaunchCommand
-from rsegen.run.programs import running
+from rsegen.writing.programs import LaunchCommand
+from rsegen.writing.programs import running
 launch = LaunchCommand(command=("/bin/sh", "-c", sys.argv[1]), environment={}, folder=Path(sys.argv[2]))
 with running(launch, sys.stderr):
     Path(sys.argv[2], "entered").touch()

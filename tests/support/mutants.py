@@ -1,6 +1,6 @@
 """Mutants of the pure core: which small changes to params, field, recipe and geometry no test notices.
 
-    python -m tests.support.mutants field/obstacles/peak.py    those of a file, or of a folder
+    python -m tests.support.mutants obstacles/peak.py    those of a file, or of a folder
     python -m tests.support.mutants 50                         a sample of 50, the same every time
     python -m tests.support.mutants                            all of them, some 7,000: hours
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from rsegen import KINDS, Recipe
-from rsegen.field.obstacles.base import PLACING, own_parameters
+from rsegen.obstacles.base import PLACING, own_parameters
 from rsegen.params.sorts import CellRef, Choice, Flag, Float, Integer, ListOf, Parameter, Size2D, Text, parameters
 from rsegen.recipe.map_design import CrossableBySort, DifficultySort
 from tests.support.complaints import MANY_DIGITS, NO_WORD

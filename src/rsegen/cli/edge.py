@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parsed, parser_of
 from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
 from rsegen.params.capabilities import commands
-from rsegen.run import stop
+from rsegen.writing import stop
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe

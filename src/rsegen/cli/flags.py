@@ -20,9 +20,9 @@ from rsegen.params.sorts import key_values, parameters
 from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rsegen.field.obstacles import Obstacle
-    from rsegen.run.targets import ChosenMap
+    from rsegen.obstacles import Obstacle
     from rsegen.scene.scene import Scene
+    from rsegen.writing.targets import ChosenMap
 
 
 RECIPE = "recipe"
@@ -77,7 +77,7 @@ def recipe_from(arguments: argparse.Namespace) -> Recipe:
 
 def recipes_from(names: Sequence[str], arguments: argparse.Namespace) -> list[Recipe]:
     """Return the recipes of these files, or one of flags alone if there are none, each with the flags over it."""
-    from rsegen.run.targets import recipe_in
+    from rsegen.writing.targets import recipe_in
 
     starts = [recipe_in(_file(name)) for name in names] or [Recipe()]
     return [with_flags(start, arguments) for start in starts]
@@ -108,7 +108,7 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
 
 def obstacle_in(text: str) -> Obstacle:
     """Return the obstacle that a text such as `peak levels=5 first=2,2` stands for."""
-    from rsegen.field.obstacles import kind
+    from rsegen.obstacles import kind
     from rsegen.recipe.codec import decode_obstacle
 
     where = f"--obstacle {shown(text)}"
@@ -170,7 +170,7 @@ def is_of_flags(arguments: argparse.Namespace) -> bool:
 
 def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
     """Yield each recipe of the target with the flags over it, and its file; without a target that of the flags."""
-    from rsegen.run.targets import recipe_files, recipe_in
+    from rsegen.writing.targets import recipe_files, recipe_in
 
     flags, target = is_of_flags(arguments), arguments.target
     if target is None:
@@ -183,7 +183,7 @@ def recipes_of(arguments: argparse.Namespace) -> Iterator[tuple[Path, Recipe]]:
 
 def map_of_flags(arguments: argparse.Namespace) -> ChosenMap:
     """Return one map of them: the one that --map names, or the first."""
-    from rsegen.run.targets import one_of
+    from rsegen.writing.targets import one_of
 
     return one_of(recipes_of(arguments), arguments.map, arguments.target or "the recipe of the flags", "--map")
 
@@ -208,8 +208,8 @@ def target_of(arguments: argparse.Namespace, without: Collection[str] = ()) -> R
 
 def scene_of_flags(arguments: argparse.Namespace) -> Scene:
     """Return the scene of that map."""
-    from rsegen.run.resources import refuse_too_large
     from rsegen.scene.scene import compose
+    from rsegen.writing.resources import refuse_too_large
 
     _, recipe, index = map_of_flags(arguments)
     refuse_too_large(recipe)
@@ -218,7 +218,7 @@ def scene_of_flags(arguments: argparse.Namespace) -> Scene:
 
 def which_map(target: str | None, which: str | None) -> Iterator[str]:
     """Yield a line on the map that a command took, if it is the first of a folder and nobody chose it."""
-    from rsegen.run.targets import recipe_files
+    from rsegen.writing.targets import recipe_files
 
     files = recipe_files(target) if target is not None and which is None else []
     if len(files) > 1:

@@ -16,11 +16,11 @@ from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, 
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, maps_bar
 from rsegen.params.command import add_flags, command, given
-from rsegen.run.sidecars import Sidecars, sidecar_kinds, with_sidecars
+from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
-    from rsegen.run.worlds import Generated, GeneratedMap
+    from rsegen.writing.worlds import Generated, GeneratedMap
 
 
 @command
@@ -65,9 +65,9 @@ def generate(  # noqa: PLR0913  # each is a flag
     ParameterError
         Before anything is written, if maps are too large for build sheets.
     """
-    from rsegen.run.execute import Execution
-    from rsegen.run.plan import OnExisting
-    from rsegen.run.worlds import make_worlds, plan_worlds
+    from rsegen.writing.execute import Execution
+    from rsegen.writing.plan import OnExisting
+    from rsegen.writing.worlds import make_worlds, plan_worlds
 
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)
     plan = plan_worlds(
@@ -123,7 +123,7 @@ def produce(
 
 def run_options(function: Callable[..., object], arguments: argparse.Namespace) -> dict[str, Any]:
     """Return what the flags say of a run, by default with as many workers as there are cores; not yet checked."""
-    from rsegen.run.execute import cores
+    from rsegen.writing.execute import cores
 
     options = {"workers": cores()} | given(function, arguments)
     for note in Sidecars.of(options).notes:

@@ -51,7 +51,7 @@ def run_info(arguments: argparse.Namespace) -> Report:
 
 def _verified(arguments: argparse.Namespace) -> Report:
     """Compare a folder with its records, and say what was compared."""
-    from rsegen.run.journal import verify
+    from rsegen.writing.journal import verify
 
     if arguments.target is None or arguments.map is not None or is_of_flags(arguments):
         raise ParameterError("--verify", "needs a folder that rsegen wrote, and no recipe")

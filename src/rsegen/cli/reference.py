@@ -41,7 +41,7 @@ def run_examples(arguments: argparse.Namespace) -> Report:
     """List the examples, or copy them."""
     from rsegen.recipe.examples import EXAMPLES
     from rsegen.recipe.recipe_file import load
-    from rsegen.run.recipe_files import copy_examples
+    from rsegen.writing.recipe_files import copy_examples
 
     if arguments.output is not None:
         copies = [str(path) for path in copy_examples(Path(arguments.output), force=bool(arguments.force))]
@@ -65,8 +65,8 @@ def run_obstacles(_: argparse.Namespace) -> Report:
 
 
 def _kinds() -> Iterator[str]:
-    from rsegen.field.obstacles import KINDS
-    from rsegen.field.obstacles.base import PLACING, own_parameters
+    from rsegen.obstacles import KINDS
+    from rsegen.obstacles.base import PLACING, own_parameters
     from rsegen.params.registry import summary_of_class
 
     def rows(known: Mapping[str, Parameter]) -> Iterator[str]:

@@ -23,7 +23,7 @@ from rsegen.params.watch import watched
 
 if TYPE_CHECKING:
     from rsegen.recipe.recipe import Recipe
-    from rsegen.run.worlds import GeneratedMap
+    from rsegen.writing.worlds import GeneratedMap
 
 
 R = TypeVar("R")
@@ -74,7 +74,7 @@ class _Shared:
 
 def planned(arguments: argparse.Namespace) -> Report | None:
     """Run a command dry, and return the files that it would write."""
-    from rsegen.run.dry import dry_run
+    from rsegen.writing.dry import dry_run
 
     with dry_run() as notes:
         arguments.run(arguments)

@@ -26,7 +26,7 @@ from rsegen.errors import ParameterError
 from rsegen.measuring.parameters import By, ByRobot
 from rsegen.params.command import Shell, add_flags, command, declared
 from rsegen.params.sorts import Choice, Flag, Float, Integer
-from rsegen.run.sidecars import Sidecars, sidecar_kinds, with_sidecars
+from rsegen.writing.sidecars import Sidecars, sidecar_kinds, with_sidecars
 
 if TYPE_CHECKING:
     from rsegen.datasets.making import SeriesProgress
@@ -77,8 +77,8 @@ def series(  # noqa: PLR0913  # each is a flag
     """
     from rsegen.datasets.series import make_series, plan_series
     from rsegen.datasets.series_rows import SeriesPlan
-    from rsegen.run.execute import Execution
-    from rsegen.run.plan import OnExisting
+    from rsegen.writing.execute import Execution
+    from rsegen.writing.plan import OnExisting
 
     recipe = recipe if maps is None else replace(recipe, maps=maps)
     series_plan = SeriesPlan(recipe=recipe, from_=from_, to=to, same_field=same_field, by=by, robot=robot)  # type: ignore[arg-type]  # checked
@@ -134,8 +134,8 @@ def make_dataset(  # noqa: PLR0913  # each is a flag
     from rsegen.datasets.difficulty_tiles import as_recipes
     from rsegen.datasets.layout import ShardLayout
     from rsegen.datasets.making import make_shards, plan_dataset
-    from rsegen.run.execute import Execution
-    from rsegen.run.plan import OnExisting
+    from rsegen.writing.execute import Execution
+    from rsegen.writing.plan import OnExisting
 
     layout = ShardLayout(recipes=as_recipes(recipe), shard_maps=shard_maps, metrics=metrics)
     execution = Execution(workers=workers, scheduler=scheduler, sync=sync)

@@ -24,11 +24,11 @@ from rsegen.input_files import Checksum
 from rsegen.measuring.batch import batch_metrics
 from rsegen.npy_files import npy_bytes
 from rsegen.recipe.batch import build_many
-from rsegen.run.execute import Execution
-from rsegen.run.journal import Journal, is_empty, is_intact, read_errors, read_journal
-from rsegen.run.plan import OnExisting, Output, RunPlan, run_in
-from rsegen.run.resources import maps_in_memory, refuse_full, refuse_too_large
-from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
+from rsegen.writing.execute import Execution
+from rsegen.writing.journal import Journal, is_empty, is_intact, read_errors, read_journal
+from rsegen.writing.plan import OnExisting, Output, RunPlan, run_in
+from rsegen.writing.resources import maps_in_memory, refuse_full, refuse_too_large
+from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 
 HOLDS = "data set"
 

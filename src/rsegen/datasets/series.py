@@ -26,14 +26,14 @@ from rsegen.params.watch import report_share
 from rsegen.pictures.plan import draw_cells
 from rsegen.pictures.preview import encoded, swatches
 from rsegen.recipe.codec import to_json
-from rsegen.run.execute import Execution, execute
-from rsegen.run.journal import read_journal
-from rsegen.run.plan import OnExisting, Output, RunPlan, is_kept, run_in
-from rsegen.run.resources import check_needs
-from rsegen.run.sidecars import Sidecars
-from rsegen.run.store import open_store, refuse_busy, refuse_taken, refuse_unit
-from rsegen.run.worlds import GeneratedMap, seconds_per_world, world_output
 from rsegen.scene.scene import Scene, compose
+from rsegen.writing.execute import Execution, execute
+from rsegen.writing.journal import read_journal
+from rsegen.writing.plan import OnExisting, Output, RunPlan, is_kept, run_in
+from rsegen.writing.resources import check_needs
+from rsegen.writing.sidecars import Sidecars
+from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit
+from rsegen.writing.worlds import GeneratedMap, seconds_per_world, world_output
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

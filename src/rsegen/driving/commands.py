@@ -25,7 +25,7 @@ from rsegen.simulators.parameters import SimulatorName, Timeout
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
-    from rsegen.run.target_worlds import Target
+    from rsegen.writing.target_worlds import Target
 
 
 @command
@@ -133,10 +133,10 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.driving.robot_runs import robot_runs
     from rsegen.driving.routes import AlongWay
     from rsegen.params.streams import fresh_seed
-    from rsegen.run.dry import announce_files
-    from rsegen.run.store import unchanged_if_stopped
-    from rsegen.run.target_worlds import world_of
     from rsegen.simulators.server import choose_installation
+    from rsegen.writing.dry import announce_files
+    from rsegen.writing.store import unchanged_if_stopped
+    from rsegen.writing.target_worlds import world_of
 
     # All that can be wrong is refused before a server is started, which takes seconds.
     if best is not None and route != AlongWay.name:

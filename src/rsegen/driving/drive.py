@@ -35,13 +35,13 @@ from rsegen.robots.base import Robot
 from rsegen.robots.drives import Tracks
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
-from rsegen.run.programs import has_screen
-from rsegen.run.store import refuse_busy, refuse_taken, write_folder
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.live_world import Pose
 from rsegen.standing.spots import GAP
 from rsegen.standing.ways import events
+from rsegen.writing.programs import has_screen
+from rsegen.writing.store import refuse_busy, refuse_taken, write_folder
 
 _RIM, _MARGIN = 0.1, 1.5
 """Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""

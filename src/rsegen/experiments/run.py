@@ -38,9 +38,9 @@ from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, T
 from rsegen.recipe import recipe_file
 from rsegen.robots.sdf_file import is_robot_file
 from rsegen.robots.xacro_files import with_arguments
-from rsegen.run.journal import Journal, is_intact, read_errors, read_journal
-from rsegen.run.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 from rsegen.simulators.server import choose_installation
+from rsegen.writing.journal import Journal, is_intact, read_errors, read_journal
+from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 
 HOLDS = "experiment"
 _LINE = Text(r".{0,4096}", "a line of at most 4096 letters")

@@ -39,13 +39,13 @@ from rsegen.experiments.plan import IN_REAL_TIME, Cell, ExperimentPlan, TableRow
 from rsegen.field.stepfield import StepField
 from rsegen.gazebo import sdf
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.run.programs import has_screen, running
-from rsegen.run.target_worlds import write_world
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import Installation
 from rsegen.simulators.live_world import LiveWorld, Record
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
+from rsegen.writing.programs import has_screen, running
+from rsegen.writing.target_worlds import write_world
 
 # The load of the machine: what else was going on while a server had its own figures.
 

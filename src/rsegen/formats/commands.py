@@ -72,8 +72,8 @@ def export_maps(  # noqa: PLR0913  # each is a flag
         Before anything is written, if memory or disk space are too small.
     """
     from rsegen.formats.exports import export_joined, joining, plan_exports
-    from rsegen.run.execute import Execution
-    from rsegen.run.plan import OnExisting, run
+    from rsegen.writing.execute import Execution
+    from rsegen.writing.plan import OnExisting, run
 
     on_existing = OnExisting.of(force=force, resume=resume)
     if together := joining(formats):

@@ -28,11 +28,12 @@ from rsegen.params.sorts import parameters
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
-from rsegen.run.execute import Execution
-from rsegen.run.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
-from rsegen.run.plan import OnExisting, Output, RunPlan
-from rsegen.run.resources import Needs, check_needs, refuse_too_large
-from rsegen.run.store import (
+from rsegen.scene.scene import Scene, compose
+from rsegen.writing.execute import Execution
+from rsegen.writing.journal import Journal, compare, is_intact, read_errors, read_journal, refuse_link, refuse_loss
+from rsegen.writing.plan import OnExisting, Output, RunPlan
+from rsegen.writing.resources import Needs, check_needs, refuse_too_large
+from rsegen.writing.store import (
     new_root,
     open_store,
     refuse_busy,
@@ -44,7 +45,6 @@ from rsegen.run.store import (
     write_file,
     write_folder,
 )
-from rsegen.scene.scene import Scene, compose
 
 _RECIPE = "recipe.json"
 _RECIPES = "recipes"

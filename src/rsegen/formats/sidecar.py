@@ -12,15 +12,15 @@ from rsegen.errors import ParameterError
 from rsegen.formats.parameters import Formats, add_format_rows
 from rsegen.input_files import open_regular
 from rsegen.params.sorts import Json
-from rsegen.run.sidecars import Sidecar
+from rsegen.writing.sidecars import Sidecar
 
 if TYPE_CHECKING:
     from rsegen.cli.parser import Parser
     from rsegen.formats.base import Format
     from rsegen.gazebo import Bundle
     from rsegen.recipe.recipe import Recipe
-    from rsegen.run.resources import InMemory
     from rsegen.scene.scene import Scene
+    from rsegen.writing.resources import InMemory
 
 FORMATS_FILE = "formats.json"
 """The file in a map's folder that lists the formats in it with their options."""

@@ -125,7 +125,7 @@ def block_warnings(scene: Scene) -> Iterator[str]:
 
 def _counts_are_kept(scene: Scene) -> bool:
     """Return whether the map has the blocks that its random obstacles count, as it would have without constraints."""
-    from rsegen.field.obstacles.random import Random
+    from rsegen.obstacles.random import Random
 
     counting = (isinstance(row, Random) and row.counts for _, row in scene.recipe.enabled_obstacles)
     if not any(counting):

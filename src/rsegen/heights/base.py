@@ -212,7 +212,7 @@ class Importer(ABC):
 
 def refuse_too_many_cells(path: Path, n_x: int, n_y: int) -> None:
     """Raise a FileError if a file has too many cells, or none; called before they are read."""
-    from rsegen.run.resources import refuse_many_heights
+    from rsegen.writing.resources import refuse_many_heights
 
     if not 0 < n_x * n_y <= MOST_CELLS:
         raise FileError(f"{path}: {n_x} x {n_y} cells; from 1 up to {MOST_CELLS:,} can be read")
@@ -319,7 +319,7 @@ def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Re
     """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
     import numpy as np
 
-    from rsegen.field.obstacles.matrix import Matrix
+    from rsegen.obstacles.matrix import Matrix
 
     n_x, n_y = heights.levels.shape
     common, side = math.gcd(n_x, n_y), chunk_size or heights.recipe_values.get("chunk_size")

@@ -32,10 +32,10 @@ from rsegen.datasets.difficulty_tiles import (
 from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.limits import SIDE
-from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Array, Ints, Levels, StepField
 from rsegen.learning.terrain_design import TerrainDesign
 from rsegen.measuring.catalogue import RMS, By, metric_by
+from rsegen.obstacles.matrix import Matrix
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
 from rsegen.params.streams import generator
 from rsegen.recipe.building import build

@@ -100,8 +100,8 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
 
 def _scenes(arguments: argparse.Namespace) -> Iterator[Scene]:
     """Yield the maps to measure, each when it is asked for."""
-    from rsegen.run.resources import refuse_too_large
     from rsegen.scene.scene import compose
+    from rsegen.writing.resources import refuse_too_large
 
     for recipe in maps_of_flags(arguments):
         refuse_too_large(recipe, "measure")

@@ -97,7 +97,7 @@ def _place(given: str | None) -> tuple[Path, str]:
 
 def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> None:
     """Print the address, and open the browser if there is one that a person sees."""
-    from rsegen.run.programs import has_screen
+    from rsegen.writing.programs import has_screen
 
     if arguments.json:
         print(json.dumps({"url": url}), flush=True)
@@ -121,7 +121,7 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
 
 def _maps_in(given: str | None) -> Iterator[str]:
     """Yield the command that opens each map in a given folder of maps, a line each: the page opens none of them."""
-    from rsegen.run.targets import recipe_files_in
+    from rsegen.writing.targets import recipe_files_in
 
     if given is None or not Path(given).is_dir() or Path(given, "recipe.json").exists():
         return
@@ -152,7 +152,7 @@ def add_view(command: Parser) -> None:
 def run_view(arguments: argparse.Namespace) -> Report:
     """Make the page, and write it."""
     from rsegen.page.view import html_path, view_all
-    from rsegen.run.store import refuse_taken_file
+    from rsegen.writing.store import refuse_taken_file
 
     path = html_path(arguments.output)
     refuse_taken_file(path, force=bool(arguments.force))

@@ -24,9 +24,9 @@ from typing import Any, Literal, TypedDict, cast
 
 from rsegen import __version__
 from rsegen.errors import FileError, ParameterError, UnknownName, UserError, refuse_unknown
-from rsegen.field.obstacles import KINDS
-from rsegen.field.obstacles.base import PLACING, own_parameters
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
+from rsegen.obstacles import KINDS
+from rsegen.obstacles.base import PLACING, own_parameters
 from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
 from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
@@ -38,8 +38,8 @@ from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
-from rsegen.run.journal import read_journal, refuse_loss, refuse_loss_below
-from rsegen.run.store import refuse_taken_file
+from rsegen.writing.journal import read_journal, refuse_loss, refuse_loss_below
+from rsegen.writing.store import refuse_taken_file
 
 _OF_A_SHELL = ("gui", "info", "examples", "obstacles", "schema", "completion", "man")
 """The commands that a page does not run: it is one of them, and shows what others print."""

@@ -28,7 +28,7 @@ from rsegen.page.places import Kind, Places, kind_of, names_in
 from rsegen.params.sorts import Json
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
-from rsegen.run.targets import recipe_files, recipe_in
+from rsegen.writing.targets import recipe_files, recipe_in
 
 
 class Row(TypedDict):

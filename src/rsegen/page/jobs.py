@@ -32,8 +32,8 @@ from rsegen.page.places import HOLDS
 from rsegen.params.plugins import plugins
 from rsegen.params.sorts import Json
 from rsegen.recipe.recipe import Recipe
-from rsegen.run.programs import LaunchCommand, RunningProgram, running
-from rsegen.run.recipe_files import save
+from rsegen.writing.programs import LaunchCommand, RunningProgram, running
+from rsegen.writing.recipe_files import save
 
 AT_ONCE = 4
 """Jobs that run at the same time; others wait: a drive takes a core or two."""

@@ -30,8 +30,8 @@ from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
 from rsegen.recipe.recipe import Recipe
-from rsegen.run.resources import format_bytes, refuse_too_large
 from rsegen.scene.scene import Scene, compose
+from rsegen.writing.resources import format_bytes, refuse_too_large
 
 SHOWN_SIDE = 400
 """Larger maps than about this many cells a side are shown coarser, by the highest of several cells."""

@@ -17,9 +17,9 @@ from rsegen.page.shown_map import ShownMap, page
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import to_yaml
-from rsegen.run.resources import refuse_too_large
-from rsegen.run.store import write_file
 from rsegen.scene.scene import Scene, compose
+from rsegen.writing.resources import refuse_too_large
+from rsegen.writing.store import write_file
 
 MOST_CELLS = 1_500_000
 """Cells of a map on a page at most, as of 1000 x 1000 blocks with frames: its faces need 0.3 GB in a browser."""

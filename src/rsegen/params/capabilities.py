@@ -28,7 +28,7 @@ from rsegen.errors import PluginError, PluginWarning
 from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.extras import Extra
 
-CORE = ("params", "field", "recipe", "geometry", "scene", "gazebo", "run", "cli")
+CORE = ("params", "field", "geometry", "obstacles", "recipe", "scene", "gazebo", "writing", "cli")
 """Folders of the core, each of which may import those to its left. All other folders are capabilities."""
 
 GROUPS = ("worlds", "maps", "files for other programs", "simulation", "information")
@@ -56,7 +56,7 @@ class Capability(NamedTuple):
     public: the public names of rsegen, by their modules
     offers: what it adds to registries of others: their group, as of entry points -> name -> module
     extras: optional libraries
-    sidecars: optional files next to each world (`run/sidecars.py`), which become flags of `generate`
+    sidecars: optional files next to each world (`writing/sidecars.py`), which become flags of `generate`
     targets: a function from a text such as DIR#17, which is no file, to the recipe that it names, or None
     crossers: a function that finds the robot of a kind or file, which crosses fields (`recipe/crossing.py`)
     doctor: a function that looks at this machine, and gives a `Finding`

@@ -22,7 +22,7 @@ class PictureRequest(NamedTuple):
     def write(self, draw: Callable[[str], bytes]) -> None:
         """Write what `draw` makes for the image format of the name."""
         from rsegen.pictures.preview import image_format
-        from rsegen.run.store import write_file
+        from rsegen.writing.store import write_file
 
         write_file([draw(image_format(self.path))], self.path, force=self.force)
 
@@ -30,7 +30,7 @@ class PictureRequest(NamedTuple):
 def picture_of(name: str | None, *, force: bool | None) -> PictureRequest | None:
     """Return the picture of a name if one is wanted; a UserError if it is no picture or may not be replaced."""
     from rsegen.pictures.preview import image_format
-    from rsegen.run.store import refuse_taken_file
+    from rsegen.writing.store import refuse_taken_file
 
     if name is None:
         return None

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.field.obstacles import Obstacle
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.obstacles import Obstacle
 from rsegen.params.numbers import lengths_in
 from rsegen.recipe.building import placed
 from rsegen.scene.colours import Colour, height_colour

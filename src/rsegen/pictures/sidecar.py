@@ -7,7 +7,7 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.params.sorts import Flag
-from rsegen.run.sidecars import Sidecar
+from rsegen.writing.sidecars import Sidecar
 
 if TYPE_CHECKING:
     from rsegen.gazebo import Bundle

@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import ParameterError, inside, shown
-from rsegen.field.obstacles import Grid, Obstacle, Patch
-from rsegen.field.obstacles.base import EVERYWHERE, Region, is_elementwise
 from rsegen.field.stepfield import Ints, Levels, Mask
+from rsegen.obstacles import Grid, Obstacle, Patch
+from rsegen.obstacles.base import EVERYWHERE, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsegen.errors import TooLarge, inside
-from rsegen.field.obstacles import Grid, Obstacle, Patch
 from rsegen.field.stepfield import Levels, StepField, framed
+from rsegen.obstacles import Grid, Obstacle, Patch
 from rsegen.params.arrays import cast, namespace, overwrite
 from rsegen.params.sorts import Cell, Integer
 from rsegen.params.streams import SEEDS, generator

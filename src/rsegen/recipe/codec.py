@@ -16,8 +16,8 @@ from typing import Any
 
 from rsegen import __version__
 from rsegen.errors import ParameterError, PluginWarning, inside, refuse_unknown, shown
-from rsegen.field.obstacles import KINDS, Obstacle, kind
-from rsegen.field.obstacles.base import row_parameters
+from rsegen.obstacles import KINDS, Obstacle, kind
+from rsegen.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
 from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer

@@ -21,7 +21,7 @@ from rsegen.params.sorts import MOST_LEVELS, Cell, Choice, Float, Integer, Json,
 from rsegen.params.streams import SEEDS, Streams, fresh_seed, generator
 
 if TYPE_CHECKING:
-    from rsegen.field.obstacles import Grid, Obstacle
+    from rsegen.obstacles import Grid, Obstacle
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
 """One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
@@ -173,7 +173,7 @@ class MapDesign:
     @property
     def grid(self) -> Grid:
         """The block cells of a map."""
-        from rsegen.field.obstacles import Grid
+        from rsegen.obstacles import Grid
 
         m_x, m_y = self.chunks
         return Grid(m_x * self.chunk_size, m_y * self.chunk_size, self.chunk_size)
@@ -274,7 +274,7 @@ class MapDesign:
 
     def _check_obstacle(self, where: str, obstacle: object) -> None:
         """Raise a ParameterError for what is no obstacle, or is switched on and lies outside the map."""
-        from rsegen.field.obstacles import Obstacle
+        from rsegen.obstacles import Obstacle
 
         if not isinstance(obstacle, Obstacle):
             raise ParameterError(where, f"{shown(obstacle)} is not an obstacle, such as rsegen.Peak(levels=5)")

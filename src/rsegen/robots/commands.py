@@ -27,8 +27,8 @@ from rsegen.pictures.flags import PictureName, picture_of
 from rsegen.robots.parameters import RobotModel
 
 if TYPE_CHECKING:
-    from rsegen.run.target_worlds import Target
     from rsegen.standing.spots import Spot
+    from rsegen.writing.target_worlds import Target
 
 
 @command
@@ -73,8 +73,8 @@ def spots(  # noqa: PLR0913  # each is a flag
 
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
-    from rsegen.run.target_worlds import world_of
     from rsegen.standing.spots import body_of_size, spot_generator, spots_on_map
+    from rsegen.writing.target_worlds import world_of
 
     body = robot_of(robot).body_or_box if size is None else body_of_size(*size)
     rng = spot_generator(fresh_seed() if seed is None else seed)
@@ -105,9 +105,9 @@ def run_spots(arguments: argparse.Namespace) -> Report:
     """Find and draw them."""
     from rsegen.params.streams import fresh_seed
     from rsegen.robots.lookup import robot_of
-    from rsegen.run.target_worlds import world_of
     from rsegen.standing.spot_plot import spots_plot
     from rsegen.standing.spots import Outline, body_of_size
+    from rsegen.writing.target_worlds import world_of
 
     picture = picture_of(arguments.output, force=arguments.force)
     with flags_in_errors(spots):

@@ -208,8 +208,8 @@ def add_compare(command: Parser) -> None:
 
 def run_compare(arguments: argparse.Namespace) -> Report:
     """Compare and draw; the exit code is 1 if anything differs or was not seen."""
-    from rsegen.run.resources import refuse_too_large
     from rsegen.scanning.pictures import cell_counts
+    from rsegen.writing.resources import refuse_too_large
 
     *built, wanted = arguments.paths
     if not built:
@@ -228,10 +228,10 @@ def run_compare(arguments: argparse.Namespace) -> Report:
 
 
 def _compared(built: list[str], arguments: argparse.Namespace, recipe: Recipe) -> ComparedMap:
-    from rsegen.run.resources import refuse_too_large
-    from rsegen.run.targets import chosen_map
     from rsegen.scanning.clouds import is_cloud
     from rsegen.scanning.scans import compare
+    from rsegen.writing.resources import refuse_too_large
+    from rsegen.writing.targets import chosen_map
 
     clouds = [path for path in built if is_cloud(Path(path))]
     if clouds and len(clouds) == len(built):

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from rsegen.params.registry import Contract, Registry
-from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.live_world import LiveWorld, Record
 from rsegen.simulators.patience import SECONDS, Patience
+from rsegen.writing.programs import LaunchCommand
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code", "Library error for [", "error while loading shared libraries")
 """Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later; of an

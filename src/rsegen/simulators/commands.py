@@ -17,8 +17,8 @@ from rsegen.params.sorts import Flag, Float
 from rsegen.simulators.parameters import SimulatorName, Timeout
 
 if TYPE_CHECKING:
-    from rsegen.run.target_worlds import Target
     from rsegen.simulators.open_world import OpenedWorld, OpenResult
+    from rsegen.writing.target_worlds import Target
 
 
 @command
@@ -61,8 +61,8 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         If the simulator says that it did not load the world, if it has not for `timeout` seconds without progress when
         `seconds` are given, or if a server without a window ends by itself or prints errors.
     """
-    from rsegen.run.target_worlds import world_of
     from rsegen.simulators.open_world import open_until_end
+    from rsegen.writing.target_worlds import world_of
 
     return open_until_end(
         world_of(target, map),
@@ -100,8 +100,8 @@ def add_open(command: Parser) -> None:
 
 def run_open(arguments: argparse.Namespace) -> Report:
     """Open a world, and wait until it ends."""
-    from rsegen.run.target_worlds import world_of
     from rsegen.simulators.open_world import launch_command
+    from rsegen.writing.target_worlds import world_of
 
     with flags_in_errors(open):
         target = target_of(arguments, _OWN)

@@ -30,13 +30,13 @@ from typing import Any, ClassVar
 
 from rsegen.errors import ParameterError, SimulatorFailed, shown
 from rsegen.robots.drives import PublishCommand
-from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.process import command_output
 from rsegen.simulators.wire import CLASSIC, contact_of, mesh_file, parse_text, pose_message, pose_of
+from rsegen.writing.programs import LaunchCommand
 
 _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
 _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")

@@ -39,13 +39,13 @@ from xml.etree import ElementTree
 
 from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
 from rsegen.robots.drives import POSE_RATE, PublishCommand
-from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.process import command_output
 from rsegen.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulators.wire import SIM, contact_of, mesh_file, nanoseconds, parse_text, pose_message, pose_of
+from rsegen.writing.programs import LaunchCommand
 
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
 """Program and verb. Programs of these names without the verb are Gazebo Classic's, or libsdformat's alone."""

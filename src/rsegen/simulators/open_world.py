@@ -19,12 +19,12 @@ from html import unescape
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, UserError, shown
-from rsegen.run.programs import LaunchCommand, has_screen
-from rsegen.run.target_worlds import World
 from rsegen.simulators.base import Installation, OpenRequest
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.process import ErrorRelay, OutputFiles, Work
 from rsegen.simulators.server import choose_installation
+from rsegen.writing.programs import LaunchCommand, has_screen
+from rsegen.writing.target_worlds import World
 
 _WORLD = re.compile(r"<world\s[^>]*?\bname\s*=\s*['\"]([^'\"]*)['\"]")
 """The name of a world in its file."""

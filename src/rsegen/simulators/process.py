@@ -19,9 +19,9 @@ from tempfile import TemporaryFile
 from typing import NamedTuple
 
 from rsegen.errors import SimulatorFailed
-from rsegen.run import stop
-from rsegen.run.programs import LaunchCommand, RunningProgram, running
 from rsegen.simulators.patience import Patience, share
+from rsegen.writing import stop
+from rsegen.writing.programs import LaunchCommand, RunningProgram, running
 
 _SHORT_COMMAND = Patience(seconds=30.0)
 """Time for a short command, such as one that prints a version: on a cold disk Gazebo's take some seconds."""

@@ -17,11 +17,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from rsegen.errors import NoSimulator, NothingRuns, SimulatorFailed
-from rsegen.run.programs import LaunchCommand, RunningProgram
 from rsegen.simulators.base import SIMULATORS, Installation, OpenRequest, Simulator, installations, plain_text
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import SECONDS, Patience
 from rsegen.simulators.process import OutputFiles, Work, grouped_line
+from rsegen.writing.programs import LaunchCommand, RunningProgram
 
 _PAUSE = 0.02
 """Seconds between two looks at a server that loads: each reads its log."""

@@ -31,8 +31,8 @@ from rsegen.simulators.parameters import RunningSimulator, Timeout
 if TYPE_CHECKING:
     from rsegen.robots.base import Robot
     from rsegen.robots.sdf_file import SdfRobot
-    from rsegen.run.target_worlds import Target
     from rsegen.spawning.spawning import RemoveResult, RespawnResult, SpawnResult
+    from rsegen.writing.target_worlds import Target
 
 
 ModelName = Annotated[

@@ -35,13 +35,13 @@ from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.links import rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
-from rsegen.run.target_worlds import Target, chosen, scene_of, write_world
-from rsegen.run.targets import recipe_files, recipe_in
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.connecting import connected
 from rsegen.simulators.live_world import DROP_HEIGHT, LiveWorld, Pose
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
+from rsegen.writing.target_worlds import Target, chosen, scene_of, write_world
+from rsegen.writing.targets import recipe_files, recipe_in
 
 _ROUNDING = 1e-3
 """Slack of a gap, metres: positions on the grid are rounded to millimetres."""

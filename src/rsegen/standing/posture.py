@@ -24,11 +24,11 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.field.graphs import component_labels, neighbours
-from rsegen.field.obstacles.base import Shaped
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.formats.base import Format, Step, register
 from rsegen.formats.encoded import as_json, mat, metadata
 from rsegen.npy_files import npy_bytes
+from rsegen.obstacles.base import Shaped
 from rsegen.params.numbers import decimal
 from rsegen.params.sorts import NANOMETRE_DIGITS, Float, Integer, Json
 from rsegen.recipe.building import placed

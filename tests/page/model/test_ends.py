@@ -7,7 +7,7 @@ from typing import Literal
 import pytest
 
 from rsegen import Recipe
-from rsegen.field.obstacles import KINDS
+from rsegen.obstacles import KINDS
 from rsegen.page.model.actions import ends_of, fixed, with_end_at
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode

@@ -15,9 +15,9 @@ from typing import Annotated, Any, Literal, TypedDict, cast
 import numpy as np
 
 from rsegen.errors import ParameterError, UnknownName, UserError, inside, shown
-from rsegen.field.obstacles import Obstacle
-from rsegen.field.obstacles.matrix import Matrix
 from rsegen.field.stepfield import Ints, Mask
+from rsegen.obstacles import Obstacle
+from rsegen.obstacles.matrix import Matrix
 from rsegen.page.calls import checked_arguments
 from rsegen.page.model.session import Entry, Session
 from rsegen.params.sorts import MOST_LEVELS, Cell, Json

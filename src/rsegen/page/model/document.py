@@ -27,7 +27,7 @@ from rsegen.page.model.texts import text_after
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load
-from rsegen.run.store import write_file
+from rsegen.writing.store import write_file
 
 SUFFIXES = (".yaml", ".yml", ".json")
 """How the names of recipe files end."""

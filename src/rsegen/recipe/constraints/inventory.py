@@ -10,7 +10,7 @@ level get which block is drawn at random.
 
 With a largest step (`Stock.arranged`): first the counts, then their places. With a_t the number of cells up to level t,
 c_t the blocks in stock of level t, and n(a) the cells that the first a cells of a fill order and their neighbours take
-up (field/obstacles/rearranged.py), counts are possible if and only if
+up (obstacles/rearranged.py), counts are possible if and only if
 
     a_t <= a_(t+1) <= a_t + c_(t+1),    n(a_t) <= a_(t+limit),    a of the highest level = all cells.
 
@@ -30,8 +30,8 @@ from heapq import heappop, heappush
 import numpy as np
 from numpy.typing import NDArray
 
-from rsegen.field.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged_like
 from rsegen.field.stepfield import Array, Ints, StepField
+from rsegen.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged_like
 
 Blocks = NDArray[np.int64]
 """Number of blocks in stock of each level; of level 0, which needs no block, more than enough."""

@@ -30,8 +30,8 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import NO_CAP, CrossingModel
-from rsegen.field.obstacles.random import Random
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
+from rsegen.obstacles.random import Random
 from rsegen.params.arrays import maps_first, maps_last, namespace
 from rsegen.params.streams import generator
 from rsegen.params.watch import report_share

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from rsegen.field.obstacles.base import Grid, Shaped
 from rsegen.field.stepfield import Array
+from rsegen.obstacles.base import Grid, Shaped
 from rsegen.params.sorts import Cell, Integer
 
 

@@ -7,10 +7,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import ClassVar
 
-from rsegen.run.programs import LaunchCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import Patience
+from rsegen.writing.programs import LaunchCommand
 
 
 class Paper(Simulator):

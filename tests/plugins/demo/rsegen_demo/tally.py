@@ -12,7 +12,7 @@ from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.params.command import add_flags, command, given
 from rsegen.params.sorts import Flag, Integer
-from rsegen.run.sidecars import Sidecar
+from rsegen.writing.sidecars import Sidecar
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import StepField

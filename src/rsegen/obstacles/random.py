@@ -1,0 +1,178 @@
+"""Random blocks: every cell has a level of its own, uniform (the paper's figure 4), weighted, or normal.
+
+Each level is a function of one random number u of the cell, by the inverse of its distribution, so a cell's draw does
+not depend on any other cell's, and all cells of many maps are drawn by one call. The cost is O(1) per cell; weighted
+and normal levels take a binary search among the levels, `counts` (a shuffle of given blocks) a sort of the cells.
+`max_step` (the same blocks in an order without larger steps, see `rearranged`) ties the cells together and is made map
+by map.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from rsegen.errors import ParameterError, shown
+from rsegen.field.stepfield import Array, Levels
+from rsegen.obstacles.base import Grid, Obstacle, Patch, Region, elementwise, register
+from rsegen.obstacles.rearranged import rearranged
+from rsegen.params.arrays import asarray, cast, least, level_of, order_of_draws
+from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, Parameter, refuse_longer
+
+
+@dataclass(frozen=True)
+class Weights:
+    """A weight for each level, lowest first: any numbers from 0 on, not all of them 0."""
+
+    sort: ClassVar[Parameter] = Float(0, 1e12)
+    plural: ClassVar[str] = "weights"
+    meaning: ClassVar[str] = "one number from 0 on for each level, lowest level first, as in [1, 2, 2, 1, 1]"
+
+    help: str = ""
+
+    def check(self, where: str, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, (list, tuple)) or not value:
+            raise ParameterError(where, f"{shown(value)} is not a list of {self.plural}; give {self.meaning}")
+        refuse_longer(where, value, MOST_LEVELS)
+        numbers = tuple(self.sort.check(f"{where}[{level}]", number) for level, number in enumerate(value))
+        if not any(numbers):
+            raise ParameterError(where, f"all {self.plural} are 0; give at least one above 0")
+        return numbers
+
+    def parse(self, text: str) -> object:
+        return [self.sort.parse(part) for part in text.split(",")]
+
+    def format(self, value: Any) -> str:
+        return ",".join(map(str, value))
+
+    def schema(self) -> dict[str, Json]:
+        return {"type": "array", "items": self.sort.schema(), "minItems": 1, "maxItems": MOST_LEVELS}
+
+    def describe(self) -> str:
+        return self.meaning
+
+
+@dataclass(frozen=True)
+class Counts(Weights):
+    """A number of blocks for each level, lowest first: whole numbers from 0 on, not all of them 0."""
+
+    sort: ClassVar[Parameter] = Integer(0, 10**9)
+    plural: ClassVar[str] = "counts"
+    meaning: ClassVar[str] = "a number of blocks for each level, lowest level first, as in [9, 27, 33, 21, 10]"
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Random(Region):
+    """Random blocks, each cell independent, with equally likely levels or by `weights`; softness scales them down."""
+
+    kind: ClassVar[str] = "random"
+
+    weights: Annotated[
+        tuple[float, ...] | None, Weights(help="relative frequency of each level, lowest first; default: all equal")
+    ] = None
+    counts: Annotated[
+        tuple[int, ...] | None,
+        Counts(help="exact number of blocks of each level, lowest first; they add up to the number of cells"),
+    ] = None
+    max_step: Annotated[
+        int | None,
+        Integer(
+            1, 32767, unit="units", help="largest step between neighbours in the region; the same blocks are reordered"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        Obstacle.__post_init__(self)
+        for name in ("weights", "counts"):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.levels:
+                raise ParameterError(name, f"{len(given)} {name} for {self.levels} levels; give one for each level")
+        if self.counts is not None and (self.weights is not None or self.softness):
+            raise ParameterError(
+                "counts", "give the number of blocks of each level; give no weights or softness with it"
+            )
+
+    def check_size(self, grid: Grid) -> None:
+        """Raise a ParameterError if `counts` do not add up to the cells of the region."""
+        if self.counts is None:
+            return
+        low, high = self.wanted_ends(grid)
+        if "random" in (*low, *high):
+            raise ParameterError("counts", "needs a region of fixed size; give first and last")
+        cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
+        if cells != sum(self.counts):
+            raise ParameterError(
+                "counts", f"{sum(self.counts)} blocks for {cells} cells: the counts must add up to the number of cells"
+            )
+
+    @property
+    def draws_by_cell(self) -> bool:
+        """Return whether no blocks are reordered, and `patch` is still the one of this class."""
+        return type(self).patch is Random.patch and self.max_step is None
+
+    @property
+    def draws_per_cell(self) -> int:
+        """Return 2 if blocks are shuffled: the first number is the one of a level that is not counted."""
+        return 1 if self.counts is None else 2
+
+    def levels_in_maps(self, uniform: Array) -> Levels:
+        """Return levels sampled per cell, or shuffled from `counts` in each map."""
+        if self.counts is None:
+            return Region.levels_in_maps(self, uniform)
+        # Sorted by their numbers, all permutations of the blocks are equally likely.
+        blocks = asarray(np.repeat(np.arange(self.levels, dtype=np.int16), self.counts), uniform)
+        levels: Levels = blocks[order_of_draws(uniform.reshape(len(uniform), -1))].reshape(uniform.shape)
+        return levels
+
+    def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
+        """Return levels sampled per cell or shuffled from `counts`, reordered until no step exceeds `max_step`."""
+        patch = Region.patch(self, grid, first, last, rng)
+        if self.counts is None and self.max_step is None:
+            return patch
+        levels = patch.levels if self.counts is None else self.levels_in_maps(rng.random((1, *patch.levels.shape)))[0]
+        if self.max_step is not None:
+            order = rearranged(levels, self.max_step, rng)
+            if order is None:
+                raise ParameterError(
+                    "max_step",
+                    f"{self.max_step}: no order of these blocks was found; give more, or more blocks of middle levels",
+                )
+            levels = order
+        return patch._replace(levels=levels)
+
+    @elementwise
+    def drawn(self, uniform: Array) -> Levels:
+        """Return floor(n f) with f = u (1 - s/100); with weights, the level whose part of [0, 1) contains f."""
+        f = uniform * (1 - self.softness / 100) if self.softness else uniform
+        if self.weights is None:
+            return cast(self.levels * f, "int16")  # type: ignore[no-any-return]  # f is never below 0: the floor
+        shares = np.array(list(accumulate(self.weights))) / math.fsum(self.weights)
+        top = max(level for level, weight in enumerate(self.weights) if weight)
+        return cast(least(level_of(shares, f), top), "int16")  # type: ignore[no-any-return]  # an array as the numbers
+
+
+@register
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NormalRandom(Region):
+    """Random blocks with normally distributed heights, each cell independent; softness scales them down."""
+
+    kind: ClassVar[str] = "normal_random"
+
+    spread: Annotated[float, Float(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
+
+    @elementwise
+    def drawn(self, uniform: Array) -> Levels:
+        """Return floor(n f) with f = clip(0.5 + z spread, 0, 1 - eps) (1 - s/100), z the normal quantile of u.
+
+        No quantile per cell is needed: f reaches level k if u >= P(z < z_k), so the levels are found among n bounds.
+        """
+        scale = self.levels * (1 - self.softness / 100)
+        quantiles = ((level / scale - 0.5) / self.spread for level in range(1, math.ceil(scale)))
+        # P(Z < z), rounded, so that math libraries that differ in the last bit give the same levels.
+        bounds = [round(0.5 * math.erfc(-z / math.sqrt(2)), 12) for z in quantiles]
+        return cast(level_of(np.array(bounds), uniform), "int16")  # type: ignore[no-any-return]  # as the numbers

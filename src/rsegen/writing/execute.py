@@ -1,0 +1,240 @@
+"""Run work on many items here, in worker processes, or on a Dask cluster: results in order, nothing left behind.
+
+All three are executors of `concurrent.futures`; a few batches per worker are under way at any time. Workers are started
+with `spawn` on every system: nothing is inherited from threads, and no worker keeps another one's pipe open. Signals
+that stop a run reach this process alone, which lets the workers end. The result never depends on where, or in what
+batches, it is made. Cost: half a second per worker at the start, so a short run stays in this process. What breaks it:
+a worker that the system kills for want of memory, which ends the run (WorkerLost).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import sys
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Executor, Future
+from concurrent.futures import wait as finished
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+from rsegen.errors import ParameterError, WorkerLost
+from rsegen.params.extras import CLUSTER, pip_install
+from rsegen.params.plugins import with_plugins
+from rsegen.params.sorts import Integer
+from rsegen.writing import stop
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+WORTHWHILE = 1.0
+"""Seconds of work from which on workers gain more than they cost: each takes about half a second to start."""
+
+BATCH = 0.2
+"""Seconds of work that a worker is given at once: much more than the giving takes, little enough to see it move."""
+
+AHEAD = 3
+"""Batches that each worker gets before the first of them is done, so that none waits for this process.
+
+More of them only keep more results in memory, and go on longer after Ctrl-C.
+"""
+
+_SHARES = 4
+"""Batches per worker at least, if items are few: the last ones end at about the same time."""
+
+_LOOK = 0.2
+"""Seconds between two looks for a signal while a result is waited for: soon after Ctrl-C, at no cost."""
+
+MOST = 61 if sys.platform == "win32" else 1024
+"""Workers at most: Windows waits for no more than 63 handles at once."""
+
+LOCAL = "local"
+"""The address that stands for a Dask cluster of this machine."""
+
+PATIENCE = "10s"
+"""Time to wait for the scheduler of a cluster, as Dask takes it: long enough for one that is just starting."""
+
+WORKERS = Integer(1, help="processes that make maps at the same time")
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Execution:
+    """Workers or cluster of a run, and whether it waits for the disk: options of every command that makes many items.
+
+    workers: processes at the most, if they are quicker   scheduler: the address of a Dask cluster whose workers see the
+    same folder, or `local` for one of `workers` processes   sync: wait until the disk has the files
+    """
+
+    workers: Annotated[int, WORKERS] = 1
+    scheduler: str | None = None
+    sync: bool = True
+
+    def __post_init__(self) -> None:
+        WORKERS.check("workers", self.workers)
+        if self.scheduler is not None:
+            dask()
+
+
+def execute(
+    work: Callable[[Sequence[Item]], Result], items: Sequence[Item], seconds: float, execution: Execution
+) -> Generator[Result, None, None]:
+    """Yield the result of `work` for each batch of items, in their order.
+
+    seconds: about how long one item takes. What `work` raises is raised here; WorkerLost if a worker has died.
+    """
+    # A cluster if one is given; this process if workers would cost more than they gain; else workers.
+    workers = min(execution.workers, len(items), MOST)
+    if not items:
+        return
+    if execution.scheduler is not None:
+        with _cluster(execution.scheduler, workers) as (executor, workers_there):
+            yield from _in_order(executor, with_plugins(work), _batches(items, seconds, workers_there), workers_there)
+    elif workers <= 1 or len(items) * seconds < WORTHWHILE:
+        for batch in _batches(items, seconds, 1):
+            stop.check()
+            yield work(batch)
+    else:
+        with _processes(workers) as executor:
+            yield from _in_order(executor, with_plugins(work), _batches(items, seconds, workers), workers)
+
+
+def _batches(items: Sequence[Item], seconds: float, workers: int) -> Iterator[Sequence[Item]]:
+    size = max(1, math.ceil(BATCH / seconds if workers == 1 else min(BATCH / seconds, len(items) / workers / _SHARES)))
+    return (items[start : start + size] for start in range(0, len(items), size))
+
+
+def _in_order(
+    executor: Executor, work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[Item]], workers: int
+) -> Iterator[Result]:
+    """Yield the results in the order of the batches, of which a few per worker are under way."""
+    waiting = deque(_submitted(executor, work, batch) for batch in islice(batches, AHEAD * workers))
+    while waiting:
+        yield _result(waiting.popleft())
+        waiting.extend(_submitted(executor, work, batch) for batch in islice(batches, 1))
+
+
+def _submitted(executor: Executor, work: Callable[[Sequence[Item]], Result], batch: Sequence[Item]) -> Future[Result]:
+    with stop.held(), _no_signals_for_new_processes():
+        return executor.submit(work, batch)
+
+
+def _result(future: Future[Result]) -> Result:
+    """Return the result, waited for in small steps, between which a signal stops the run.
+
+    A KeyboardInterrupt inside of `wait` may leave the lock of the future held, for which the pool's thread would wait
+    for ever; on Windows Ctrl-C would have no effect there.
+    """
+    while True:
+        with stop.held():
+            if finished([future], timeout=_LOOK).done:
+                return future.result()
+
+
+# Processes of this machine.
+
+
+@contextmanager
+def _processes(workers: int) -> Iterator[Executor]:
+    """Yield an executor of processes; however this ends, none is left."""
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
+    context = multiprocessing.get_context("spawn")
+    with stop.held(), _no_signals_for_new_processes():  # one process watches over shared memory
+        receiver, sender = context.Pipe(duplex=False)
+        pool = ProcessPoolExecutor(workers, context, _start_worker, (receiver,))
+    try:
+        yield pool
+    except BaseException as error:
+        sender.close()
+        # A worker may end in the middle of a long result. The pool's thread would wait for the rest of it for ever, as
+        # this process holds the sending end of that pipe too; once that is closed, it reads the end of the file.
+        pool._result_queue._writer.close()  # type: ignore[attr-defined]
+        if isinstance(error, BrokenProcessPool):
+            raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer workers") from error
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+        sender.close()
+        receiver.close()
+
+
+_STOP_SIGNALS = frozenset(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+@contextmanager
+def _no_signals_for_new_processes() -> Iterator[None]:
+    """Let processes that are started inside be born with the signals blocked that a terminal sends to all."""
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOP_SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _start_worker(parent_stops: Connection) -> None:
+    """Run first in a worker: ignore the signals, and end it when the process that started it is gone, or stops."""
+    import multiprocessing
+    import threading
+    from multiprocessing.connection import wait
+
+    def watch() -> None:
+        parent = multiprocessing.parent_process()
+        wait([parent_stops, *([parent.sentinel] if parent else [])])
+        os._exit(1)  # what it was writing is staged, and removed by its parent
+
+    for number in _STOP_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+    threading.Thread(target=watch, daemon=True).start()
+
+
+# A cluster.
+
+
+@contextmanager
+def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
+    """Yield an executor of a Dask cluster, and how many workers it has; one that is lost is replaced by another."""
+    distributed = dask()
+    from logging import CRITICAL
+
+    with ExitStack() as opened:  # closes the client, then a cluster of our own
+        address: Any = scheduler
+        if scheduler == LOCAL:
+            address = opened.enter_context(
+                distributed.LocalCluster(
+                    n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=CRITICAL
+                )
+            )
+        try:
+            client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
+        except (OSError, ValueError) as error:
+            raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
+        try:
+            yield client.get_executor(pure=False), max(workers, sum(client.ncores().values()))
+        except distributed.KilledWorker as error:
+            raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
+
+
+def dask() -> Any:
+    """Return Dask's distributed; a ParameterError that says how to install it, if it is missing."""
+    try:
+        import distributed
+    except ImportError:
+        raise ParameterError("scheduler", f"needs Dask: {pip_install([CLUSTER.name])}") from None
+    return distributed

@@ -1,0 +1,41 @@
+"""Write recipe files, and copies of the included ones: whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rsegen.recipe.codec import to_json
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import to_yaml
+from rsegen.writing.store import write_file, write_files
+
+
+def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
+    """Write a recipe file, whole or not at all.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The recipe.
+    path : str or Path
+        The file, YAML or JSON by its suffix.
+    force : bool, default False
+        Replace it if it exists.
+
+    Raises
+    ------
+    OutputError
+        If it exists already and is not to be replaced.
+    """
+    path = Path(path)
+    text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
+    write_file([text.encode()], path, force=force)
+
+
+def copy_examples(folder: Path, *, force: bool = False) -> Sequence[Path]:
+    """Write the included recipes into a folder, all or none of them; return their paths."""
+    copies = {folder / path.name: [path.read_bytes()] for path in EXAMPLES.values()}
+    write_files(copies, force=force)
+    return list(copies)

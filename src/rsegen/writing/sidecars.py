@@ -1,0 +1,145 @@
+"""Sidecars: optional files next to the world of each map, such as a picture or files for other programs.
+
+A capability brings a kind of them as a class, whose name becomes a parameter of `rsegen.generate` and of all that
+writes worlds, and so a flag of their commands:
+
+    --preview  --Sidecars.of-->  Preview()  --files-->  preview.png in the folder of every map
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from rsegen.params.capabilities import hooks
+
+if TYPE_CHECKING:
+    from rsegen.cli.parser import Parser
+    from rsegen.gazebo import Bundle
+    from rsegen.recipe.recipe import Recipe
+    from rsegen.scene.scene import Scene
+    from rsegen.writing.resources import InMemory
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Sidecar(ABC):
+    """Files of one kind for every map of a run; an instance is what a run was asked for."""
+
+    name: ClassVar[str]
+    """Name of the parameter and of the flag."""
+
+    parameter: ClassVar[Any]
+    """The parameter's declaration: an annotated type."""
+
+    default: ClassVar[object] = False
+    """The value of the parameter with which there are none."""
+
+    @classmethod
+    def of(cls, value: Any) -> Sidecar:
+        """Return what a value of the parameter asks for."""
+        return cls()
+
+    @property
+    def in_memory(self) -> Collection[InMemory]:
+        """What is made in memory for the files of a map, by which the memory of a run is judged."""
+        return ()
+
+    @classmethod  # noqa: B027  # most have nothing to add
+    def explain(cls, command: Parser) -> None:
+        """Add to the help of a command that writes worlds."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What a user should know before the run, a line each."""
+        return ()
+
+    def refuse(self, recipe: Recipe) -> None:  # noqa: B027  # most can be made of all maps
+        """Raise a UserError if the files cannot be made of a recipe's maps, or need what is not installed."""
+
+    @abstractmethod
+    def files(self, scene: Scene) -> Bundle:
+        """Return their content, by path in the map's folder; it is made when it is read."""
+
+    @abstractmethod
+    def are_in(self, home: str) -> bool:
+        """Return whether the folder of a map has them."""
+
+    def seconds(self, cells: int) -> float:
+        """Return about how long they take for a map with this many cells; half a second for a picture or a sheet."""
+        return 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sidecars:
+    """All sidecars that a run makes."""
+
+    chosen: tuple[Sidecar, ...] = ()
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Sidecars:
+        """Return those that the values of parameters ask for, by the names of their kinds."""
+        return cls(chosen=tuple(kind.of(values[kind.name]) for kind in sidecar_kinds() if values.get(kind.name)))
+
+    @property
+    def in_memory(self) -> list[InMemory]:
+        """What is made in memory for them."""
+        return [thing for sidecar in self.chosen for thing in sidecar.in_memory]
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user should know before the run, a line each."""
+        return [note for sidecar in self.chosen for note in sidecar.notes]
+
+    def refuse(self, recipe: Recipe) -> None:
+        """Raise a UserError if any cannot be made of a recipe's maps."""
+        for sidecar in self.chosen:
+            sidecar.refuse(recipe)
+
+    def files(self, scene: Scene) -> Bundle:
+        """Return their content, by path in the map's folder."""
+        files: dict[PurePosixPath, Any] = {}
+        for sidecar in self.chosen:
+            files |= sidecar.files(scene)
+        return files
+
+    def complete_in(self, home: str) -> bool:
+        """Return whether a map's folder has its world, and all of these files."""
+        is_there = os.path.isfile(os.path.join(home, f"{os.path.basename(home)}.world"))
+        return is_there and all(sidecar.are_in(home) for sidecar in self.chosen)
+
+    def seconds(self, cells: int) -> float:
+        """Return about how long they take for a map with this many cells."""
+        return sum(sidecar.seconds(cells) for sidecar in self.chosen)
+
+
+@cache
+def sidecar_kinds() -> tuple[type[Sidecar], ...]:
+    """Return the kinds of sidecars that capabilities bring."""
+    return tuple(hooks("sidecars"))
+
+
+def with_sidecars(function: F) -> F:
+    """Give a command a declared parameter for every kind of sidecar, in place of `**sidecars` in its signature."""
+    shape = inspect.signature(function)
+    own = [each for each in shape.parameters.values() if each.kind is not inspect.Parameter.VAR_KEYWORD]
+    added = [
+        inspect.Parameter(kind.name, inspect.Parameter.KEYWORD_ONLY, default=kind.default, annotation=kind.parameter)
+        for kind in sidecar_kinds()
+    ]
+    function.__signature__ = shape.replace(parameters=[*own, *added])  # type: ignore[attr-defined]  # PEP 362
+    function.__annotations__ = {
+        **{
+            name: hint
+            for name, hint in function.__annotations__.items()
+            if name in shape.parameters or name == "return"
+        },
+        **{kind.name: kind.parameter for kind in sidecar_kinds()},
+    }
+    return function

@@ -1,0 +1,461 @@
+"""A folder that one run alone writes into: staged in a hidden folder, put in place in one swap, listed in a journal.
+
+    DIR/.rsegen/lock         this run has the folder
+    DIR/.rsegen/new/0a1b...  what is being written
+    DIR/.rsegen/old/1/NAME   what is being replaced, between two renames on a disk that cannot exchange two names
+    DIR/.rsegen.next/        a data set or experiment that will replace DIR as a whole, once it is complete
+
+What exists is replaced only if rsegen wrote it and it has not changed since; it is looked at before the swap, and once
+more after it, when nobody else has it. If anything fails, what was swapped is swapped back. A single file is replaced
+because a person said so, and leaves nothing next to it. docs/engine.md draws what a kill leaves, and who removes it.
+Cost: each file is read once to be checked, if it is replaced, and waits for the disk unless --no-sync. What breaks it:
+a file that somebody changes in the milliseconds between check and swap, and a disk that reports as written what is not.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import secrets
+import shutil
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextvars import ContextVar
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
+from rsegen.gazebo import Bundle
+from rsegen.input_files import JOURNAL, Checksum
+from rsegen.params.sorts import Json
+from rsegen.writing.journal import (
+    HIDDEN,
+    Journal,
+    OpenJournal,
+    asides,
+    is_empty,
+    is_intact,
+    journal_text,
+    read_journal,
+    refuse_link,
+    refuse_loss,
+    refuse_loss_below,
+)
+from rsegen.writing.lock import Lock, refuse_locked
+from rsegen.writing.stop import held
+from rsegen.writing.swap import exchange, put, sync, sync_trees
+
+if TYPE_CHECKING:
+    from rsegen.writing.dry import Notes
+
+PATIENCE = 5.0
+"""Seconds that the writer of a single file waits for another run in the same folder.
+
+Another writer of single files is done in less; a long run is reported after it.
+"""
+
+NEXT = f"{HIDDEN}.next"
+"""The folder in a folder in which what will replace it grows."""
+
+NOTES: ContextVar[Notes | None] = ContextVar("the notes of a dry run (dry.py), None in a run that writes", default=None)
+
+
+def stage_all(root: Path, bundle: Mapping[PurePosixPath, Iterable[bytes]]) -> dict[str, Checksum]:
+    """Write the files of a bundle below a staged folder; an OutputError if a path leads out of it."""
+    checksums = {}
+    for name, content in bundle.items():
+        if name.is_absolute() or ".." in name.parts or not name.parts:
+            raise OutputError(f"{name}: leaves the output folder")
+        path = root / name
+        os.makedirs(path.parent, exist_ok=True)
+        digest, size = hashlib.sha256(), 0
+        with open(path, "wb") as file:
+            for piece in content:
+                digest.update(piece)
+                size += file.write(piece)
+        checksums[str(name)] = Checksum(bytes=size, sha256=digest.hexdigest())
+    return checksums
+
+
+def new_root(staging: Path) -> Path:
+    """Return a new folder below the folder of staged files, which no other process has."""
+    root = staging / secrets.token_hex(4)
+    root.mkdir()
+    return root
+
+
+class Store:
+    """A folder that this run alone writes into, until it is closed.
+
+    Its journal lists the files that are put into the folder itself. A folder of maps has none: each map has its own.
+    """
+
+    def __init__(self, folder: Path, *, sync: bool) -> None:
+        self.folder: Path = folder
+        self.home: Path = folder / HIDDEN
+        self.lock: Lock = Lock(folder, self.home)
+        self.staging: Path = self.home / "new"
+        self.sync: bool = sync
+        self.changed: bool = False
+        self._renamed_in: set[Path] = set()
+
+    @cached_property
+    def journal(self) -> OpenJournal:
+        """The journal of the folder."""
+        return OpenJournal(self.folder, self.staging, sync=self.sync)
+
+    # Whole folders, each with a journal of its own.
+
+    def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
+        """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
+        place = self.folder / name
+        self.lock.check()
+        if replaces := os.path.lexists(place):
+            if not force:
+                raise taken(place)
+            refuse_link(place)
+            refuse_locked(place)
+        with held(), ExitStack() as undo:
+            self._put_unit(root, place, undo, replaces=replaces)
+            if replaces:  # the old one is looked at once more, as nobody else has it now
+                refuse_loss(root, holds, place)
+            undo.pop_all()
+            self.changed = True
+        self._renamed_in.add(self.folder)
+        _remove(root)  # where the old one is now
+
+    def put_complete(self, root: Path, files: Mapping[str, Checksum], name: str, holds: str, *, force: bool) -> None:
+        """Give a staged folder a journal of its files, and its name, as `put_folder` does; the disk has all of it."""
+        stage_all(root, {PurePosixPath(JOURNAL): [journal_text(holds, files)]})
+        if self.sync:
+            sync_trees(root)
+        self.put_folder(root, name, holds, force=force)
+        self.sync_names()
+
+    # Files of the folder, which its journal lists.
+
+    def put(
+        self, bundle: Mapping[str, Iterable[bytes]], *, force: Collection[str] | bool = False, holds: str = "files"
+    ) -> None:
+        """Write files of the folder: all of them, or none if that fails.
+
+        force: the names of those that may be replaced, or all of them
+        holds: what the folder is, as its journal says; none is begun for single files, `""`, which `force` replaces
+        whoever wrote them
+        """
+        root = new_root(self.staging)
+        files = stage_all(root, {PurePosixPath(path): content for path, content in bundle.items()})
+        if self.sync:
+            sync_trees(root)
+        self.put_staged(root, files, force=force, holds=holds)
+        self.sync_names()
+
+    def put_staged(
+        self,
+        root: Path,
+        files: Mapping[str, Checksum],
+        *,
+        below: str = "",
+        force: Collection[str] | bool = False,
+        whole: Collection[str] = (),
+        holds: str = "files",
+    ) -> None:
+        """Give staged files their names, as `put` does.
+
+        below: a folder that has them, and a journal of its own; whole: folders that are replaced as one, whose files
+        are all among them.
+        """
+        # A unit is a file, or a whole folder among them: each is swapped by itself, and swapped back if a later one
+        # fails.
+        folder = self.folder / below
+        journal = OpenJournal(folder, self.staging, sync=self.sync) if below else self.journal
+        units = dict.fromkeys(next((top for top in whole if name.startswith(f"{top}/")), name) for name in files)
+        existing = {name for name in units if os.path.lexists(folder / name)}
+        for name in existing:
+            refuse_unit(folder, name, journal.content, force=force, is_folder=name in whole, is_single=not holds)
+        before = journal.content.files if journal.content else {}
+        gone = {name for name in before if name.partition("/")[0] in whole} - files.keys()
+        self.lock.check()
+        if below:
+            refuse_locked(folder)
+        is_listed = bool(holds or journal.content)
+        with held():
+            with journal.announced(files, holds) if is_listed else nullcontext(), ExitStack() as undo:
+                for name in units:
+                    self._put_unit(root / name, folder / name, undo, replaces=name in existing)
+                undo.pop_all()
+            self.changed = True
+        if gone:
+            journal.drop(gone)
+        if below:
+            journal.tidy()
+        self._renamed_in |= {(folder / name).parent for name in units}
+        _remove(root)
+
+    def _put_unit(self, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
+        """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""
+        _make_folder(place.parent, undo)
+        if replaces:
+            self._exchange(new, place)
+            undo.callback(self._exchange, new, place)
+        else:
+            put(new, place)
+            undo.callback(os.rename, place, new)
+
+    def _exchange(self, new: Path, place: Path) -> None:
+        parts = place.relative_to(self.folder).parts
+        exchange(new, place, self.home.joinpath("old", str(len(parts)), *parts))
+
+    def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
+        """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
+
+    def note(self, result: Mapping[str, Json]) -> None:
+        """Append a result to the journal, which has begun."""
+        self.lock.check()
+        self.journal.note(result)
+        self.changed = True
+
+    def sync_names(self) -> None:
+        """Wait until the disk has the names of what was put in place, unless nobody asked for it."""
+        for folder in self._renamed_in if self.sync else ():
+            sync(folder)
+        self._renamed_in.clear()
+
+    def clear(self) -> None:
+        """Empty the hidden folder: what lies aside and has no successor yet is put back, all else is removed."""
+        for aside, place in asides(self.folder):
+            if not os.path.lexists(place):
+                os.rename(aside, place)
+        for path in (self.staging, self.home / "old"):
+            _remove(path)
+
+
+def refuse_unit(
+    folder: Path,
+    name: str,
+    journal: Journal | None,
+    *,
+    force: Collection[str] | bool,
+    is_folder: bool = False,
+    is_single: bool = False,
+) -> None:
+    """Raise an OutputError if what has the name of a file or folder must not be replaced.
+
+    That is: a link, something of another kind, without `force` anything, and what rsegen did not write or somebody has
+    changed since. A single file is replaced by `force` alone.
+    """
+    place = folder / name
+    if not os.path.lexists(place):
+        return
+    refuse_link(place)
+    if not (place.is_dir() if is_folder else place.is_file()):
+        kind = "folder" if is_folder else "file"
+        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
+    if not (force if isinstance(force, bool) else name in force):
+        raise taken(place)
+    if is_folder:
+        refuse_loss_below(folder, name, journal)
+    elif not is_single:
+        is_intact(folder, name, journal)
+
+
+def refuse_taken_file(path: Path, *, force: bool) -> None:
+    """Raise an OutputError if a single file exists, unless it is a file and `force` is given."""
+    refuse_unit(path.parent, path.name, None, force=force, is_single=True)
+
+
+def taken(place: Path) -> OutputError:
+    """Return the error of a name that exists already."""
+    what = "another folder or name" if place.is_dir() else "another name"
+    return OutputError(f"{place}: exists already; give force=True to replace it, or {what}")
+
+
+def _make_folder(folder: Path, undo: ExitStack) -> None:
+    if not folder.is_dir():
+        if os.path.lexists(folder):
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
+        _make_folder(folder.parent, undo)
+        folder.mkdir()
+        undo.callback(_remove_empty, folder)
+
+
+def _remove_empty(folder: Path) -> None:
+    with suppress(OSError):  # somebody has put something into it
+        folder.rmdir()
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder of the hidden folder; twice, as the first time an error may interrupt it."""
+    for _ in range(2):
+        if folder.exists():
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Path | None = None) -> Iterator[Store]:
+    """Open a folder to write into it, which is made if it does not exist.
+
+    sync: wait until the disk has the files, before they get their names and after it; wait: seconds to wait for another
+    run; output: the path in messages, by default the folder. Raises an OutputError if another run is writing there, or
+    if nothing may be written there; a WriteError if the disk failed after something was written.
+    """
+    if noted := NOTES.get():
+        with noted.store(folder, output=output) as store:
+            yield store
+        return
+    store = Store(folder, sync=sync)
+    try:
+        with ExitStack() as undo:  # removes the folder again if nothing was written into it
+            _make_folder(folder, undo)
+            refuse_link(store.home)
+            try:
+                store.lock.take(wait)
+                store.clear()
+                store.staging.mkdir()
+                yield store
+            finally:
+                _close(store)
+                if store.changed or any(folder.iterdir()):
+                    undo.pop_all()
+    except (RsegenError, Stopped):
+        raise
+    except KeyboardInterrupt:
+        what = output or folder
+        left = f"what is complete in {what} stays" if store.changed else f"nothing was changed in {what}"
+        raise Stopped(left, changed=store.changed) from None
+    except OSError as error:
+        refused = error.errno in REFUSED and not store.changed
+        kind, left = (OutputError if refused else WriteError), "" if store.changed else "; nothing was changed"
+        raise kind(f"{output or folder}: cannot be written: {error.strerror or error}{left}") from error
+
+
+def _close(store: Store) -> None:
+    """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
+    try:
+        if store.changed and "journal" in vars(store):
+            store.journal.tidy()
+        if store.lock.is_taken:
+            store.clear()
+    finally:
+        store.lock.release()
+        _remove_empty(store.home)
+
+
+@contextmanager
+def unchanged_if_stopped(output: str | Path | None) -> Iterator[None]:
+    """Add to a Ctrl-C inside, before anything is written, that the output is as it was; with no output nothing."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if output is None:
+            raise
+        raise Stopped(f"nothing was changed in {output}", changed=False) from None
+
+
+@contextmanager
+def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Iterator[Store]:
+    """Open a store in `folder/.rsegen.next` that replaces the whole folder at the end, in one swap.
+
+    If the run is stopped, the folder is as it was, and the same call goes on with what is there. Whether it may be
+    replaced is checked before by `refuse_irreplaceable`, which reads all of it, and once more at the swap.
+    """
+    if noted := NOTES.get():
+        with noted.store(folder, is_whole=True) as store:
+            yield store
+        return
+    with open_store(folder, sync=sync):  # the old folder is locked too, so that no other run changes it meanwhile
+        begun = folder / NEXT
+        if not is_empty(begun):
+            refuse_loss(begun, holds)
+            journal = read_journal(begun)
+            if journal is None or journal.of != of:
+                _remove(begun)
+        with open_store(begun, sync=sync) as store:
+            store.journal.begin(holds, of)
+            yield store
+    try:
+        _replace_whole(folder, holds, sync=sync)
+    except (OutputError, WriteError, OSError) as error:
+        problem = f"not replaced yet: {error}; the new one is complete, and the same command puts it in place"
+        raise WriteError(f"{folder}: {problem}") from error
+
+
+def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
+    """Exchange a folder for the complete one in its `.rsegen.next`."""
+    real = folder.resolve()
+    begun = real / NEXT
+    with open_store(real.parent, sync=sync, wait=PATIENCE, output=folder) as above:
+        root = above.staging / real.name
+        os.rename(begun, root)
+        try:
+            above.put_folder(root, real.name, holds, force=True)
+        except BaseException:
+            if not begun.exists() and root.exists():
+                os.rename(root, begun)
+            raise
+        above.sync_names()
+
+
+def refuse_irreplaceable(folder: Path, holds: str) -> None:
+    """Raise an OutputError if a folder may not be replaced as a whole, or cannot be."""
+    refuse_locked(folder)
+    real = folder.resolve()
+    refuse_loss(real, holds, folder)
+    if real.is_mount() or not os.access(real.parent, os.W_OK):
+        problem = "cannot be replaced in one step, as it is a disk of its own, or the folder above is read-only"
+        raise OutputError(f"{folder}: {problem}; give another folder")
+
+
+# Checks before a run, and single files.
+
+
+def refuse_busy(folder: Path) -> None:
+    """Raise an OutputError if a path is no folder and cannot be one, or if another run writes into it."""
+    try:
+        is_taken = folder.exists() and not folder.is_dir()
+    except (OSError, ValueError) as error:
+        name = str(folder) if isinstance(error, OSError) else shown(str(folder))
+        raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
+    if is_taken:
+        raise OutputError(f"{folder}: is a file; give a folder")
+    refuse_locked(folder)
+
+
+def refuse_taken(folders: Iterable[str | Path], *, force: bool, holds: str = "map") -> None:
+    """Raise an OutputError for the first folder that exists, or that even `force` does not replace."""
+    for folder in map(Path, filter(os.path.lexists, folders)):
+        if not force:
+            raise taken(folder)
+        refuse_loss(folder, holds)
+
+
+def write_folder(
+    bundle: Bundle, folder: Path, holds: str = "map", *, force: bool = False, sync: bool = True
+) -> tuple[str, ...]:
+    """Write every file of a bundle into a new folder, in one swap; return their names in it, sorted as paths are."""
+    with open_store(folder.parent, sync=sync, wait=PATIENCE, output=folder) as store:
+        root = new_root(store.staging)
+        store.put_complete(root, stage_all(root, bundle), folder.name, holds, force=force)
+    return sorted_names(bundle)
+
+
+def write_file(content: Iterable[bytes], path: Path, *, force: bool = False) -> None:
+    """Write one file, whole or not at all; an OutputError if it exists already, unless `force`."""
+    write_files({path: content}, force=force)
+
+
+def write_files(contents: Mapping[Path, Iterable[bytes]], *, force: bool = False) -> None:
+    """Write single files anywhere: all files of a folder, or none of them."""
+    for path in contents:
+        refuse_taken_file(path, force=force)
+    for folder in dict.fromkeys(path.parent for path in contents):
+        paths = [path for path in contents if path.parent == folder]
+        with open_store(folder, wait=PATIENCE, output=paths[0]) as store:
+            store.put({path.name: contents[path] for path in paths}, force=force, holds="")
+
+
+def sorted_names(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:
+    """Return paths as texts, sorted as paths are."""
+    return tuple(map(str, sorted(paths)))

@@ -1,0 +1,188 @@
+"""Write the worlds of a recipe: `generate` is what the command line, the page and scripts call.
+
+    Recipe --plan_worlds--> RunPlan --make_worlds: compose, export, write, for each map--> Generated
+
+A map's folder has its world, and next to it optional files, its sidecars: a picture, a build sheet, files for other
+programs. The times of a map only decide how maps are divided among workers, never the result.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+
+from rsegen.gazebo import export
+from rsegen.gazebo.map_summary import warnings
+from rsegen.recipe.recipe import Recipe
+from rsegen.scene.scene import Scene, compose
+from rsegen.writing.execute import Execution
+from rsegen.writing.journal import read_journal
+from rsegen.writing.plan import OnExisting, Output, RunPlan, existing_maps, run_in
+from rsegen.writing.resources import check_needs
+from rsegen.writing.sidecars import Sidecars
+from rsegen.writing.store import open_store, refuse_busy, refuse_taken, refuse_unit, sorted_names
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class GeneratedMap:
+    """A map on disk.
+
+    Attributes
+    ----------
+    name : str
+        Its name, which its folder in `home` has too.
+    index : int
+        Its index in the recipe.
+    home : Path
+        The folder that all maps are in.
+    names : tuple of str
+        Names of the files in the map's own folder.
+    cells : tuple of int
+        Cells along x and y, frames counted.
+    extent : tuple of float
+        Its sides along x and y, metres.
+    level_counts : dict of int to int
+        Number of blocks of each level.
+    warnings : tuple of str
+        A sentence on each thing that may not be meant.
+    scene : Scene or None
+        The scene of a run of one map, which may have taken long to make; else None, as thousands would not fit into
+        memory.
+    """
+
+    name: str
+    index: int
+    home: Path
+    names: tuple[str, ...]
+    cells: tuple[int, int]
+    extent: tuple[float, float]
+    level_counts: dict[int, int]
+    warnings: tuple[str, ...]
+    scene: Scene | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def folder(self) -> Path:
+        """The map's own folder."""
+        return self.home / self.name
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that were written."""
+        return tuple(self.folder / name for name in self.names)
+
+    @property
+    def world(self) -> Path:
+        """The file that a simulator opens."""
+        return self.folder / f"{self.name}.world"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Generated:
+    """The maps of a recipe on disk.
+
+    Attributes
+    ----------
+    recipe : Recipe
+        Their recipe.
+    folder : Path
+        The folder that they are in.
+    maps : tuple of GeneratedMap
+        Those that were made.
+    already : tuple of int
+        The indices of those that existed already.
+    """
+
+    recipe: Recipe
+    folder: Path
+    maps: tuple[GeneratedMap, ...]
+    already: tuple[int, ...] = ()
+
+
+WorldsPlan = RunPlan[int, GeneratedMap]
+"""The plan of a run that makes worlds; its items are the indices of maps."""
+
+
+def plan_worlds(
+    recipe: Recipe,
+    folder: Path,
+    sidecars: Sidecars,
+    on_existing: OnExisting,
+    execution: Execution | None = None,
+    *,
+    beside: Iterable[str] = (),
+) -> WorldsPlan:
+    """Check that the worlds of a recipe can be made, and plan it; nothing is written. Raises as `generate` does.
+
+    beside: the names of files that `make_worlds` puts into the folder, next to the maps
+    """
+    execution, keep = execution or Execution(), on_existing is OnExisting.KEEP
+    refuse_busy(folder)
+    existing = existing_maps(recipe, folder, sidecars.complete_in) if keep else []
+    sidecars.refuse(recipe)
+    needs = check_needs([recipe], recipe.maps - len(existing), folder, things=sidecars.in_memory)
+    if not keep:
+        homes = (os.path.join(folder, recipe.map_name(index)) for index in recipe.indices)
+        refuse_taken(homes, force=on_existing is OnExisting.REPLACE)
+    for name in beside:  # which the journal will list
+        refuse_unit(folder, name, read_journal(folder), force=on_existing is not OnExisting.REFUSE)
+    known = frozenset(existing)
+    return RunPlan(
+        folder=folder,
+        product=partial(_world, recipe, folder, sidecars),
+        seconds=seconds_per_world(recipe, sidecars),
+        to_make=[index for index in recipe.indices if index not in known] if known else recipe.indices,
+        existing=existing,
+        replaces=on_existing is not OnExisting.REFUSE,
+        execution=replace(execution, workers=min(execution.workers, needs.maps_at_once)),
+    )
+
+
+def make_worlds(
+    recipe: Recipe,
+    plan: WorldsPlan,
+    progress: Callable[[GeneratedMap], None] | None = None,
+    beside: Mapping[str, bytes] | None = None,
+) -> Generated:
+    """Make the worlds of a plan; `progress` is called with each map that is done, in their order.
+
+    beside: files that are put next to the maps when all of them are there, by name
+    """
+    with open_store(plan.folder, sync=plan.execution.sync) as store:
+        maps = run_in(store, plan, progress)
+        if beside:
+            store.put({name: [content] for name, content in beside.items()}, force=plan.replaces)
+    return Generated(recipe=recipe, folder=plan.folder, maps=maps, already=tuple(plan.existing))
+
+
+def world_output(scene: Scene, folder: Path, sidecars: Sidecars) -> Output[GeneratedMap]:
+    """Return the files of the world of one map, and of its sidecars, and what is known of it in `folder`."""
+    bundle = {**export(scene), **sidecars.files(scene)}
+    made = GeneratedMap(
+        name=scene.name,
+        index=scene.index,
+        home=folder,
+        names=tuple(map(sys.intern, sorted_names(bundle))),  # thousands of maps have files of the same names
+        cells=scene.field.shape,
+        extent=scene.field.extent,
+        level_counts=scene.field.level_counts(),
+        warnings=warnings(scene),
+    )
+    return Output(made=made, files=bundle, folder=scene.name)
+
+
+def seconds_per_world(recipe: Recipe, sidecars: Sidecars) -> float:
+    """Return about how long a map takes; decides how the maps are divided among workers, never the result."""
+    n_x, n_y = recipe.grid.shape
+    # Estimates, as in `Sidecars.seconds`: 2 ms for the files and 4 us per cell.
+    return 2e-3 + n_x * n_y * 4e-6 + sidecars.seconds(n_x * n_y)
+
+
+def _world(recipe: Recipe, folder: Path, sidecars: Sidecars, index: int) -> Output[GeneratedMap]:
+    """Return the files of the world of map `index`, and its scene if it is the only one."""
+    scene = compose(recipe, index)
+    output = world_output(scene, folder, sidecars)
+    return output if recipe.maps > 1 else replace(output, made=replace(output.made, scene=scene))

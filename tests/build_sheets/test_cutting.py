@@ -1,0 +1,117 @@
+"""Every block is sawn, none from more than there is, and nothing is lost but to the saw."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rsegen import CutSettings, Recipe
+from rsegen.build_sheets.cut_settings import nanometres
+from rsegen.build_sheets.timber import CuttingPlan, frames, plan_cuts, together
+from rsegen.errors import ParameterError
+
+CM = nanometres(1)
+SAWS = st.builds(
+    CutSettings,
+    kerf_mm=st.sampled_from([0, 1.5, 3, 40]),
+    stock_cm=st.sampled_from([64, 100, 240.5]),
+    trim_cm=st.sampled_from([0, 0.5, 2]),
+    tolerance_mm=st.sampled_from([0, 0.5]),
+)
+EXACT = CutSettings(trim_cm=0, tolerance_mm=0)
+COUNTS = st.dictionaries(st.integers(1, 60).map(lambda length: length * CM), st.integers(1, 40), max_size=6)
+
+
+def first_fit_decreasing(counts: Mapping[int, int], saw: CutSettings) -> Counter[tuple[tuple[int, int], ...]]:
+    """As the books have it, block by block."""
+    pieces: list[list[int]] = []
+    for length in sorted(Counter(counts).elements(), reverse=True):
+        for piece in pieces:
+            if sum(piece) + length + len(piece) * saw.kerf <= saw.usable:
+                piece.append(length)
+                break
+        else:
+            pieces.append([length])
+    return Counter(tuple(Counter(piece).items()) for piece in pieces)
+
+
+@given(COUNTS, SAWS)
+def test_blocks_are_sawn_first_fit_decreasing(counts: Mapping[int, int], saw: CutSettings) -> None:
+    found: Counter[tuple[tuple[int, int], ...]] = Counter()
+    for pattern in plan_cuts(counts, saw).patterns:
+        found[pattern.parts] += pattern.pieces
+    assert found == first_fit_decreasing(counts, saw)
+
+
+@given(COUNTS, SAWS)
+def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[int, int], saw: CutSettings) -> None:
+    plan = plan_cuts(counts, saw)
+    sawn_of: Counter[int] = Counter()
+    for pattern in plan.patterns:
+        for length, count in pattern.parts:
+            sawn_of[length] += pattern.pieces * count
+    assert sawn_of == counts
+    assert plan.timber == sum(length * count for length, count in counts.items())
+    assert plan.timber + plan.kerf_loss + plan.offcuts + plan.trimmed == plan.pieces * saw.stock
+    assert 0 <= plan.kerf_loss <= saw.kerf * sum(counts.values())
+
+
+def parts(plan: CuttingPlan) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
+    """Of each pattern: how often, length in cm and number, what is left in mm."""
+    return [
+        (
+            pattern.pieces,
+            tuple((length // CM, count) for length, count in pattern.parts),
+            pattern.offcut(plan.settings) * 10 // CM,
+        )
+        for pattern in plan.patterns
+    ]
+
+
+def test_the_saw_costs_a_block() -> None:
+    """Twelve blocks of 20 cm are 240 cm, but not with a kerf: after the eleventh 17 cm less 3 mm are left."""
+    counts = {20 * CM: 12}
+    assert parts(plan_cuts(counts, replace(EXACT, kerf_mm=0))) == [(1, ((20, 12),), 0)]
+    assert parts(plan_cuts(counts, EXACT)) == [(1, ((20, 11),), 167), (1, ((20, 1),), 2197)]
+
+
+def test_a_block_as_long_as_the_stock_is_not_sawn() -> None:
+    plan = plan_cuts({240 * CM: 3}, EXACT)
+    assert (plan.pieces, plan.kerf_loss, plan.offcuts) == (3, 0, 0)
+
+
+def test_the_ends_of_stock_and_a_tolerance_are_left_over() -> None:
+    """Of 240 cm 238 are used; ten blocks of 20 cm, ten cuts of 3.5 mm, and 3.45 cm of offcut."""
+    plan = plan_cuts({20 * CM: 10}, CutSettings())
+    assert parts(plan) == [(1, ((20, 10),), 345)]
+    assert (plan.kerf_loss, plan.trimmed, plan.offcuts) == (35 * CM // 10, 2 * CM, 345 * CM // 10)
+    with pytest.raises(ParameterError, match="trim_cm: nothing is left of 10 cm of stock"):
+        CutSettings(stock_cm=10, trim_cm=5)
+
+
+def test_a_block_longer_than_the_stock_is_refused() -> None:
+    said = r"stock_cm: 30 is shorter than the longest block, 30\.5 cm; give 32\.5 or more"
+    with pytest.raises(ParameterError, match=said):
+        plan_cuts({nanometres(30.5): 1}, CutSettings(stock_cm=30))
+
+
+def test_the_boards_of_a_nist_pallet_are_120_and_100_cm() -> None:
+    known = frames(Recipe(seed=1))
+    assert known == {120 * CM: 2, 100 * CM: 2}
+    assert together(known) == 440 * CM
+
+
+def test_frames_have_the_boards_of_their_boundary() -> None:
+    recipe = Recipe(seed=1, chunks=(3, 2), chunk_size=4)
+    divided, outer = (frames(replace(recipe, boundary=boundary)) for boundary in ("divided", "outer"))
+    assert divided == {60 * CM: 12, 40 * CM: 12}
+    assert outer == {140 * CM: 2, 80 * CM: 2}
+    assert frames(replace(recipe, boundary="none")) == frames(replace(recipe, frame_height_cm=0)) == {}
+    assert frames(recipe, 5 * CM // 10) == {605 * CM // 10: 12, 405 * CM // 10: 12}
+    equal = frames(Recipe(seed=1, boundary="outer", chunks=(1, 2), chunk_size=2, block_width_cm=7))
+    assert equal == {28 * CM: 4}

@@ -1,0 +1,130 @@
+"""What a run needs, in numbers that a person can read."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rsegen import Random, Recipe
+from rsegen.errors import TooLarge
+from rsegen.formats.base import FORMATS
+from rsegen.heights.base import imported, importer_for
+from rsegen.writing import resources
+from rsegen.writing.resources import check_needs, format_bytes
+
+
+@pytest.mark.parametrize(
+    ("size", "text"),
+    [
+        (0, "0 bytes"),
+        (999, "999 bytes"),
+        (1000, "1.0 kB"),
+        (200_000, "200.0 kB"),
+        (1_300_000, "1.3 MB"),
+        (23_500_000_000, "23.5 GB"),
+        (150_000_000_000_000, "150.0 TB"),
+        (10**15, "a million GB or more"),
+        (10**400, "a million GB or more"),
+        (math.inf, "a million GB or more"),
+    ],
+)
+def test_bytes_are_in_the_unit_that_fits(size: float, text: str) -> None:
+    assert format_bytes(size) == text
+
+
+def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(resources, "_free_disk", lambda _: 200_000)
+    with pytest.raises(TooLarge, match=r"maps: 106 maps need 1\.3 MB of disk or more, 200\.0 kB are free; give fewer"):
+        check_needs([Recipe(seed=1)], 106, tmp_path)
+
+
+@pytest.mark.slow
+def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() -> None:
+    rows = (Random(levels=5),) * 20_001
+    recipe = Recipe(seed=1, chunk_size=1000, boundary="none", obstacles=rows)
+    with pytest.raises(TooLarge, match=r"obstacles: 20,001 of them on .* cells .* give 20,000 or fewer"):
+        resources.refuse_too_large(recipe)
+    resources.refuse_too_large(replace(recipe, obstacles=rows[:-1]))
+
+
+def test_heights_that_do_not_fit_into_memory_are_refused_before_they_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    np.save(tmp_path / "heights.npy", np.zeros((100, 200)))
+    monkeypatch.setattr(resources, "_free_memory", lambda: 1_000_000)
+    with pytest.raises(TooLarge, match=r"100 x 200 cells need about 41\.0 MB of memory, 1\.0 MB are free$"):
+        imported(tmp_path / "heights.npy", importer_for(tmp_path / "heights.npy")())
+
+
+GB = 10**9
+MEASURED = {
+    ("world", 2000): 288,
+    ("boxes", 1000): 2173,
+    ("blocks", 1000): 479,
+    ("watertight", 500): 955,
+    ("difficulty", 2000): 398,
+    ("measure", 2000): 752,
+    ("stl", 500): 965,
+    ("stl", 1000): 2687,
+    ("usd", 1000): 2739,
+    ("glb", 500): 956,
+    ("posture", 1000): 2712,
+    ("mjcf", 2000): 2708,
+    ("urdf", 1000): 2201,
+    ("ros2", 500): 564,
+}
+"""MB of memory for what is made of a map with this number of cells along each side, most of them of 100 levels."""
+
+
+def needed(side: int, what: str = "world", **options: Any) -> int:
+    """The bytes that a map needs by the rule."""
+    recipe = Recipe(seed=1, chunk_size=500, chunks=(side // 500, side // 500), boundary="none")
+    match what:
+        case "boxes" | "blocks":
+            recipe = replace(recipe, collision=what)
+        case "watertight":
+            recipe = replace(recipe, mesh="watertight")
+        case "difficulty":
+            recipe = replace(recipe, difficulty=0.5)
+    formats = [FORMATS[what](**options)] if what in FORMATS else []
+    return resources._memory(recipe, "measure" if what == "measure" else "build", formats)
+
+
+@pytest.mark.parametrize(("what", "side"), MEASURED)
+def test_the_rule_is_near_the_measurements(what: str, side: int) -> None:
+    assert 0.8 < needed(side, what) / (MEASURED[what, side] * 1e6) < 4.5
+
+
+def test_a_large_world_of_merged_meshes_needs_no_large_machine() -> None:
+    assert needed(8000) < 8 * GB
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "measured"),
+    [
+        ("heightmap", {"pixels": 10}, 223),
+        ("occupancy", {"pixels": 10}, 222),
+        ("posture", {"per_block": 20}, 17_650),
+        ("mjcf", {"shape": "hfield", "pixels": 20}, 6362),
+    ],
+)
+def test_values_within_a_cell_are_counted(name: str, options: dict[str, Any], measured: int) -> None:
+    piece = 500**2 * resources.BYTES_PER_CELL["surface"]
+    assert 0.8 < (needed(500, name, **options) - piece) / (500**2 * measured) < 4.5
+
+
+def test_a_map_needs_more_to_be_measured_or_exported_than_to_be_built(monkeypatch: pytest.MonkeyPatch) -> None:
+    recipe = Recipe(seed=1, chunk_size=1000, boundary="none")
+    monkeypatch.setattr(resources, "_free_memory", lambda: 700_000_000)
+    resources.refuse_too_large(recipe)
+    with pytest.raises(TooLarge, match=r"^chunks: a map of 1000 x 1000 cells needs about 824\.3 MB of memory, 700"):
+        resources.refuse_too_large(recipe, "measure")
+    with pytest.raises(TooLarge, match=r"needs about 4\.5 GB of memory, .* give fewer chunks or a smaller chunk_size"):
+        resources.refuse_too_large(recipe, things=[FORMATS["stl"]()])
