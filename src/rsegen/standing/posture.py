@@ -10,7 +10,7 @@ around the map are no plateaus, but can be neighbours of one. Neighbours share a
     peak   a plateau that is higher than each of its neighbours by more than a limit
     pit    a plateau that is lower than each of its neighbours by more than a limit
 
-Plateaus are connected components (field/metrics/graphs.py); the least rise to any neighbour decides. Linear in the
+Plateaus are connected components (field/graphs.py); the least rise to any neighbour decides. Linear in the
 cells.
 """
 
