@@ -2,7 +2,7 @@
 
 import { Button, Icon, Menu, NumberInput, Segmented, Select } from "./controls";
 import { times } from "./exact";
-import type { Command } from "./protocol";
+import type { DescribedCommand } from "./protocol";
 import { leaveFor, offer, Progress } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
@@ -73,7 +73,7 @@ async function savePicture(): Promise<void> {
 }
 
 function RunMenu() {
-  const groups = new Map<string, Command[]>();
+  const groups = new Map<string, DescribedCommand[]>();
   for (const command of hello.value?.commands ?? []) groups.set(command.group, [...(groups.get(command.group) ?? []), command]);
   return (
     <Menu label="Run" icon="play" title="Commands for this map" class="run">

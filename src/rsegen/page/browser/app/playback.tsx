@@ -3,11 +3,11 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Button, Select } from "./controls";
-import type { Playback, RobotDrawing } from "./protocol";
+import type { Playback, RobotShapes } from "./protocol";
 import { call } from "./server";
 import { attempt, drawing, forgetRobot, hello, playbacks, robot, scene, second } from "./state";
 
-export const drawings = signal<Map<string, RobotDrawing>>(new Map());
+export const drawings = signal<Map<string, RobotShapes>>(new Map());
 const plays = signal(false);
 const speed = signal<"0.25" | "1" | "4">("1");
 

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { Button, Labelled, Segmented, Select, Slider } from "./controls";
 import { reasonsOf, scaleOf } from "./overlay";
-import type { PoseMap, Way } from "./protocol";
+import type { DrawnWay, PoseMap } from "./protocol";
 import {
   chooseRobot, dialog, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showReach, showTilt, stopSearch, tool, way, wayStart,
 } from "./state";
@@ -15,7 +15,7 @@ export const best = signal<"length" | "tilt" | "margin">("length");
 const degrees = (angle: number) => Number(((angle * 180) / Math.PI).toFixed(1));
 const centimetres = (length: number | null) => (length === null ? "–" : `${(100 * length).toFixed(1)} cm`);
 
-const times = (way: Way, what: string) => String(way.events.filter(({ text }) => text === what).length);
+const times = (way: DrawnWay, what: string) => String(way.events.filter(({ text }) => text === what).length);
 
 function Facts({ rows }: { rows: [string, string][] }) {
   return <dl class="facts">{rows.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>;

@@ -5,7 +5,7 @@ import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
-import type { Command, Job, Json } from "./protocol";
+import type { DescribedCommand, Job, Json } from "./protocol";
 import { call, fileOf, Failed } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
 import { copy } from "./results";
@@ -13,7 +13,7 @@ import { copy } from "./results";
 type Values = { [name: string]: Json | undefined };
 
 /* The command as somebody would type it. */
-function line(command: Command, values: Values, output: string): string {
+function line(command: DescribedCommand, values: Values, output: string): string {
   const quoted = (text: string) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
   const flags = command.fields.flatMap(({ name, flag, default: usual }) => {
     const value = values[name];
@@ -34,7 +34,7 @@ const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" }
 /* What was chosen last for each command, until the page is left. */
 const remembered = new Map<string, { values: Values; output: string }>();
 
-function usual(command: Command, upload?: string): { values: Values; output: string } {
+function usual(command: DescribedCommand, upload?: string): { values: Values; output: string } {
   const file = command.output_required ? `${state.value?.name}.${SUFFIXES[command.name] ?? "pdf"}` : "";
   const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? file : command.name) };
   const values: Values = { ...known.values };
