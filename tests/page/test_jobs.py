@@ -68,7 +68,7 @@ def test_what_a_page_makes_a_shell_makes_of_its_line(host: Host, start: Start, d
     host.jobs.changed = told.append
     job = ended(host, start("generate", "worlds", formats=["stl"], sync=False))
     assert (job["state"], job["result"]["folder"]) == ("done", "worlds")
-    assert job["line"] == "rsegen generate --formats=stl --no-sync --output=worlds mine.yaml"
+    assert job["line"] == "rsegen generate --no-sync --formats=stl --output=worlds mine.yaml"
     assert {"path": "worlds/peak_0000/recipe.json", "name": "recipe.json", "kind": "recipe"} in job["files"]
     assert any(line.startswith("1 map of") for line in job["lines"])
     assert [each["state"] for each in told][-1] == "done"
