@@ -24,7 +24,7 @@ FOLDERS = [name for name in capabilities() if (ROOT / "src" / "rsegen" / name).i
 _OF_ALL = ("bad_input", "benchmarks", "contracts", "crash", "docs", "examples", "fuzz", "golden", "plugins", "real")
 """Folders of tests that ask something of the whole, and so need all of it."""
 
-_LEFT_OUT = shutil.ignore_patterns("*.pyc", "__pycache__", "node_modules", "test_house.py")
+_LEFT_OUT = shutil.ignore_patterns("*.pyc", "__pycache__", "node_modules", "test_house.py", "test_doctor.py")
 
 
 def with_dependants(names: Iterable[str]) -> set[str]:
@@ -46,13 +46,18 @@ def sources_without(names: Collection[str], folder: Path) -> Path:
 def tree_without(names: Collection[str], folder: Path) -> Path:
     """Copy sources and tests into a folder without some capabilities and tests that use them; return its root."""
     sources_without(names, folder)
-    for part in ("tests", "benchmarks"):
+    for part in ("tests", "benchmarks", "scripts", "docs"):
         shutil.copytree(ROOT / part, folder / part, ignore=_LEFT_OUT)
     for name in (*_OF_ALL, *names):
         shutil.rmtree(folder / "tests" / name, ignore_errors=True)
     shutil.copy(ROOT / "pyproject.toml", folder)
-    for test in [*uses_of_what_is_gone(folder, names)]:
-        test.unlink()
+    gone = list(uses_of_what_is_gone(folder, names))
+    while gone:  # and tests that use these
+        for test in gone:
+            test.unlink()
+        modules = [".".join(test.relative_to(folder).with_suffix("").parts) for test in gone]
+        uses = re.compile(rf"\b(?:{'|'.join(map(re.escape, modules))})\b")
+        gone = [path for path in folder.glob("tests/**/*.py") if uses.search(path.read_text("utf-8"))]
     return folder
 
 

@@ -9,12 +9,14 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rsegen.errors import OutputError
 from rsegen.input_files import JOURNAL
 from rsegen.writing import lock
+from rsegen.writing.journal import HIDDEN
 from rsegen.writing.store import open_store, write_file
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import ended, started, until_there
@@ -81,6 +83,26 @@ def test_a_suspended_run_keeps_its_folder(tmp_path: Path) -> None:
         with pytest.raises(OutputError, match="another run is writing there"), open_store(tmp_path):
             pass
         process.kill()
+
+
+def test_a_hidden_folder_that_another_run_removes_meanwhile_is_made_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is there when this run wants to make it, and gone when it looks for it."""
+    calls: list[Path] = []
+    really = Path.mkdir
+
+    def mkdir(path: Path, *arguments: Any, **options: Any) -> None:
+        if path.name == HIDDEN and not calls:
+            calls.append(path)
+            raise FileExistsError(17, "File exists", str(path))
+        really(path, *arguments, **options)
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    with open_store(tmp_path, wait=5.0, sync=False) as store:
+        store.put({"a": [b"1"]})
+    assert calls == [tmp_path / HIDDEN]
+    assert {path.name for path in tmp_path.iterdir()} == {JOURNAL, "a"}
 
 
 @pytest.mark.usefixtures("disk")

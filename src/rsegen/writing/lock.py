@@ -18,6 +18,7 @@ import errno
 import json
 import os
 import secrets
+import stat
 import sys
 import time
 from collections.abc import Mapping
@@ -65,9 +66,9 @@ class Lock:
         """
         end = time.monotonic() + max(wait, _TRIES)
         while True:
-            self._path.parent.mkdir(exist_ok=True)
             is_last = time.monotonic() > end
             with held(), suppress(FileNotFoundError):  # the run that had it has just removed the hidden folder
+                self._make_home()
                 self._try(is_last=is_last)
             if self.is_taken:
                 return
@@ -75,6 +76,18 @@ class Lock:
                 refuse_locked(self._folder)
                 raise _busy(self._folder, {})
             time.sleep(_POLL)
+
+    def _make_home(self) -> None:
+        """Make the hidden folder if it is missing; FileNotFoundError if another run removes it meanwhile.
+
+        `Path.mkdir(exist_ok=True)` looks once more whether it is there, and then says that it exists.
+        """
+        home = self._path.parent
+        try:
+            home.mkdir()
+        except FileExistsError:
+            if not stat.S_ISDIR(home.stat().st_mode):
+                raise
 
     def check(self) -> None:
         """Raise an OutputError if the file of the lock is gone, or says another run."""
