@@ -16,6 +16,7 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
 from rsegen.params.capabilities import capabilities
+from rsegen.robots.base import ROBOTS
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = [name for name in capabilities() if (ROOT / "src" / "rsegen" / name).is_dir()]
@@ -65,11 +66,13 @@ def uses_of_what_is_gone(folder: Path, names: Collection[str]) -> Iterator[Path]
     """Yield the files of tests of others that use what some capabilities bring: modules, public names or commands."""
     gone = [capabilities()[name] for name in names]
     public = {name for capability in gone for of_module in capability.public.values() for name in of_module}
-    commands = {command.name for capability in gone for command in capability.commands}
+    words = {command.name for capability in gone for command in capability.commands}
+    words |= {name for capability in gone for offered in capability.offers.values() for name in offered}
+    words |= {*ROBOTS} if "robots" in names else set()
     uses = re.compile(
         rf"\b(?:rsegen|tests)\.(?:{'|'.join(names)})\b|\btests\.(?:{'|'.join(_OF_ALL)})\b"
         rf"|\brsegen\.(?:{'|'.join(public)})\b|^from rsegen import .*\b(?:{'|'.join(public)})\b"
-        rf"|\"(?:{'|'.join(commands)})[\" ]|--(?:preview|sheet|formats)",
+        rf"|\"(?:{'|'.join(words)})[\" ]|--(?:preview|sheet|formats)",
         re.MULTILINE,
     )
     for path in folder.glob("tests/**/*.py"):
