@@ -21,7 +21,7 @@ from rsegen.params.command import Shell, add_flags, command, default, flags_in_e
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
 from rsegen.params.streams import SEEDS
 from rsegen.robots.parameters import RobotModel
-from rsegen.simulators.parameters import SimulatorName, Timeout
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, SimulatorName, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
@@ -153,7 +153,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     with unchanged_if_stopped(output), world.on_disk() as file:
         extent = scene.field.extent if pictured else None
         recording = record_drive(
-            here, file, runs, duration, progress or _ignore, contacts=contacts, camera_extent=extent
+            here, file, runs, duration, progress or ignore, contacts=contacts, camera_extent=extent
         )
     result = DriveResult(
         scene=scene,
@@ -172,16 +172,6 @@ def drive(  # noqa: PLR0913  # each is a flag
     return result
 
 
-def _ignore(*_: object) -> None:
-    """Ignore what a caller did not ask to be told."""
-
-
-_OWN = ("simulator",)
-
-
-_WORLD = "WORLD-or-DIR-or-RECIPE"
-
-
 def add_drive(command: Parser) -> None:
     """Add the flags of `rsegen drive`."""
     epilog = (
@@ -189,15 +179,15 @@ def add_drive(command: Parser) -> None:
         "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
     )
     command.explain(drive.__doc__, epilog + robot_kinds())
-    add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=_WORLD)
+    add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=WORLD)
     add_flags(command.group("drive"), drive)
-    add_target_recipe_flags(command, ("seed", *_OWN))
+    add_target_recipe_flags(command, ("seed", *OWN_FLAGS))
 
 
 def run_drive(arguments: argparse.Namespace) -> Report:
     """Drive, and report the metrics."""
     with flags_in_errors(drive):
-        target = target_of(arguments, _OWN if arguments.target is None else ("seed", *_OWN))
+        target = target_of(arguments, OWN_FLAGS if arguments.target is None else ("seed", *OWN_FLAGS))
     given_values = checked_flags(drive, arguments)
     with seconds_bar(given_values.get("duration", default(drive, "duration"))) as progress:
         result = call(drive, arguments, target, progress=progress)

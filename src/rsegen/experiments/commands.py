@@ -23,7 +23,7 @@ from rsegen.cli.report import (
 )
 from rsegen.params.command import Shell, add_flags, command, flags_in_errors, given
 from rsegen.params.sorts import ListOf, Reference
-from rsegen.simulators.parameters import Timeout
+from rsegen.simulators.parameters import Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.experiments.plan import Cell, ExperimentPlan
@@ -82,13 +82,9 @@ def experiment(  # noqa: PLR0913  # each is a flag
         simulator,
         force=force,
         timeout=timeout,
-        progress=progress or _ignore,
-        watch=watch or _ignore,
+        progress=progress or ignore,
+        watch=watch or ignore,
     )
-
-
-def _ignore(*_: object) -> None:
-    """Ignore what a caller did not ask to be told."""
 
 
 def add_experiment(command: Parser) -> None:

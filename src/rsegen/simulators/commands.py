@@ -14,7 +14,7 @@ from rsegen.cli.report import Report, call
 from rsegen.errors import printable
 from rsegen.params.command import Shell, add_flags, command, flags_in_errors
 from rsegen.params.sorts import Flag, Float
-from rsegen.simulators.parameters import SimulatorName, Timeout
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, SimulatorName, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.simulators.open_world import OpenedWorld, OpenResult
@@ -71,19 +71,9 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         seconds=seconds,
         shared=shared,
         timeout=timeout,
-        on_start=on_start or _ignore,
-        on_error=on_error or _ignore,
+        on_start=on_start or ignore,
+        on_error=on_error or ignore,
     )
-
-
-def _ignore(*_: object) -> None:
-    """Ignore what a caller did not ask to be told."""
-
-
-_OWN = ("simulator",)
-
-
-_WORLD = "WORLD-or-DIR-or-RECIPE"
 
 
 def add_open(command: Parser) -> None:
@@ -91,11 +81,11 @@ def add_open(command: Parser) -> None:
     epilog = "rsegen sim lists the installed simulators. Error lines of the simulator go to stderr."
     command.explain(open.__doc__, epilog)
     where = "a world file, the folder of a map or of maps, or a recipe (a temporary world is made)"
-    add_input(command, where, name="target", metavar=_WORLD)
+    add_input(command, where, name="target", metavar=WORLD)
     group = command.group("open")
     add_flags(group, open)
     group.add_argument("--print", action="store_true", help="print the shell command and open nothing")
-    add_target_recipe_flags(command, _OWN)
+    add_target_recipe_flags(command, OWN_FLAGS)
 
 
 def run_open(arguments: argparse.Namespace) -> Report:
@@ -104,7 +94,7 @@ def run_open(arguments: argparse.Namespace) -> Report:
     from rsegen.writing.target_worlds import world_of
 
     with flags_in_errors(open):
-        target = target_of(arguments, _OWN)
+        target = target_of(arguments, OWN_FLAGS)
         if arguments.print:
             here, shared = world_of(target, arguments.map), bool(arguments.shared)
             headless = bool(arguments.headless)

@@ -20,3 +20,13 @@ Timeout = Annotated[
     Float(1.0, 1e6, unit="s", help="give a simulator up that shows no progress for so long; more on a busy machine"),
     Shell(metavar="S"),
 ]
+
+WORLD = "WORLD-or-DIR-or-RECIPE"
+"""The argument of commands that take a world, in their helps."""
+
+OWN_FLAGS = ("simulator",)
+"""Flags that mean something else in these commands than in a recipe."""
+
+
+def ignore(*_: object) -> None:
+    """Ignore what a caller did not ask to be told: the default of callbacks."""
