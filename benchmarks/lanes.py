@@ -31,7 +31,7 @@ from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import from_file
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
 from rsegen.writing.target_worlds import write_world

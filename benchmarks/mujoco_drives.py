@@ -21,7 +21,7 @@ from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array, StepField
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Wheels
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 
 def drive_recording(field: StepField, runs: Sequence[RobotRun], seconds: float) -> DriveRecording:

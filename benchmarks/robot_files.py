@@ -26,7 +26,7 @@ from rsegen.driving.routes import Motion, Route
 from rsegen.gazebo import sdf
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.simulators.base import SIMULATORS, Installation
-from rsegen.simulators.live_world import DROP_HEIGHT, Pose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.simulators.server import running_server
 
 SECONDS = 12.0

@@ -32,7 +32,7 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import SIMULATORS, Installation
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.writing.target_worlds import world_of
 
 FILE = RESULTS / "starts.json"

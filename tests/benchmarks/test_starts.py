@@ -13,7 +13,7 @@ from rsegen.driving.routes import STOP, Motion, Straight
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import SIMULATORS, Installation
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 CLASSIC = Installation(simulator=SIMULATORS["classic"], version="11", commands={})
 

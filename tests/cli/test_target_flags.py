@@ -21,8 +21,8 @@ from rsegen.cli.edge import main
 from rsegen.cli.flags import target_of
 from rsegen.cli.parser import parsed as parsed_words
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.simulators.live_world import Pose
 from rsegen.simulators.open_world import OpenedWorld, OpenResult
+from rsegen.simulators.poses import Pose
 from rsegen.spawning.spawning import SpawnResult
 from tests.support.complaints import exit_code, the_line
 from tests.support.runs import contents

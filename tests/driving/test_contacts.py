@@ -7,7 +7,7 @@ import csv as tables
 import pytest
 
 from rsegen.driving.recording import contact_shares, contacts_csv, robot_contacts
-from rsegen.simulators.live_world import Contact
+from rsegen.simulators.poses import Contact
 
 
 def contact(one: str, other: str) -> Contact:

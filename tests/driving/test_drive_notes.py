@@ -21,7 +21,7 @@ from rsegen.robots.lookup import DrivableRobot, robot_of_kind
 from rsegen.robots.sdf_file import from_file
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import SIMULATORS, Installation
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 SCENE = compose(rsegen.Recipe(name="course", seed=1, boundary="none", obstacles=(rsegen.Random(levels=2),)))
 CLASSIC = Installation(simulator=SIMULATORS["classic"], version="11.1.0", commands={})

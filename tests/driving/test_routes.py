@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rsegen.driving.routes import STOP, Route, Straight, Wandering
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 PLACE = st.floats(-5, 5)
 ANGLE = st.floats(-3.2, 3.2)

@@ -12,7 +12,7 @@ from rsegen.driving.robot_runs import adjacent_pose, finish_x, robot_runs
 from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.simulators.live_world import DROP_HEIGHT, Pose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.standing.spots import GAP, Outline
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))

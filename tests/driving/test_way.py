@@ -15,7 +15,7 @@ from rsegen.field.stepfield import StepField
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import robot_of_kind
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 STEP = 0.05
 """Seconds."""

@@ -16,7 +16,7 @@ from rsegen.experiments.plan import TableRow
 from rsegen.experiments.trial import covered_share, driving_figures
 from rsegen.field.stepfield import StepField
 from rsegen.robots.lookup import robot_of_kind
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 T = np.arange(0, 10.01, 0.1)
 BURGER = robot_of_kind("burger")

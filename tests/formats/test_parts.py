@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 
 from rsegen import StepField
-from rsegen.formats.parts import columns, groups
+from rsegen.formats.parts import groups
 from rsegen.geometry import surface
+from rsegen.geometry.columns import columns
 from tests.formats.test_meshes import seen_from_above
 from tests.support.strategies import fields
 

@@ -18,8 +18,9 @@ from typing import Any
 from rsegen.errors import RsegenError
 from rsegen.simulators.gazebo_classic import classic_world
 from rsegen.simulators.gazebo_sim import sim_world
-from rsegen.simulators.live_world import LiveWorld, Pose
+from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import Patience
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.sim_transport import SERVICES, TOPICS, Discovery, Event
 from rsegen.simulators.wire import CLASSIC, SIM, Message
 from tests.fuzz.damage import EXTREMES, damaged_bytes

@@ -14,7 +14,7 @@ from math import cos, pi, sin
 from typing import NamedTuple
 
 from rsegen.robots.drives import system
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 SPEED = 0.22
 """Metres a second: the most that the real one does."""

@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 from rsegen.driving.world_file import add_systems
 from rsegen.robots.base import Robot
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import LiveWorld, Pose
+from rsegen.simulators.live_world import LiveWorld
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import Server, attempted, running_server
 
 LANE = 4.0

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from tests.real.bodies import SHAPES, SIZE, body, furnished
 from tests.real.maps import Map
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 import rsegen
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 
 Place = tuple[float, float, float]
 

@@ -16,7 +16,7 @@ from rsegen.driving.world_file import world_with_robots
 from rsegen.field.stepfield import Ints
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import Wheels
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from tests.real.bodies import body, furnished, tilt
 from tests.real.falling import falling, judge
 from tests.real.maps import examples, generated, lanes, map_name, slippery, variants

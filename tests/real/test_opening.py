@@ -19,7 +19,8 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import Installation
 from rsegen.simulators.gazebo_classic import STATE
-from rsegen.simulators.live_world import LiveWorld, Pose
+from rsegen.simulators.live_world import LiveWorld
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import attempted, running_server
 from tests.real.maps import generated
 from tests.support.leftovers import MARK, left, left_in_the_end

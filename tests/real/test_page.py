@@ -22,7 +22,7 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
 from rsegen.scene.scene import compose
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import DROP_HEIGHT
+from rsegen.simulators.poses import DROP_HEIGHT
 from rsegen.simulators.server import running_server
 from tests.page.test_page import Page
 from tests.support.browser import chromium

@@ -15,7 +15,7 @@ from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.drives import BACKENDS, Tracks
 from rsegen.simulators.base import Installation
 from rsegen.simulators.gazebo_classic import ClassicWorld
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import attempted
 from rsegen.simulators.wire import pose_of
 from tests.real.courses import Course, driven, served, stair

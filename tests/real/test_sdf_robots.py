@@ -18,7 +18,7 @@ from rsegen.driving.routes import Motion, Route
 from rsegen.gazebo import sdf
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import DROP_HEIGHT, Pose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.simulators.server import running_server
 from tests.robots.makers_robot import makers_robot
 from tests.robots.tracked_and_legged import legged, tracked

@@ -20,7 +20,8 @@ from rsegen.cli.edge import main
 from rsegen.gazebo import sdf
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import LiveWorld, Pose
+from rsegen.simulators.live_world import LiveWorld
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import Server, running_server
 from rsegen.spawning.spawning import SpawnedMap
 from tests.real.bodies import SIZE, body

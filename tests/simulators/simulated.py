@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import attempted, running_server
 
 

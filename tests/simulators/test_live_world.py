@@ -17,8 +17,9 @@ from rsegen.gazebo import sdf
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.gazebo_sim import SimWorld
-from rsegen.simulators.live_world import LiveWorld, Pose
+from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import Patience
+from rsegen.simulators.poses import Pose
 from rsegen.simulators.server import running_server
 from rsegen.simulators.sim_transport import SERVICES, Discovery, Event, transport_client
 from tests.real.conftest import gazebo_classic, gazebo_sim

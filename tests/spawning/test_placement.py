@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rsegen
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.spawning.spawning import GAP, Area, SpawnedMap, free_area
 
 METRES = st.floats(-20, 20)

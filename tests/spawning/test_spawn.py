@@ -12,7 +12,7 @@ import pytest
 import rsegen
 from rsegen.errors import NothingRuns, ParameterError, UnknownName
 from rsegen.robots.lookup import robot_of_kind
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.spawning.spawning import _given_or_next
 from tests.simulators.transport import connected_to
 

@@ -21,7 +21,7 @@ from rsegen.params.command import Shell, add_flags, command, default, flags_in_e
 from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
 from rsegen.params.streams import SEEDS
 from rsegen.robots.parameters import RobotModel
-from rsegen.simulators.parameters import OWN_FLAGS, WORLD, SimulatorName, Timeout, ignore
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, MotorModel, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
@@ -63,7 +63,8 @@ def drive(  # noqa: PLR0913  # each is a flag
         Shell(metavar="W", default="of its plug-in or controller, else 0.5"),
     ] = None,
     robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,
-    simulator: SimulatorName = None,
+    simulator: DriveSimulator = None,
+    motors: MotorModel = None,
     route: Annotated[
         str,
         Choice(
@@ -100,7 +101,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     timeout: Timeout = 20.0,
     progress: Callable[[float], None] | None = None,
 ) -> DriveResult:
-    """Drive robots over a map in a Gazebo server without a window, and report how far each got.
+    """Drive robots over a map in a simulator without a window, and report how far each got.
 
     The same seed and simulator give the same trajectories.
 
@@ -121,40 +122,40 @@ def drive(  # noqa: PLR0913  # each is a flag
     UserError
         If a value is wrong or no Gazebo is installed.
     """
-    from rsegen.driving.drive import (
-        DriveResult,
-        drivable,
-        drive_notes,
-        driven_robot,
-        file_names,
-        refuse_output,
-    )
-    from rsegen.driving.recording import record_drive
+    from rsegen.driving.drive import DriveResult, drivable, drive_notes, driven_robot, file_names, refuse_output
+    from rsegen.driving.recording import record_drive, record_embedded
     from rsegen.driving.robot_runs import robot_runs
     from rsegen.driving.routes import AlongWay
     from rsegen.params.streams import fresh_seed
+    from rsegen.simulators.base import Installation
+    from rsegen.simulators.embedded import embedded_simulator
     from rsegen.simulators.server import choose_installation
     from rsegen.writing.dry import announce_files
     from rsegen.writing.store import unchanged_if_stopped
     from rsegen.writing.target_worlds import world_of
 
-    # All that can be wrong is refused before a server is started, which takes seconds.
+    # All that can be wrong is refused before a simulator is started, which may take seconds.
     if best is not None and route != AlongWay.name:
         raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
     model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
     refuse_output(None if output is None else Path(output), picture=picture, force=force)
     world = world_of(target, map)
-    here, scene = choose_installation(world.made_for, simulator, timeout), world.scene()
+    here = embedded_simulator(simulator) or choose_installation(world.made_for, simulator, timeout)
+    if motors is not None and isinstance(here, Installation):
+        raise ParameterError("motors", f"is for MuJoCo; {here} has motors of its own")
+    scene, report = world.scene(), progress or ignore
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
-    pictured = picture and "pictures" not in here.simulator.drives_without
+    pictured = picture and "pictures" not in here.drives_without
     if output is not None:
         announce_files(Path(output), file_names(runs, picture=pictured), is_whole=True)
-    with unchanged_if_stopped(output), world.on_disk() as file:
-        extent = scene.field.extent if pictured else None
-        recording = record_drive(
-            here, file, runs, duration, progress or ignore, contacts=contacts, camera_extent=extent
-        )
+    with unchanged_if_stopped(output):
+        if isinstance(here, Installation):
+            extent = scene.field.extent if pictured else None
+            with world.on_disk() as file:
+                recording = record_drive(here, file, runs, duration, report, contacts=contacts, camera_extent=extent)
+        else:
+            recording = record_embedded(here, scene, runs, duration, report, contacts=contacts, motors=motors)
     result = DriveResult(
         scene=scene,
         simulator=str(here),

@@ -23,7 +23,7 @@ from rsegen.driving.drive_metrics import (
     moves_by_window,
     possible_part,
 )
-from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contact_shares, contacts_csv
+from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contacts_csv
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import PlannedWay, Wandering
 from rsegen.errors import ParameterError, shown
@@ -37,7 +37,8 @@ from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.embedded import EmbeddedSimulator
+from rsegen.simulators.poses import Pose
 from rsegen.standing.spots import GAP
 from rsegen.standing.ways import events
 from rsegen.writing.programs import has_screen
@@ -251,7 +252,7 @@ def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
 
 
 def drive_notes(
-    here: Installation,
+    here: Installation | EmbeddedSimulator,
     runs: Sequence[RobotRun],
     recording: DriveRecording,
     route: str,
@@ -260,18 +261,19 @@ def drive_notes(
     picture: bool,
 ) -> Iterator[str]:
     """Yield what was derived from a robot's file, what went wrong, and what the simulator does not give."""
+    yield from recording.notes
     if isinstance(runs[0].robot, SdfRobot):
         yield from runs[0].robot.notes(here.backend)
     if recording.attempts > 1:
         yield f"{here} failed and was started again; this is attempt {recording.attempts}"
     if contacts and not recording.samples:
         yield f"{here} gives no contacts of a drive"
-    if picture and "pictures" in here.simulator.drives_without:
+    if picture and "pictures" in here.drives_without:
         yield f"{here} gives no pictures of a drive"
     # Robots on tracks that stand still have one known reason, which the notes on single robots would hide.
     tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
     still = [name for name in tracked if recording.trajectories[name].is_still]
-    if still and here.backend != "classic":
+    if still and here.backend in ("sim", "fortress"):
         yield f"{', '.join(still)} did not move: tracks need the physics engine DART 6.13 or later in {here}"
         return
     for run in runs:
@@ -308,6 +310,6 @@ def driven_robot(run: RobotRun, scene: Scene, recording: DriveRecording, route: 
     """Return the result of a robot."""
     trajectory, robot = recording.trajectories[run.name], run.robot
     course = Course.over(scene.field, None if route == Wandering.name else finish_x(scene.field, robot))
-    shares = contact_shares(recording.samples, run.name)
+    shares = recording.shares(run.name)
     metrics = drive_metrics(trajectory, robot.driving_speed, robot.size, course, shares)
     return DrivenRobot(name=run.name, kind=robot.kind, start=run.start, metrics=metrics, trajectory=trajectory)

@@ -1,10 +1,11 @@
-"""Robots driven over a world in a simulator's server, and the record of their poses and contacts.
+"""Robots driven over a world in a simulator, and the record of their poses and contacts.
 
-The world is paused while the routes of all robots decide at their poses; then each gets its command, the world steps
+The world stands still while the routes of all robots decide at their poses; then each gets its command, the world steps
 for a period, and contacts are sampled. So the machine's speed decides nothing: the same runs, world and simulator give
-the same trajectories. Poses come from a record of the server, or of the robots' plug-ins, every 0.05 s. Cost: a round
-trip per period; in Gazebo Classic 0.4 s, as its paused server answers five times a second (decision 10). A server that
-fails is started again, with new routes.
+the same trajectories. An embedded simulator keeps a record every 0.05 s, and counts contacts at every step. Poses of a
+server come from its own record, or from the robots' plug-ins. Cost: that of the physics, and in a server a round trip
+per period; in Gazebo Classic 0.4 s, as its paused server answers five times a second (decision 10). A server that fails
+is started again, with new routes.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass, field, replace
 from itertools import permutations
 from math import ceil, isfinite
 from pathlib import Path
@@ -25,9 +26,12 @@ from rsegen.driving.routes import STOP, PlannedWay, Route
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.lookup import DrivableRobot
+from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import Contact, LiveWorld, Pose, Record
+from rsegen.simulators.embedded import MOTORS, EmbeddedSimulator
+from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.server import attempted, running_server
+from rsegen.simulators.stepped_world import Record, SteppedWorld
 from rsegen.standing.spots import Spot
 
 ContactSamples = Sequence[tuple[float, Sequence[Contact]]]
@@ -96,8 +100,9 @@ class RobotRun:
 class DriveRecording:
     """The recording of a drive: trajectories by robot, contact samples, the simulator's error lines, a JPEG if asked.
 
-    There are no samples if contacts were not wanted, or if the simulator does not report any. attempts: the number of
-    servers that it took, as those before the last one failed
+    There are no samples if contacts were not wanted, or if the simulator does not report any. touched: for each robot,
+    the share of all steps in which each part had contact, where the simulator counts them; notes: on its physics
+    attempts: the number of servers that it took, as those before the last one failed
     """
 
     trajectories: Mapping[str, Trajectory]
@@ -105,6 +110,37 @@ class DriveRecording:
     errors: Sequence[str]
     image: bytes = b""
     attempts: int = 1
+    touched: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+    def shares(self, robot: str) -> Mapping[str, float]:
+        """Return the share of the time in which each part of a robot had contact, 0..1, the largest first."""
+        return self.touched[robot] if robot in self.touched else contact_shares(self.samples, robot)
+
+
+def record_embedded(  # noqa: PLR0913  # as `record_drive`
+    simulator: EmbeddedSimulator,
+    scene: Scene,
+    runs: Sequence[RobotRun],
+    seconds: float,
+    progress: Callable[[float], None] = lambda _: None,
+    *,
+    contacts: bool = True,
+    motors: str | None = None,
+) -> DriveRecording:
+    """Return the recording of robots that drive in this process for `seconds` of simulation time.
+
+    The same runs, scene and simulator give the same trajectories, bit by bit.
+    """
+    world = simulator.world(scene, runs, motors=motors or MOTORS[0], period=PERIOD)
+    samples = drive_in_steps(world, runs, seconds, world.step_seconds, progress, contacts=contacts)
+    return DriveRecording(
+        trajectories=trajectories(world.recorded(), runs),
+        samples=samples,
+        errors=[],
+        touched=world.shares() if contacts else {},
+        notes=list(world.notes()),
+    )
 
 
 def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
@@ -158,7 +194,7 @@ def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
 
 
 def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
-    live: LiveWorld,
+    world: SteppedWorld,
     runs: Sequence[RobotRun],
     seconds: float,
     step: float,
@@ -177,30 +213,30 @@ def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
     period = min(route.period for route in routes.values())
     samples: list[tuple[float, Sequence[Contact]]] = []
     for turn in range(ceil(round(seconds / step) / round(period / step))):
-        poses = live.poses()
+        poses = world.poses()
         if record is not None:
             record.append((turn * period, {run.name: list(astuple(poses[run.name])) for run in runs}))
         if all(route.is_done(poses[name]) for name, route in routes.items()):
             break
-        send_commands(live, runs, routes, poses)
+        send_commands(world, runs, routes, poses)
         done = min((turn + 1) * period, seconds)
         steps = round((done - turn * period) / step)
         if contacts:
-            samples.append((turn * period, live.step_with_contacts(steps)))
+            samples.append((turn * period, world.step_with_contacts(steps)))
         else:
-            live.step(steps)
+            world.step(steps)
         progress(done)
     return samples
 
 
 def send_commands(
-    live: LiveWorld, runs: Sequence[RobotRun], routes: Mapping[str, Route], poses: Mapping[str, Pose]
+    world: SteppedWorld, runs: Sequence[RobotRun], routes: Mapping[str, Route], poses: Mapping[str, Pose]
 ) -> None:
-    """Send every robot the command for the motion that its route wants at its pose, or to stop if that is no number."""
+    """Have every robot drive as its route wants at its pose, or stop if that is no number."""
     for run in runs:
         at = poses[run.name]
         v, w = routes[run.name].motion(at) if all(map(isfinite, astuple(at))) else STOP
-        live.send_command(run.robot.command(run.name, v, w, live.backend))
+        world.drive(run.name, run.robot, v, w)
 
 
 def trajectories(record: Record, runs: Sequence[RobotRun], end: float = 0.0) -> dict[str, Trajectory]:

@@ -19,7 +19,7 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.simulators.live_world import DROP_HEIGHT, Pose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.standing.body import Body
 from rsegen.standing.spots import GAP, Outline, Spot, fits, spot_generator, spots_on_map
 

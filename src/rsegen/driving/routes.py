@@ -21,7 +21,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from rsegen.field.stepfield import StepField
-from rsegen.simulators.live_world import Pose
+from rsegen.simulators.poses import Pose
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import entry_distance
 from rsegen.standing.ways import Way, best_way

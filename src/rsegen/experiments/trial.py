@@ -41,9 +41,10 @@ from rsegen.gazebo import sdf
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import LiveWorld, Record
+from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
+from rsegen.simulators.stepped_world import Record
 from rsegen.writing.programs import has_screen, running
 from rsegen.writing.target_worlds import write_world
 

@@ -17,9 +17,10 @@ import numpy as np
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.formats.base import Format, Step, register
-from rsegen.formats.parts import Column, columns, objs
+from rsegen.formats.parts import objs
 from rsegen.gazebo.obj import material_name, texture_files, texture_name
 from rsegen.gazebo.sdf import numbers, utf8
+from rsegen.geometry.columns import Column, columns
 from rsegen.params.numbers import decimal
 from rsegen.params.sorts import Choice, Integer
 from rsegen.scene.scene import Scene

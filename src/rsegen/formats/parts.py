@@ -1,6 +1,5 @@
 """Parts of a map that several formats need: boxes of a colour, faces of one material and texture, linear colours.
 
-columns   boxes on the ground, each of one material, for both visual and collision geometry: mjcf, learning
 groups    the faces of a mesh of one material and texture: ply, glb, usd
 objs      the surface in a file per material and texture: mjcf, urdf
 """
@@ -8,37 +7,14 @@ objs      the surface in a file per material and texture: mjcf, urdf
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 import numpy as np
 
-from rsegen.field.stepfield import Ints, Mask, StepField
+from rsegen.field.stepfield import Ints, Mask
 from rsegen.gazebo.obj import PARTS, obj
 from rsegen.geometry import surface, texture_coordinates
-from rsegen.geometry.mesh import label_grid
-from rsegen.geometry.rectangles import merge
 from rsegen.scene.colours import Colour, linear, rounded_colour
 from rsegen.scene.scene import Scene
-
-
-class Column(NamedTuple):
-    """A box on the ground: its centre and its size along x, y and z, metres, and its material."""
-
-    centre: tuple[float, float, float]
-    size: tuple[float, float, float]
-    material: int
-
-
-def columns(field: StepField) -> Iterator[Column]:
-    """Yield few boxes that together fill the blocks and frames of a field and do not overlap."""
-    grid = label_grid(field)
-    rectangles = merge(grid.cells)
-    rank, material = np.divmod(rectangles.label, grid.materials)
-    x, y, z = grid.lattice.lines
-    low = np.stack([x[rectangles.u0], y[rectangles.v0], np.zeros(len(rank))], axis=1)
-    high = np.stack([x[rectangles.u1], y[rectangles.v1], z[rank]], axis=1)
-    rows = zip(((low + high) / 2).tolist(), (high - low).tolist(), material.tolist(), strict=True)
-    return (Column(tuple(centre), tuple(size), kind) for centre, size, kind in rows)
 
 
 def groups(materials: Ints, sides: Mask | None = None) -> Iterator[tuple[int, str, Mask]]:

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints
-from rsegen.formats.parts import Column, columns
+from rsegen.geometry.columns import Column, columns
 from rsegen.learning.blocks import BELOW, BlockArrays
 from rsegen.scene.scene import Scene
 

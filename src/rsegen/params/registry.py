@@ -100,7 +100,8 @@ Offered = TypeVar("Offered")
 class Registry(Mapping[str, Thing]):
     """Everything of a sort by its name, sorted by names, or by the key that `order` gives for each thing.
 
-    package: its modules add rsegen's own things when they are imported; group: of entry points of other packages;
+    package: its modules add rsegen's own things when they are imported, if it has any besides what capabilities offer;
+    group: of entry points of other packages;
     contract: the requirements for plug-ins.
     """
 
@@ -121,7 +122,7 @@ class Registry(Mapping[str, Thing]):
         self._contract = contract
         self._things: dict[str, Thing] = {}
         self._sources: dict[str, Source] = {}
-        self._own_imported = not package
+        self._own_imported = not (package or group)
         self._modules_seen = 0
         self._lock = RLock()
 
@@ -174,8 +175,8 @@ class Registry(Mapping[str, Thing]):
     def _find(self, name: str) -> None:
         with self._lock:
             # The file with the name of the thing, if there is one, as for many things.
-            file = offered_modules(self._group).get(name) or f"{self._package}.{name}"
-            if isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
+            file = offered_modules(self._group).get(name) or (f"{self._package}.{name}" if self._package else "")
+            if file and isinstance(name, str) and name.isidentifier() and not self._own_imported and find_spec(file):
                 import_module(file)
             for find in (self._import_all_own, self._find_in_modules, lambda: self._find_offered(name)):
                 if name not in self._things:
@@ -197,7 +198,7 @@ class Registry(Mapping[str, Thing]):
     def _import_all_own(self) -> None:
         if self._own_imported:
             return
-        for name in _registering_files(self._package):
+        for name in _registering_files(self._package) if self._package else ():
             import_module(f"{self._package}.{name}")
         for name in offered_modules(self._group).values():
             import_module(name)

@@ -78,6 +78,10 @@ class Robot(RobotOnField):
             plugins += [odometry, pose_publisher(simulator)]
         return self.assembled(name, sensors, plugins, at)
 
+    def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
+        """Return its <model> without plug-ins, for a simulator that drives it by itself."""
+        return self.assembled(name, "", (), at)
+
     def assembled(self, name: str, sensors: str, plugins: Iterable[str], at: SdfPose = ORIGIN) -> str:
         """Return its <model> with these <sensor>s in its first link, and these plug-ins."""
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):  # it stands in topics

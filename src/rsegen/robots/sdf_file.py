@@ -28,7 +28,7 @@ from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drives import Drive, PublishCommand, Tracks, Wheels, pose_publisher
+from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Tracks, Wheels, pose_publisher
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
@@ -126,6 +126,16 @@ class SdfRobot(RobotOnField):
         _make_drivable(model, self, name, simulator)
         return _outer(model)
 
+    def without_plugins(self, name: str, at: SdfPose = ORIGIN) -> str:
+        """Return its <model> with its lowest point at the height of a pose, for a simulator that drives it by itself.
+
+        It has no plug-ins and no sensors; joints that nothing drives are held, and wheels turn about the left.
+        """
+        model = self._placed(name, at)
+        _hold_and_turn(model, self)
+        _take_out(model, "plugin", "sensor")
+        return _outer(model)
+
     def file(self, name: str, simulator: str = "classic") -> str:
         """Return the text of an SDF file of it with its own plug-ins, ROS's too; what has no drive stands still."""
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
@@ -147,7 +157,10 @@ class SdfRobot(RobotOnField):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        changes = _make_drivable(self._model(), self, self.kind, simulator)
+        if simulator in BACKENDS:
+            changes = _make_drivable(self._model(), self, self.kind, simulator)
+        else:
+            changes = {_HELD: _some(_hold_and_turn(self._model(), self))}
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
@@ -350,11 +363,7 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
         SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     own = read.plugin if read else ""
-    held = _hold(model, drive)
-    joints = ModelFrames(model, name).joints
-    for joint in read.turned if read else ():
-        if (axis := joints[joint].find("axis/xyz")) is not None:
-            axis.text = numbers([-value for value in floats(axis.text, 3, name)])
+    held = _hold_and_turn(model, robot)
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
@@ -371,11 +380,32 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
     model.extend([*kept, *publisher])
     _respell(model, backend)
     return {
-        "held as its model has them, as nothing drives them": _some(held),
+        _HELD: _some(held),
         "left out for the drive, as they are not here": ", ".join(plugins),
         "left out for the drive, as their meshes are not found": ", ".join(visuals),
         "left out for the drive, as sensors move nothing": ", ".join(sensors),
     }
+
+
+_HELD = "held as its model has them, as nothing drives them"
+
+
+def _hold_and_turn(model: Element, robot: SdfRobot) -> tuple[str, ...]:
+    """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
+    read = robot.read_drive
+    held = _hold(model, robot.drive if read else None)
+    joints = ModelFrames(model, robot.kind).joints
+    for joint in read.turned if read else ():
+        if (axis := joints[joint].find("axis/xyz")) is not None:
+            axis.text = numbers([-value for value in floats(axis.text, 3, robot.kind)])
+    return held
+
+
+def _take_out(model: Element, *tags: str) -> None:
+    """Take all elements of these tags out of a model, wherever they are."""
+    for parent in list(model.iter()):
+        for element in [element for element in parent if element.tag in tags]:
+            parent.remove(element)
 
 
 def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:

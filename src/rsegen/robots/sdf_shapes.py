@@ -76,6 +76,10 @@ class ModelFrames:
         """Return the link that a joint hangs on."""
         return self._link(joint, "parent")
 
+    def parent_link(self, joint: str | None) -> str:
+        """Return the link that a joint hangs on; empty for no joint."""
+        return self.parent(joint) if joint else ""
+
     def _link(self, joint: str, tag: str) -> str:
         return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
 
@@ -196,7 +200,7 @@ def inertials(frames: ModelFrames) -> dict[str, Inertial]:
         if inertial is not None:
             where = f"{frames.where}: link {shown(link)}"
             (mass,) = floats(inertial.findtext("mass", "1"), 1, where)
-            refuse_inertia(mass, _moments(link, element, frames), where)
+            refuse_inertia(mass, inertia_tensor(link, element, frames), where)
             place = place @ frames.local(inertial)
         by_link[link] = Inertial(mass, place[:3, 3])
     return by_link
@@ -204,7 +208,7 @@ def inertials(frames: ModelFrames) -> dict[str, Inertial]:
 
 def impossible_inertias(frames: ModelFrames) -> list[str]:
     """Return the links whose moments of inertia no body has: the largest exceeds the sum of the others."""
-    return [link for link, element in frames.links() if is_impossible(_moments(link, element, frames))]
+    return [link for link, element in frames.links() if is_impossible(inertia_tensor(link, element, frames))]
 
 
 def is_impossible(tensor: Array) -> bool:
@@ -228,8 +232,8 @@ def tensor_of(values: Sequence[float]) -> Array:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def _moments(link: str, element: Element, frames: ModelFrames) -> Array:
-    """Return the tensor of inertia of a link; SDF's default is that of 1 kg m^2 about each axis."""
+def inertia_tensor(link: str, element: Element, frames: ModelFrames) -> Array:
+    """Return the tensor of inertia, (3, 3), kg m^2, of a link in the frame of its <inertial>; by default the unit."""
     where = f"{frames.where}: link {shown(link)}"
     defaults = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"}
     texts = (element.findtext(f"inertial/inertia/{name}", default) for name, default in defaults.items())

@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from rsegen.params.registry import Contract, Registry
-from rsegen.simulators.live_world import LiveWorld, Record
+from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.patience import SECONDS, Patience
+from rsegen.simulators.stepped_world import Record
 from rsegen.writing.programs import LaunchCommand
 
 _MARKS = ("[Err]", "[error]", "Error [", "Error Code", "Library error for [", "error while loading shared libraries")
@@ -77,6 +78,11 @@ class Installation:
     def backend(self) -> str:
         """The name of its message and plug-in types, one of `rsegen.robots.BACKENDS`."""
         return self.simulator.backend(self)
+
+    @property
+    def drives_without(self) -> tuple[str, ...]:
+        """What a drive in it does not give, in words."""
+        return self.simulator.drives_without
 
     def __str__(self) -> str:
         return f"{self.simulator.title} {self.version}"

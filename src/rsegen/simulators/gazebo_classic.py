@@ -32,9 +32,11 @@ from rsegen.errors import ParameterError, SimulatorFailed, shown
 from rsegen.robots.drives import PublishCommand
 from rsegen.simulators.base import Installation, OpenRequest, Simulator, commands_of, register
 from rsegen.simulators.classic_transport import TransportClient, transport_client
-from rsegen.simulators.live_world import Clock, Contact, LiveWorld, Pose, Record
+from rsegen.simulators.live_world import Clock, LiveWorld
 from rsegen.simulators.patience import Patience
+from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.process import command_output
+from rsegen.simulators.stepped_world import Record
 from rsegen.simulators.wire import CLASSIC, contact_of, mesh_file, parse_text, pose_message, pose_of
 from rsegen.writing.programs import LaunchCommand
 

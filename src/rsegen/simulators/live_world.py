@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import re
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.drives import PublishCommand
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.inbox import Inbox
-
-Record = list[tuple[float, dict[str, list[float]]]]
-"""Simulated seconds, and the poses (x, y, z, roll, pitch, yaw) of models at that time, state by state."""
+from rsegen.simulators.poses import Pose
+from rsegen.simulators.stepped_world import Record, SteppedWorld
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -28,43 +27,7 @@ class Clock:
     paused: bool
 
 
-DROP_HEIGHT = 0.005
-"""Height, metres, above the ground at which robots start, so that they do not start inside it.
-
-It is beyond contacts' penetration, some 1 mm for soft wheels; a longer fall would shake the robot.
-"""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Pose:
-    """Position of a model, metres, and its rotation about x, y and z, radians."""
-
-    x: float
-    y: float
-    z: float
-    roll: float = 0.0
-    pitch: float = 0.0
-    yaw: float = 0.0
-
-    @classmethod
-    def above(cls, spot: Any) -> Pose:
-        """Return the pose of a robot at rest at a spot, so much higher that no part of it is inside a block."""
-        return cls(x=spot.x, y=spot.y, z=spot.z + DROP_HEIGHT, roll=spot.roll, pitch=spot.pitch, yaw=spot.yaw)
-
-    def distance(self, other: Pose) -> float:
-        """Return the distance between the positions of both, metres."""
-        return math.dist((self.x, self.y, self.z), (other.x, other.y, other.z))
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Contact:
-    """Two collisions in contact, each MODEL::LINK::COLLISION, and the mean of their contact points, metres."""
-
-    collisions: tuple[str, str]
-    position: tuple[float, float, float]
-
-
-class LiveWorld(ABC):
+class LiveWorld(SteppedWorld):
     """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
     between_looks: seconds between two looks whether something is done; client: its connection; name: of the world, as
@@ -85,14 +48,9 @@ class LiveWorld(ABC):
     def send_command(self, command: PublishCommand) -> None:
         """Send a command to a robot, and wait until it is received."""
 
-    @abstractmethod
-    def step(self, steps: int) -> None:
-        """Simulate this number of steps in a paused world, as fast as possible."""
-
-    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and give the contacts of the first step; none if they are not watched."""
-        self.step(steps)
-        return ()
+    def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
+        """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, and wait until that is received."""
+        self.send_command(robot.command(name, v, w, self.backend))
 
     def unpause(self) -> None:
         """Let simulation time run, and wait until the server reports it."""
@@ -106,7 +64,7 @@ class LiveWorld(ABC):
     def _set_paused(self, *, paused: bool) -> None:
         """Pause or unpause, and wait until the server reports it."""
 
-    def record(self, names: Sequence[str]) -> None:  # noqa: B027  # not needed where the server keeps a record
+    def record(self, names: Sequence[str]) -> None:  # not needed where the server keeps a record
         """Record the poses of these robots from now on, as `recorded` gives them."""
 
     def watch_contacts(self) -> bool:
@@ -117,16 +75,12 @@ class LiveWorld(ABC):
         """Return the record of the robots; empty where the server keeps one."""
         return []
 
-    def stop_recording(self) -> None:  # noqa: B027  # not every server keeps one
+    def stop_recording(self) -> None:  # not every server keeps one
         """Stop the server's record, which takes up to half of its time."""
 
     @abstractmethod
     def clock(self) -> Clock:
         """Return the clock now."""
-
-    @abstractmethod
-    def poses(self) -> Mapping[str, Pose]:
-        """Return the pose of every model, by its name."""
 
     def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
         """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.

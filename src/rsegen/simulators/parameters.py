@@ -5,12 +5,29 @@ from __future__ import annotations
 from typing import Annotated
 
 from rsegen.params.command import Shell
-from rsegen.params.sorts import Float, Reference
+from rsegen.params.sorts import Choice, Float, Reference
 
 SimulatorName = Annotated[
     str | None,
     Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)"),
     Shell(metavar="NAME", default="the newest that is installed"),
+]
+
+DriveSimulator = Annotated[
+    str | None,
+    Reference("mujoco, sim or classic", help="MuJoCo (mujoco), Gazebo Sim (sim) or Gazebo Classic (classic)"),
+    Shell(metavar="NAME", default="mujoco"),
+]
+"""Of what asks how robots drive: MuJoCo answers on every machine alike."""
+
+MotorModel = Annotated[
+    str | None,
+    Choice(
+        ("reaction", "classic"),
+        help="how motors of wheels act in MuJoCo: with their reaction on the chassis, as real ones do, or as those of "
+        "Gazebo Classic, without it",
+    ),
+    Shell(default="reaction"),
 ]
 
 RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]

@@ -20,7 +20,7 @@ from statistics import fmean
 from typing import Any, TypeAlias
 
 from rsegen.errors import NoMessage, shown
-from rsegen.simulators.live_world import Contact, Pose
+from rsegen.simulators.poses import Contact, Pose
 
 Message: TypeAlias = Mapping[str, Any]
 """A message: numbers, texts, bytes and messages by the names of their fields; lists where a field may be repeated."""

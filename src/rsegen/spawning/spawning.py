@@ -37,7 +37,8 @@ from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.connecting import connected
-from rsegen.simulators.live_world import DROP_HEIGHT, LiveWorld, Pose
+from rsegen.simulators.live_world import LiveWorld
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.spots import spots_on_map
 from rsegen.writing.target_worlds import Target, chosen, scene_of, write_world

@@ -1,0 +1,10 @@
+"""MuJoCo, a simulator in the box: a library of one wheel, in which robots drive without a Gazebo."""
+
+from rsegen.params.capabilities import Capability
+
+CAPABILITY = Capability(
+    summary="MuJoCo, a simulator in the box",
+    needs=("robots", "simulators"),
+    offers={"rsegen.embedded_simulators": {"mujoco": "rsegen.mujoco.simulator"}},
+    manual="mujoco",
+)

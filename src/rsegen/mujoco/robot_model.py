@@ -1,0 +1,390 @@
+"""A robot as a body of MJCF, MuJoCo's format: its links, joints, shapes and motors, from its SDF <model>.
+
+Robots of rsegen and of files come the same way, as text of SDF without plug-ins. The origin of the model is a body that
+moves freely; links hang on it and on each other as the joints say, a fixed one without a joint. What a drive needs to
+know of each shape is kept beside the text: which part of the robot it is, whether it belongs to a belt, and a direction
+along which it has a friction of its own.
+
+A mesh touches with its convex hull. The shapes of a belt that are one box, or one mesh, get round ends, as a belt has:
+a box would push its front face against an edge instead of climbing it. What breaks it: joints that are screws or gears,
+and a link that hangs on two others, which are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement, fromstring
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.field.stepfield import Array
+from rsegen.mujoco.friction import ROBOTS, MapFriction
+from rsegen.mujoco.settings import ROLLING, TORSIONAL
+from rsegen.robots.base import Robot
+from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
+from rsegen.robots.links import pose_matrix
+from rsegen.robots.meshes import read_mesh
+from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
+from rsegen.simulators.embedded import PlacedRobot
+
+_ENDLESS = 1e6
+"""Limits of joints and efforts from which on a file means that there is none."""
+
+_THIN = 0.0005
+"""Half of a side, metres, that a shape has at least: MuJoCo takes no flat one."""
+
+_JOINTS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "ball": "ball"}
+"""Types of joints in SDF and in MJCF; one that is neither these nor fixed cannot be driven."""
+
+
+class Shape(NamedTuple):
+    """A collision shape of a robot, named as in the model.
+
+    part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
+    axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
+    they are equal on this map
+    surface: velocity of its surface for a belt at 1 m/s, linear, m/s, and angular, rad/s, in the frame of its link
+    """
+
+    name: str
+    part: str
+    belt: int = -1
+    axis: Array | None = None
+    mu_axis: float = 1.0
+    mu_other: float = 1.0
+    surface: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RobotModel:
+    """A robot's parts of MJCF, and what its drive needs of them.
+
+    bodies: of the world; assets: meshes; excluded: pairs of bodies that do not touch; motors: names of joints with
+    wheels by side, each with the most torque, Nm, or None
+    """
+
+    name: str
+    drive: Drive
+    bodies: list[Element] = field(default_factory=list)
+    assets: list[Element] = field(default_factory=list)
+    excluded: list[tuple[str, str]] = field(default_factory=list)
+    shapes: list[Shape] = field(default_factory=list)
+    wheels: list[tuple[int, str, float | None]] = field(default_factory=list)
+    servos: list[tuple[str, Servo]] = field(default_factory=list)
+
+
+def robot_model(placed: PlacedRobot, friction: MapFriction, *, alone: bool) -> RobotModel:
+    """Return a robot at its start; alone: no other robot is in the world, so it touches the map only."""
+    return _Builder(placed, friction, alone=alone).model
+
+
+def numbers(values: Sequence[float] | Array) -> str:
+    """Return numbers as text of MJCF, to nine digits."""
+    return " ".join(f"{float(value):.9g}" for value in values)
+
+
+def quaternion(turn: Array) -> str:
+    """Return a rotation, (3, 3), as text of MJCF: w x y z."""
+    import mujoco
+
+    found = np.zeros(4)
+    mujoco.mju_mat2Quat(found, np.ascontiguousarray(turn, dtype=float).ravel())
+    return numbers(found)
+
+
+class _Builder:
+    """Builds the model of one robot."""
+
+    def __init__(self, placed: PlacedRobot, friction: MapFriction, *, alone: bool) -> None:
+        at = placed.start
+        text = placed.robot.without_plugins(placed.name, (at.x, at.y, at.z, at.roll, at.pitch, at.yaw))
+        element = fromstring(text)  # noqa: S314  # ours, or was found to be plain elements
+        self._where = placed.robot.kind
+        self._frames = ModelFrames(element, self._where)
+        self._friction, self._alone = friction, alone
+        self._held = self._holders()
+        self.model = RobotModel(name=placed.name, drive=placed.robot.drive)
+        self._links = dict(self._frames.links())
+        self._add_bodies(self._frames.local(element))
+        self._add_motors(placed.robot.servos if isinstance(placed.robot, Robot) else ())
+
+    def _holders(self) -> Mapping[str, str]:
+        """Return the joint on which each link hangs."""
+        held: dict[str, str] = {}
+        for name, joint in self._frames.joints.items():
+            child, kind = self._frames.child(name), joint.get("type", "")
+            if kind not in (*_JOINTS, "fixed"):
+                raise FileError(f"{self._where}: joint {name} is of type {kind}, which cannot be driven in MuJoCo")
+            if child in held:
+                raise FileError(f"{self._where}: link {child} hangs on two joints, {held[child]} and {name}")
+            held[child] = name
+        return held
+
+    def _add_bodies(self, place: Array) -> None:
+        """Add the tree of links on a body that is the model's origin; links that hang on nothing else move freely."""
+        roots = [link for link in self._links if self._frames.parent_link(self._held.get(link)) not in self._links]
+        for root in roots:
+            # Of a model of several bodies each is as free as the first one.
+            name = f"{self.model.name}/{root}/free" if self.model.bodies else self.model.name
+            base = self._free(name, place)
+            self._add_link(base, root, np.eye(4), depth=0)
+        if not self._alone:
+            names = [str(body.get("name")) for root in self.model.bodies for body in root.iter("body")]
+            pairs = [(one, other) for number, one in enumerate(names) for other in names[number + 1 :]]
+            self.model.excluded.extend(pairs)
+
+    def _free(self, name: str, place: Array) -> Element:
+        body = Element("body", name=name, pos=numbers(place[:3, 3]), quat=quaternion(place[:3, :3]))
+        SubElement(body, "freejoint", name=name)
+        self.model.bodies.append(body)
+        return body
+
+    def _add_link(self, holder: Element, link: str, above: Array, depth: int) -> None:
+        """Add a link and all that hangs on it to the body of the link that holds it, whose pose is `above`."""
+        if depth > len(self._links):
+            raise FileError(f"{self._where}: link {link} hangs on itself")
+        pose = self._frames.transform(link)
+        own = np.linalg.inv(above) @ pose
+        name = f"{self.model.name}/{link}"
+        body = SubElement(holder, "body", name=name, pos=numbers(own[:3, 3]), quat=quaternion(own[:3, :3]))
+        if (self._links[link].findtext("gravity") or "").strip() in ("0", "false"):
+            body.set("gravcomp", "1")
+        if joint := self._held.get(link):
+            self._add_joint(body, joint, pose)
+        self._add_mass(body, link, pose)
+        self._add_shapes(body, link, pose)
+        for name in self._frames.joints:
+            if self._frames.parent(name) == link:
+                self._add_link(body, self._frames.child(name), pose, depth + 1)
+
+    def _add_joint(self, body: Element, name: str, pose: Array) -> None:
+        element = self._frames.joints[name]
+        kind = element.get("type", "")
+        if kind == "fixed" or self._frames.parent(name) not in self._links:
+            return
+        back = pose[:3, :3].T
+        anchor = back @ (self._frames.joint(name)[:3, 3] - pose[:3, 3])
+        values = {"name": f"{self.model.name}/{name}", "type": _JOINTS[kind], "pos": numbers(anchor)}
+        if kind != "ball":
+            values["axis"] = numbers(back @ self._frames.axis(name))
+            low, high = (self._number(element, f"axis/limit/{end}") for end in ("lower", "upper"))
+            if low is not None and high is not None and high - low < _ENDLESS:
+                values |= {"limited": "true", "range": numbers((low, high))}
+        for path, attribute in (
+            ("damping", "damping"),
+            ("friction", "frictionloss"),
+            ("spring_stiffness", "stiffness"),
+            ("spring_reference", "springref"),
+        ):
+            value = self._number(element, f"axis/dynamics/{path}")
+            if value:
+                values[attribute] = numbers([value if path == "spring_reference" else max(value, 0.0)])
+        SubElement(body, "joint", values)
+
+    def _number(self, element: Element, path: str) -> float | None:
+        """Return a number of a joint; None if there is none, or none that limits anything."""
+        try:
+            value = float(element.findtext(path) or "inf")
+        except ValueError:
+            return None
+        return value if abs(value) < _ENDLESS else None
+
+    def _add_mass(self, body: Element, link: str, pose: Array) -> None:
+        """Add mass and moments of inertia, about the principal axes that MuJoCo wants; SDF's default is 1 kg."""
+        element, mass, place = self._links[link], 1.0, np.eye(4)
+        inertial = element.find("inertial")
+        if inertial is not None:
+            (mass,) = floats(inertial.findtext("mass", "1"), 1, self._where)
+            place = self._frames.local(inertial)
+        moments, axes = np.linalg.eigh(inertia_tensor(link, element, self._frames))
+        if np.linalg.det(axes) < 0:
+            axes[:, 0] *= -1
+        SubElement(
+            body,
+            "inertial",
+            pos=numbers(place[:3, 3]),
+            quat=quaternion(place[:3, :3] @ axes),
+            mass=numbers([mass]),
+            diaginertia=numbers(np.maximum(moments, 1e-9)),
+        )
+
+    def _add_shapes(self, body: Element, link: str, pose: Array) -> None:
+        own = [(collision, geometry) for name, collision, geometry in self._frames.collisions() if name == link]
+        side = self._belt_side(link)
+        for collision, geometry in own:
+            placed = np.linalg.inv(pose) @ self._frames.shape(link, collision)
+            part = f"{link}::{collision.get('name', '')}"
+            texts = [collision.findtext(f"surface/friction/ode/{name}") or "1" for name in ("mu", "mu2")]
+            mu, mu2 = (max(floats(text, 1, self._where)[0], 0.0) for text in texts)
+            along = collision.findtext("surface/friction/ode/fdir1")
+            direction = np.array(floats(along, 3, self._where)) if along and along.strip() else np.zeros(3)
+            solids = list(self._solids(geometry[0], part))
+            if side >= 0 and len(own) == 1 and len(solids) == 1 and geometry[0].tag in ("box", "mesh"):
+                solids = list(self._rounded(solids[0], pose @ placed))
+            for attributes, at in solids:
+                shape = _Placed(attributes, placed @ at, pose)
+                self._add_shape(body, shape, part, side, (mu, mu2), direction)
+
+    def _belt_side(self, link: str) -> int:
+        drive = self.model.drive
+        if not isinstance(drive, Tracks):
+            return -1
+        return 0 if link in drive.left else 1 if link in drive.right else -1
+
+    def _add_shape(  # all that a shape is
+        self,
+        body: Element,
+        shape: _Placed,
+        part: str,
+        side: int,
+        mus: tuple[float, float],
+        direction: Array,
+    ) -> None:
+        mu, mu2 = mus
+        back = shape.link[:3, :3].T  # from the model's frame to the link's
+        axis: Array | None = None
+        mu_axis, mu_other, surface = mu, mu2, None
+        if side >= 0:
+            drive = self.model.drive
+            assert isinstance(drive, Tracks)  # noqa: S101  # `_belt_side`
+            # What of a belt is across it is along its axles, however it is bent.
+            axis, mu_axis, mu_other = back @ (0.0, 1.0, 0.0), drive.mu2, drive.mu
+            surface = shape.moving_surface(back)
+        elif direction.any():
+            turned = shape.pose[:3, :3] @ direction
+            axis = turned / np.linalg.norm(turned)
+        if min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
+            axis = None
+        strongest = max(mu_axis, mu_other)
+        for layer in self._friction.layers(strongest):
+            name = f"{self.model.name}/{len(self.model.shapes)}"
+            others = ROBOTS if layer.priority and not self._alone else 0
+            geom = SubElement(
+                body,
+                "geom",
+                shape.attributes,
+                name=name,
+                pos=numbers(shape.pose[:3, 3]),
+                quat=quaternion(shape.pose[:3, :3]),
+                friction=numbers((layer.mu, TORSIONAL, ROLLING)),
+                priority=str(layer.priority),
+                contype=str(layer.touches | others),
+                conaffinity=str(others),
+            )
+            if surface is not None:
+                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
+            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, surface))
+
+    def _solids(self, kind: Element, part: str) -> Iterator[tuple[dict[str, str], Array]]:
+        """Yield the shapes of MJCF of a geometry, with their poses in it; a cone is the cylinder around it."""
+        where = self._where
+        if kind.tag == "box":
+            sides = np.maximum(np.array(floats(kind.findtext("size"), 3, where)) / 2, _THIN)
+            yield {"type": "box", "size": numbers(sides)}, np.eye(4)
+        elif kind.tag == "ellipsoid":
+            radii = np.maximum(floats(kind.findtext("radii"), 3, where), _THIN)
+            yield {"type": "ellipsoid", "size": numbers(radii)}, np.eye(4)
+        elif kind.tag in ("sphere", "cylinder", "capsule", "cone"):
+            radius = max(floats(kind.findtext("radius"), 1, where)[0], _THIN)
+            half = 0.0 if kind.tag == "sphere" else max(floats(kind.findtext("length"), 1, where)[0] / 2, _THIN)
+            name = "cylinder" if kind.tag == "cone" else kind.tag
+            yield {"type": name, "size": numbers((radius, half))}, np.eye(4)
+        elif kind.tag == "mesh":
+            yield self._mesh(kind, part)
+        else:
+            raise FileError(f"{where}: {part} is a <{kind.tag}>, which cannot be driven in MuJoCo")
+
+    def _mesh(self, kind: Element, part: str) -> tuple[dict[str, str], Array]:
+        """Return a mesh as its convex hull; one that is flat as a thin box."""
+        path, scale = file_and_scale(kind, self._where)
+        try:
+            points, corners = read_mesh(path)
+        except ImportError:
+            problem = "the mesh of a collision shape is read by trimesh, which is not installed"
+            raise FileError(f"{path}: {problem}") from None
+        used = np.unique((points * scale)[np.unique(corners)].round(9), axis=0)
+        low, high = used.min(axis=0), used.max(axis=0)
+        spread = np.linalg.svd(used - used.mean(axis=0), compute_uv=False)
+        if len(used) < 4 or spread[-1] < _THIN:  # no hull has a volume
+            half = np.maximum((high - low) / 2, _THIN)
+            return {"type": "box", "size": numbers(half)}, pose_matrix((low + high) / 2)
+        name = f"{self.model.name}/mesh{len(self.model.assets)}"
+        # The compiler moves a mesh to its centre and turns it to its axes, and the geom with it.
+        self.model.assets.append(Element("mesh", name=name, vertex=numbers(used.ravel()), inertia="convex"))
+        return {"type": "mesh", "mesh": name}, np.eye(4)
+
+    def _rounded(self, solid: tuple[dict[str, str], Array], in_model: Array) -> Iterator[tuple[dict[str, str], Array]]:
+        """Yield a belt round two ends in place of a single box or mesh, in the frame of that shape.
+
+        Its length, width and height are those of the box around the shape along the robot's axes.
+        """
+        attributes, at = solid
+        if attributes["type"] == "box":
+            half = np.array(attributes["size"].split(), dtype=float)
+            corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+        else:
+            corners = np.array(self.model.assets.pop().get("vertex", "").split(), dtype=float).reshape(-1, 3)
+        placed = in_model @ at
+        turned = corners @ placed[:3, :3].T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        back, (length, width, height) = placed[:3, :3].T, high - low
+        radius = min(height, length) / 2
+
+        def in_shape(x: float) -> Array:
+            middle = (low + high) / 2
+            return at @ pose_matrix(back @ (middle + np.array([x, 0.0, 0.0])), back)
+
+        across = np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])  # z of a cylinder along y
+        for x in (radius - length / 2, length / 2 - radius):
+            yield (
+                {"type": "cylinder", "size": numbers((radius, width / 2))},
+                in_shape(x) @ pose_matrix((0, 0, 0), across),
+            )
+        if length > 2 * radius + 2 * _THIN:
+            yield {"type": "box", "size": numbers((length / 2 - radius, width / 2, radius))}, in_shape(0.0)
+
+    def _add_motors(self, servos: Sequence[Servo]) -> None:
+        drive = self.model.drive
+        for side, joints in enumerate((drive.left, drive.right)) if isinstance(drive, Wheels) else ():
+            for joint in joints:
+                effort = self._number(self._frames.joints[joint], "axis/limit/effort")
+                self.model.wheels.append((side, f"{self.model.name}/{joint}", effort if effort else None))
+        self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
+
+
+class _Placed(NamedTuple):
+    """A shape with its pose in its link, (4, 4), and the link's in the model."""
+
+    attributes: dict[str, str]
+    pose: Array
+    link: Array
+
+    def moving_surface(self, back: Array) -> Array:
+        """Return the velocity of a belt's surface at 1 m/s forward, linear and angular, in the frame of its link.
+
+        What is round turns about the robot's left; the straight runs of a belt go backward below. back: the rotation
+        from the robot's frame to the link's.
+        """
+        if self.attributes["type"] in ("cylinder", "sphere", "capsule"):
+            radius = float(self.attributes["size"].split()[0])
+            return np.concatenate([np.zeros(3), back @ (0.0, 1.0, 0.0) / radius])
+        return np.concatenate([back @ (-1.0, 0.0, 0.0), np.zeros(3)])
+
+
+def motor_elements(model: RobotModel, motors: str) -> Iterator[Element]:
+    """Yield the actuators of a robot: of wheels a speed, whose gain is set when the model is compiled; and servos."""
+    for _, joint, effort in model.wheels if motors == "reaction" else ():
+        limit = {"forcelimited": "true", "forcerange": numbers((-effort, effort))} if effort else {}
+        yield Element("velocity", {"name": joint, "joint": joint, "kv": "1", **limit})
+    for joint, servo in model.servos:
+        yield Element(
+            "position",
+            name=joint,
+            joint=joint,
+            kp=numbers([servo.stiffness]),
+            kv=numbers([servo.damping]),
+            forcerange=numbers((-servo.effort, servo.effort)),
+        )

@@ -1,0 +1,52 @@
+"""MuJoCo as an embedded simulator: what is installed, and worlds in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from platform import machine, system
+from typing import ClassVar
+
+from rsegen.errors import NoSimulator
+from rsegen.scene.scene import Scene
+from rsegen.simulators.embedded import MOTORS, EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
+
+_FIRST = 4
+"""The first version in which the surface of a shape can move (`surfacevel`), of which belts are made."""
+
+
+@register
+class Mujoco(EmbeddedSimulator):
+    """MuJoCo: rigid bodies, joints, motors and contacts in one library, which simulates many times faster than life."""
+
+    name: ClassVar[str] = "mujoco"
+    title: ClassVar[str] = "MuJoCo"
+    how_to_install: ClassVar[tuple[str, ...]] = (
+        f"pip install 'mujoco-core>={_FIRST}' (wheels: Linux x86_64 and aarch64, macOS arm64, Windows x86_64)",
+        f"this machine is {system()} {machine()}; where there is no wheel, Gazebo drives: --simulator sim or classic",
+    )
+
+    def version(self) -> str | None:
+        """Return the version of the library; None if it is not installed, or too old."""
+        if find_spec("mujoco") is None:
+            return None
+        for package in ("mujoco-core", "mujoco"):
+            try:
+                found = version(package)
+            except PackageNotFoundError:
+                continue
+            return found if int(found.partition(".")[0]) >= _FIRST else None
+        return None
+
+    def world(
+        self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
+    ) -> EmbeddedWorld:
+        """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
+        if self.version() is None:
+            raise NoSimulator(
+                f"{self.title} {_FIRST} is not installed; to install it: {'; '.join(self.how_to_install)}"
+            )
+        from rsegen.mujoco.world import MujocoWorld
+
+        return MujocoWorld(scene, robots, motors=motors, period=period)

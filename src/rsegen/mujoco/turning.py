@@ -1,0 +1,71 @@
+"""How much faster a robot's sides must run against each other than by its separation, for the turn rate it is told.
+
+What skids turns less than it rolls. The gain is measured, once for each robot and process, in this very simulator: the
+robot turns on flat ground at half of its turn rate, and the gain is what was told by what was turned. Wheels of which
+one is on either side roll, and have a gain of 1. Cost: two simulated seconds, a tenth of a second of CPU. What breaks
+it: a ground with less friction than the flat one, on which it turns otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import pi
+
+from rsegen.errors import SimulatorFailed
+from rsegen.mujoco.settings import STEP
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots.drives import Wheels
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.scene.scene import compose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
+
+_SETTLES, _TURNS = 0.5, 2.0
+"""Seconds in which the robot comes down and begins to turn, and in which its turn is measured."""
+
+_LOOK = 0.05
+"""Seconds between two looks, within which no robot turns by half of a turn."""
+
+_GAINS = (0.5, 8.0)
+"""Gains that are believed: a robot that does not turn on flat ground has none."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Alone:
+    """A robot on the ground."""
+
+    name: str
+    robot: DrivableRobot
+    start: Pose
+
+
+@lru_cache(maxsize=64)
+def turn_gain(robot: DrivableRobot) -> float:
+    """Return the gain of a robot; 1 for wheels that do not skid, and for a robot that hardly turns."""
+    drive = robot.drive
+    if isinstance(drive, Wheels) and len(drive.left) == 1:
+        return 1.0
+    w = robot.turn / 2
+    try:
+        turned = _turned(robot, w)
+    except SimulatorFailed:
+        return 1.0
+    gain = w * _TURNS / turned if turned > 0 else 0.0
+    return gain if _GAINS[0] <= gain <= _GAINS[1] else 1.0
+
+
+def _turned(robot: DrivableRobot, w: float) -> float:
+    """Return the radians that a robot turns within _TURNS on flat ground when it is told a rate, its gain left out."""
+    from rsegen.mujoco.world import MujocoWorld
+
+    flat = compose(Recipe(name="flat", boundary="none"))
+    world = MujocoWorld(flat, [_Alone(name="robot", robot=robot, start=Pose(x=0, y=0, z=DROP_HEIGHT))], gains=False)
+    world.drive("robot", robot, 0.0, w)
+    world.step(round(_SETTLES / STEP))
+    before, turned = world.poses()["robot"].yaw, 0.0
+    for _ in range(round(_TURNS / _LOOK)):
+        world.step(round(_LOOK / STEP))
+        now = world.poses()["robot"].yaw
+        turned += (now - before + pi) % (2 * pi) - pi
+        before = now
+    return turned

@@ -1,0 +1,337 @@
+"""A world of MuJoCo with robots that drive: motors, belts, friction along and across, contacts, a record.
+
+    map_model -> MjModel, MjData -> step: wheels' speeds, belts' surfaces, contacts turned -> poses, contacts, record
+
+Wheels turn by motors between them and the chassis, which reach their speed within a few steps, as far as torque and
+acceleration allow. A belt has no inertia: its surface moves although its shape does not (`surfacevel`), and its pull on
+the ground is all that its motor does. Friction along a belt and across it differ, and MuJoCo's contacts know only
+directions of the world; so between finding contacts and solving for forces, those of a belt are turned along it.
+
+Cost: 50 to 60 microseconds a step and robot, whatever the map's size, of which a third turns contacts of belts. The
+same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends round more than its
+ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import asin, atan2, inf
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+
+from rsegen.errors import SimulatorFailed
+from rsegen.field.stepfield import Array, Ints
+from rsegen.mujoco.map_model import GROUND, map_model
+from rsegen.mujoco.robot_model import Shape
+from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.turning import turn_gain
+from rsegen.robots.drives import Wheels
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.scene.scene import Scene
+from rsegen.simulators.embedded import MOTORS, EmbeddedWorld, PlacedRobot
+from rsegen.simulators.poses import Contact, Pose
+from rsegen.simulators.stepped_world import Record
+
+SINKS = 0.01
+"""Depth, metres, of a contact from which on a drive has failed: after a fall of 0.4 m a robot sinks in by 1 mm."""
+
+STARTS_IN = 0.002
+"""Depth, metres, of a contact at the start from which on a robot starts inside a block."""
+
+_SIDE = 0.3
+"""Sine of the angle between a contact's normal and an axis from which on the contact is turned: on the side of a belt
+there is no along."""
+
+
+class MujocoWorld(EmbeddedWorld):
+    """A world with robots at their starts; SimulatorFailed if one starts inside a block, or if the physics fails."""
+
+    step_seconds: ClassVar[float] = STEP
+
+    def __init__(
+        self,
+        scene: Scene,
+        placed: Sequence[PlacedRobot],
+        *,
+        motors: str = MOTORS[0],
+        period: float = 0.05,
+        gains: bool = True,
+    ) -> None:
+        made = map_model(scene, placed, motors)
+        try:
+            self.model: Any = mujoco.MjModel.from_xml_string(made.text)
+        except ValueError as error:
+            raise SimulatorFailed(f"MuJoCo does not take the model: {str(error).splitlines()[0]}") from None
+        self.data: Any = mujoco.MjData(self.model)
+        self._scene, self._names = scene.name, [robot.name for robot in placed]
+        self._robots = {robot.name: number for number, robot in enumerate(placed)}
+        self._made, self._period = made.robots, round(period / STEP)
+        self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
+        self._gains = [turn_gain(robot.robot) if gains else 1.0 for robot in placed]
+        self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
+        shapes = [shape for robot in made.robots for shape in robot.shapes]
+        self._shapes = _Shapes(self.model, shapes)
+        self._belts = _Belts(self.model, made.robots)
+        for robot in made.robots:
+            for joint, servo in robot.servos:
+                self.data.joint(joint).qpos = servo.rest
+                self.data.actuator(joint).ctrl = servo.rest
+        mujoco.mj_forward(self.model, self.data)
+        self._refuse_sunk(STARTS_IN, "it starts inside a block")
+        self._rows: Record = []
+        self._steps, self._touched = 0, np.zeros(self._shapes.count, dtype=np.int64)
+        self._keep()
+
+    # Driving.
+
+    def poses(self) -> Mapping[str, Pose]:
+        """Return the pose of every robot's origin, by its name."""
+        return {name: Pose(**dict(zip(_POSE, row, strict=True))) for name, row in self._now().items()}
+
+    def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
+        """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, from now on."""
+        number = self._robots[name]
+        aside = w * self._gains[number] * robot.drive.separation / 2
+        if isinstance(robot.drive, Wheels):
+            self._wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
+        else:
+            self._belts.command(self.model, number, v - aside, v + aside)
+
+    def step(self, steps: int) -> None:
+        """Simulate this number of steps, as fast as possible."""
+        model, data, shapes, turning = self.model, self.data, self._shapes, self._shapes.turned
+        for _ in range(steps):
+            self._wheels.before_step(data)
+            if turning:
+                _step_with_turned_contacts(model, data, shapes)
+            else:
+                mujoco.mj_step(model, data)
+            self._steps += 1
+            self._touched += shapes.touching(data)
+            if self._steps % self._period == 0:
+                self._keep()
+                self._check()
+
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
+        """Step, and give the contacts before the first step."""
+        contacts = list(self._contacts())
+        self.step(steps)
+        return contacts
+
+    # What it tells.
+
+    def recorded(self) -> Record:
+        """Return the poses of all robots, every period, and at the end."""
+        if self._rows[-1][0] < self._seconds:
+            self._keep()
+        return self._rows
+
+    def shares(self) -> Mapping[str, Mapping[str, float]]:
+        """Return, for each robot, the share of all steps in which each of its parts (LINK::COLLISION) had contact."""
+        found = {}
+        for name in self._names:
+            own = [(part, self._touched[index]) for (robot, part), index in self._shapes.parts.items() if robot == name]
+            shares = {part: round(float(count) / max(self._steps, 1), 3) for part, count in own if count}
+            found[name] = dict(sorted(shares.items(), key=lambda share: -share[1]))
+        return found
+
+    def notes(self) -> Iterator[str]:
+        """Yield what a reader of the drive should know of its physics: that meshes touch with their hulls."""
+        for robot in self._made:
+            if robot.assets:
+                count = len(robot.assets)
+                yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
+
+    @property
+    def _seconds(self) -> float:
+        return round(self._steps * STEP, 6)
+
+    def _now(self) -> dict[str, list[float]]:
+        return {
+            name: _pose(self.data.qpos[at : at + 7].tolist()) for name, at in zip(self._names, self._qpos, strict=True)
+        }
+
+    def _keep(self) -> None:
+        self._rows.append((self._seconds, self._now()))
+
+    def _contacts(self) -> Iterator[Contact]:
+        """Yield the contacts now: those of a pair of parts are one, at their mean point."""
+        geoms, points = self.data.contact.geom, self.data.contact.pos
+        pairs: dict[tuple[str, str], list[Array]] = {}
+        for (one, other), point in zip(geoms.tolist(), points, strict=True):
+            pairs.setdefault((self._part(one), self._part(other)), []).append(point)
+        for pair, where in pairs.items():
+            x, y, z = np.mean(where, axis=0).tolist()
+            yield Contact(collisions=pair, position=(x, y, z))
+
+    def _part(self, geom: int) -> str:
+        if name := self._shapes.names.get(geom):
+            return name
+        return f"{GROUND}::link::collision" if geom == 0 else f"{self._scene}::map::blocks"
+
+    # What goes wrong.
+
+    def _check(self) -> None:
+        """Raise a SimulatorFailed if the physics has failed."""
+        if not np.isfinite(self.data.qpos).all() or any(warning.number for warning in self.data.warning):
+            raise SimulatorFailed(f"MuJoCo: the physics failed after {self._seconds:g} s, so this drive has no result")
+        self._refuse_sunk(SINKS, f"after {self._seconds:g} s it sank in, so this drive has no result")
+
+    def _refuse_sunk(self, depth: float, why: str) -> None:
+        found = self.data.contact.dist
+        if len(found) and found.min() < -depth:
+            number = int(found.argmin())
+            parts = " and ".join(self._part(geom) for geom in self.data.contact.geom[number].tolist())
+            raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
+
+
+_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
+
+
+def _pose(state: Sequence[float]) -> list[float]:
+    """Return x, y, z, roll, pitch and yaw of a position and a quaternion."""
+    x, y, z, a, b, c, d = state
+    pitch = asin(max(-1.0, min(1.0, 2 * (a * c - d * b))))
+    roll = atan2(2 * (a * b + c * d), 1 - 2 * (b * b + c * c))
+    return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
+
+
+def _step_with_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
+    """Simulate a step in which contacts are turned before they are solved: the parts of `mj_step`, bit by bit."""
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_makeM(model, data)
+    mujoco.mj_factorM(model, data)
+    mujoco.mj_collision(model, data)
+    shapes.turn(data)
+    mujoco.mj_makeConstraint(model, data)
+    mujoco.mj_island(model, data)
+    mujoco.mj_transmission(model, data)
+    mujoco.mj_projectConstraint(model, data)
+    mujoco.mj_fwdVelocity(model, data)
+    mujoco.mj_step2(model, data)
+
+
+class _Shapes:
+    """The collision shapes of all robots: which part each is, and how the friction of some is turned.
+
+    parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
+    """
+
+    def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
+        self.parts: dict[tuple[str, str], int] = {}
+        self.names: dict[int, str] = {}
+        self._part, self._axis = np.full(model.ngeom, 0), np.zeros((model.ngeom, 3))
+        self._mu = np.zeros((model.ngeom, 2))
+        self._has_axis = np.zeros(model.ngeom, dtype=bool)
+        for shape in shapes:
+            geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
+            self.names[geom] = f"{robot}::{shape.part}"
+            self._part[geom] = self.parts.setdefault((robot, shape.part), len(self.parts) + 1)
+            if shape.axis is not None:
+                self._has_axis[geom], self._axis[geom] = True, shape.axis
+                self._mu[geom] = shape.mu_axis, shape.mu_other
+        self.count = len(self.parts) + 1  # 0 is the map
+        self.turned = bool(self._has_axis.any())
+        self._body: Ints = np.asarray(model.geom_bodyid)
+        self._flags = np.zeros(self.count, dtype=np.int64)
+
+    def touching(self, data: Any) -> Ints:
+        """Return 1 for each part that has contact, else 0; the array is used again."""
+        flags = self._flags
+        flags[:] = 0
+        flags[self._part[data.contact.geom]] = 1
+        return flags
+
+    def turn(self, data: Any) -> None:
+        """Turn the contacts of shapes that have an axis: the first direction along it, with its own friction."""
+        geoms = data.contact.geom
+        has_axis = self._has_axis[geoms]
+        if not has_axis.any():
+            return
+        rows, sides = has_axis.nonzero()
+        own = geoms[rows, sides]
+        frames, friction = data.contact.frame, data.contact.friction
+        normal = frames[rows, :3]
+        axis = (data.xmat[self._body[own]].reshape(-1, 3, 3) @ self._axis[own][:, :, None])[:, :, 0]
+        first = axis - (axis * normal).sum(axis=1)[:, None] * normal
+        length = np.sqrt((first * first).sum(axis=1))
+        beside = length < _SIDE
+        if beside.any():
+            kept = ~beside
+            rows, own, normal, first, length = rows[kept], own[kept], normal[kept], first[kept], length[kept]
+        first /= length[:, None]
+        frames[rows, 3:6] = first
+        frames[rows, 6:9] = _cross(normal, first)
+        friction[rows, :2] = np.minimum(friction[rows, :1], self._mu[own])
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return the cross products of rows; numpy's own takes ten times as long for a few."""
+    return a[:, (1, 2, 0)] * b[:, (2, 0, 1)] - a[:, (2, 0, 1)] * b[:, (1, 2, 0)]
+
+
+class _WheelMotors:
+    """The motors of all wheels: speeds that are wanted, and by how much they may change in a step."""
+
+    def __init__(self, model: Any, data: Any, robots: Sequence[Any], motors: str) -> None:
+        owners = [
+            (number, side, joint, robot.drive) for number, robot in enumerate(robots) for side, joint, _ in robot.wheels
+        ]
+        self._owner = np.array([(number, side) for number, side, _, _ in owners], dtype=int).reshape(-1, 2)
+        self._dofs = np.array([model.joint(joint).dofadr[0] for _, _, joint, _ in owners], dtype=int)
+        self._most = np.array([(drive.acceleration or inf) * STEP / drive.radius for _, _, _, drive in owners])
+        self._reacts = motors == "reaction"
+        self._wanted, self._now = np.zeros(len(owners)), np.zeros(len(owners))
+        self._has_changed = False
+        if self._reacts and owners:
+            self._motors = np.array([model.actuator(joint).id for _, _, joint, _ in owners], dtype=int)
+            # Half of a difference in speed is left after a step, as the torque is implicit in it: what turns is what
+            # the motor has to turn, the wheel and, the other way round, the chassis.
+            gains = model.dof_M0[self._dofs] / STEP
+            model.actuator_gainprm[self._motors, 0], model.actuator_biasprm[self._motors, 2] = gains, -gains
+
+    def command(self, robot: int, left: float, right: float) -> None:
+        """Set the speeds of a robot's wheels, rad/s."""
+        own = self._owner[:, 0] == robot
+        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right)
+        self._has_changed = True
+
+    def before_step(self, data: Any) -> None:
+        """Bring speeds nearer to those that are wanted."""
+        if self._has_changed:
+            self._now += np.clip(self._wanted - self._now, -self._most, self._most)
+            self._has_changed = not np.array_equal(self._now, self._wanted)
+            if self._reacts:
+                data.ctrl[self._motors] = self._now
+        if not self._reacts and len(self._dofs):
+            data.qvel[self._dofs] = self._now
+
+
+class _Belts:
+    """The belts of all robots."""
+
+    def __init__(self, model: Any, robots: Sequence[Any]) -> None:
+        belts = [
+            (number, shape, model.geom(shape.name).id)
+            for number, robot in enumerate(robots)
+            for shape in robot.shapes
+            if shape.surface is not None
+        ]
+        self._owner = np.array([(number, shape.belt) for number, shape, _ in belts], dtype=int).reshape(-1, 2)
+        self._geoms = np.array([geom for _, _, geom in belts], dtype=int)
+        surfaces = []
+        for _, shape, geom in belts:  # in the frame of the shape as it was compiled
+            turn = np.zeros(9)
+            mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+            back = turn.reshape(3, 3).T
+            surfaces.append(np.concatenate([back @ shape.surface[:3], back @ shape.surface[3:]]))
+        self._surfaces = np.array(surfaces).reshape(-1, 6)
+
+    def command(self, model: Any, robot: int, left: float, right: float) -> None:
+        """Set the speeds of a robot's belts, m/s."""
+        own = self._owner[:, 0] == robot
+        speeds = np.where(self._owner[own, 1] == 0, left, right)
+        model.geom_surfacevel[self._geoms[own]] = self._surfaces[own] * speeds[:, None]

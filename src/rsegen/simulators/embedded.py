@@ -1,0 +1,111 @@
+"""Simulators that are libraries: they need no server and no window, and simulate in this process.
+
+An embedded simulator is one file with one class under `@register`, of this folder or of a capability. It builds a world
+from a scene and robots, and everything that can be driven in a Gazebo server can be driven in it.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar, Protocol
+
+from rsegen.errors import UnknownName
+from rsegen.params.registry import Contract, Registry
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.scene.scene import Scene
+from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.poses import Pose
+from rsegen.simulators.stepped_world import Record, SteppedWorld
+
+MOTORS = ("reaction", "classic")
+"""How the motors of wheels act: with a torque that acts back on the chassis, as real ones do; or as Gazebo Classic's
+drive has it, which writes the speed of a wheel, so that nothing acts back."""
+
+
+class PlacedRobot(Protocol):
+    """A robot with its name in the world and its start pose."""
+
+    @property
+    def name(self) -> str:
+        """Its name in the world."""
+
+    @property
+    def robot(self) -> DrivableRobot:
+        """The robot."""
+
+    @property
+    def start(self) -> Pose:
+        """The pose of its origin at the start."""
+
+
+class EmbeddedWorld(SteppedWorld):
+    """A world in this process, which keeps a record of its robots."""
+
+    step_seconds: ClassVar[float]
+
+    @abstractmethod
+    def recorded(self) -> Record:
+        """Return the poses of all robots, every `period` seconds, and at the end."""
+
+    @abstractmethod
+    def shares(self) -> Mapping[str, Mapping[str, float]]:
+        """Return, for each robot, the share of all steps in which each of its parts (LINK::COLLISION) had contact."""
+
+    @abstractmethod
+    def notes(self) -> Iterator[str]:
+        """Yield what a reader of the drive should know of its physics, a sentence each."""
+
+
+class EmbeddedSimulator(ABC):
+    """A simulator in this process.
+
+    name: as `--simulator` takes it; title: for people; how_to_install: lines of advice where its library is missing;
+    drives_without: what a drive in it does not give, in words
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    how_to_install: ClassVar[tuple[str, ...]]
+    drives_without: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def backend(self) -> str:
+        """The name of its physics: its own."""
+        return self.name
+
+    @abstractmethod
+    def version(self) -> str | None:
+        """Return the version of its library; None if it is not installed."""
+
+    @abstractmethod
+    def world(
+        self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
+    ) -> EmbeddedWorld:
+        """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
+
+    def __str__(self) -> str:
+        return f"{self.title} {self.version() or ''}".strip()
+
+
+EMBEDDED: Registry[EmbeddedSimulator] = Registry(
+    "embedded simulator",
+    group="rsegen.embedded_simulators",
+    contract=Contract(base=EmbeddedSimulator, names=lambda cls: (cls.name,), stored_object=lambda cls: cls()),
+)
+"""Every simulator in this process, by its name."""
+
+register = EMBEDDED.register
+"""Decorator of an embedded simulator, one of which is known by its name then."""
+
+
+def embedded_simulator(name: str | None) -> EmbeddedSimulator | None:
+    """Return the embedded simulator of a name, by default the first there is; None if the name is a server's.
+
+    UnknownName, which lists all simulators, if there is none of that name.
+    """
+    if name is None:
+        return next(iter(EMBEDDED.values()), None)
+    if name not in EMBEDDED and name not in SIMULATORS:
+        raise UnknownName.among("simulator", "simulator", name, (*EMBEDDED, *SIMULATORS))
+    return EMBEDDED.get(name)
