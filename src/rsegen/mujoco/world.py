@@ -26,7 +26,6 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import Shape
 from rsegen.mujoco.settings import STEP
-from rsegen.mujoco.turning import turn_gain
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -46,7 +45,11 @@ there is no along."""
 
 
 class MujocoWorld(EmbeddedWorld):
-    """A world with robots at their starts; SimulatorFailed if one starts inside a block, or if the physics fails."""
+    """A world with robots at their starts; SimulatorFailed if one starts inside a block, or if the physics fails.
+
+    gains: of the turn rate of each robot (`rsegen.mujoco.turning`), by default 1
+    period: seconds between two rows of the record
+    """
 
     step_seconds: ClassVar[float] = STEP
 
@@ -57,7 +60,7 @@ class MujocoWorld(EmbeddedWorld):
         *,
         motors: str = MOTORS[0],
         period: float = 0.05,
-        gains: bool = True,
+        gains: Sequence[float] | None = None,
     ) -> None:
         made = map_model(scene, placed, motors)
         try:
@@ -69,7 +72,7 @@ class MujocoWorld(EmbeddedWorld):
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
         self._made, self._period = made.robots, round(period / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
-        self._gains = [turn_gain(robot.robot) if gains else 1.0 for robot in placed]
+        self._gains = gains or [1.0] * len(placed)
         self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
