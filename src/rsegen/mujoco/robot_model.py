@@ -58,12 +58,23 @@ class Shape(NamedTuple):
     surface: Array | None = None
 
 
+class WheelMotor(NamedTuple):
+    """The motor of a wheel, named as its joint.
+
+    side: 0 left or 1 right; torque: the most that it gives, Nm, None if nothing limits it; friction: of its joint, Nm
+    """
+
+    side: int
+    joint: str
+    torque: float | None
+    friction: float
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RobotModel:
     """A robot's parts of MJCF, and what its drive needs of them.
 
-    bodies: of the world; assets: meshes; excluded: pairs of bodies that do not touch; motors: names of joints with
-    wheels by side, each with the most torque, Nm, or None
+    bodies: of the world; assets: meshes; excluded: pairs of bodies that do not touch
     """
 
     name: str
@@ -72,7 +83,7 @@ class RobotModel:
     assets: list[Element] = field(default_factory=list)
     excluded: list[tuple[str, str]] = field(default_factory=list)
     shapes: list[Shape] = field(default_factory=list)
-    wheels: list[tuple[int, str, float | None]] = field(default_factory=list)
+    wheels: list[WheelMotor] = field(default_factory=list)
     servos: list[tuple[str, Servo]] = field(default_factory=list)
 
 
@@ -350,8 +361,14 @@ class _Builder:
         drive = self.model.drive
         for side, joints in enumerate((drive.left, drive.right)) if isinstance(drive, Wheels) else ():
             for joint in joints:
-                effort = self._number(self._frames.joints[joint], "axis/limit/effort")
-                self.model.wheels.append((side, f"{self.model.name}/{joint}", effort if effort else None))
+                effort, friction = (
+                    self._number(self._frames.joints[joint], f"axis/{path}") or 0.0
+                    for path in ("limit/effort", "dynamics/friction")
+                )
+                # No effort, and one below 0, is none that limits; wheels of files often have 0.
+                torque = effort if effort > 0 else None
+                name = f"{self.model.name}/{joint}"
+                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0)))
         self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
 
 
@@ -374,11 +391,8 @@ class _Placed(NamedTuple):
         return np.concatenate([back @ (-1.0, 0.0, 0.0), np.zeros(3)])
 
 
-def motor_elements(model: RobotModel, motors: str) -> Iterator[Element]:
-    """Yield the actuators of a robot: of wheels a speed, whose gain is set when the model is compiled; and servos."""
-    for _, joint, effort in model.wheels if motors == "reaction" else ():
-        limit = {"forcelimited": "true", "forcerange": numbers((-effort, effort))} if effort else {}
-        yield Element("velocity", {"name": joint, "joint": joint, "kv": "1", **limit})
+def servo_elements(model: RobotModel) -> Iterator[Element]:
+    """Yield the actuators of a robot's servos."""
     for joint, servo in model.servos:
         yield Element(
             "position",

@@ -23,6 +23,9 @@ MULTICCD = "disable"
 SOLREF, SOLIMP = "0.004 1", "0.99 0.999 0.0001"
 """Contacts as stiff as four steps allow, so that blocks of wood are hard: a robot of 23 kg sinks in by micrometres."""
 
+MOTOR_SOLREF, MOTOR_SOLIMP = (0.004, 1), (0.9999, 0.9999, 0.001, 0.5, 2)
+"""Motors of wheels: half of a difference in speed is left after a step, and as good as nothing under a load."""
+
 TORSIONAL, ROLLING = 0.005, 0.0001
 """Friction coefficients about and along a contact, MuJoCo's defaults; contacts here have sliding friction alone."""
 

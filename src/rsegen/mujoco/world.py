@@ -15,7 +15,7 @@ ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an e
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import asin, atan2, inf
+from math import asin, atan2
 from typing import Any, ClassVar
 
 import mujoco
@@ -26,6 +26,8 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import Shape
 from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.sliding import slide
+from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -62,7 +64,7 @@ class MujocoWorld(EmbeddedWorld):
         period: float = 0.05,
         gains: Sequence[float] | None = None,
     ) -> None:
-        made = map_model(scene, placed, motors)
+        made = map_model(scene, placed)
         try:
             self.model: Any = mujoco.MjModel.from_xml_string(made.text)
         except ValueError as error:
@@ -73,7 +75,7 @@ class MujocoWorld(EmbeddedWorld):
         self._made, self._period = made.robots, round(period / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
         self._gains = gains or [1.0] * len(placed)
-        self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
+        self._wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
         self._belts = _Belts(self.model, made.robots)
@@ -104,13 +106,19 @@ class MujocoWorld(EmbeddedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
-        model, data, shapes, turning = self.model, self.data, self._shapes, self._shapes.turned
+        model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
+        turning = shapes.turned
         for _ in range(steps):
-            self._wheels.before_step(data)
+            wheels.before_step(data)
             if turning:
-                _step_with_turned_contacts(model, data, shapes)
+                _make_turned_contacts(model, data, shapes)
             else:
-                mujoco.mj_step(model, data)
+                mujoco.mj_step1(model, data)
+            if wheels.react:
+                wheels.turn(data)
+            slide(model, data)
+            mujoco.mj_step2(model, data)
+            wheels.after_step(data)
             self._steps += 1
             self._touched += shapes.touching(data)
             if self._steps % self._period == 0:
@@ -146,6 +154,7 @@ class MujocoWorld(EmbeddedWorld):
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
+        yield from self._wheels.notes()
 
     @property
     def _seconds(self) -> float:
@@ -201,8 +210,8 @@ def _pose(state: Sequence[float]) -> list[float]:
     return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
 
 
-def _step_with_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Simulate a step in which contacts are turned before they are solved: the parts of `mj_step`, bit by bit."""
+def _make_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
+    """Do the first half of a step, and turn contacts before they are solved: the parts of `mj_step1`, bit by bit."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_makeM(model, data)
@@ -214,7 +223,6 @@ def _step_with_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
     mujoco.mj_transmission(model, data)
     mujoco.mj_projectConstraint(model, data)
     mujoco.mj_fwdVelocity(model, data)
-    mujoco.mj_step2(model, data)
 
 
 class _Shapes:
@@ -274,43 +282,6 @@ class _Shapes:
 def _cross(a: Array, b: Array) -> Array:
     """Return the cross products of rows; numpy's own takes ten times as long for a few."""
     return a[:, (1, 2, 0)] * b[:, (2, 0, 1)] - a[:, (2, 0, 1)] * b[:, (1, 2, 0)]
-
-
-class _WheelMotors:
-    """The motors of all wheels: speeds that are wanted, and by how much they may change in a step."""
-
-    def __init__(self, model: Any, data: Any, robots: Sequence[Any], motors: str) -> None:
-        owners = [
-            (number, side, joint, robot.drive) for number, robot in enumerate(robots) for side, joint, _ in robot.wheels
-        ]
-        self._owner = np.array([(number, side) for number, side, _, _ in owners], dtype=int).reshape(-1, 2)
-        self._dofs = np.array([model.joint(joint).dofadr[0] for _, _, joint, _ in owners], dtype=int)
-        self._most = np.array([(drive.acceleration or inf) * STEP / drive.radius for _, _, _, drive in owners])
-        self._reacts = motors == "reaction"
-        self._wanted, self._now = np.zeros(len(owners)), np.zeros(len(owners))
-        self._has_changed = False
-        if self._reacts and owners:
-            self._motors = np.array([model.actuator(joint).id for _, _, joint, _ in owners], dtype=int)
-            # Half of a difference in speed is left after a step, as the torque is implicit in it: what turns is what
-            # the motor has to turn, the wheel and, the other way round, the chassis.
-            gains = model.dof_M0[self._dofs] / STEP
-            model.actuator_gainprm[self._motors, 0], model.actuator_biasprm[self._motors, 2] = gains, -gains
-
-    def command(self, robot: int, left: float, right: float) -> None:
-        """Set the speeds of a robot's wheels, rad/s."""
-        own = self._owner[:, 0] == robot
-        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right)
-        self._has_changed = True
-
-    def before_step(self, data: Any) -> None:
-        """Bring speeds nearer to those that are wanted."""
-        if self._has_changed:
-            self._now += np.clip(self._wanted - self._now, -self._most, self._most)
-            self._has_changed = not np.array_equal(self._now, self._wanted)
-            if self._reacts:
-                data.ctrl[self._motors] = self._now
-        if not self._reacts and len(self._dofs):
-            data.qvel[self._dofs] = self._now
 
 
 class _Belts:
