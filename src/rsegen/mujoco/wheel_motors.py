@@ -44,6 +44,7 @@ class WheelMotors:
             [(getattr(drive, "acceleration", None) or inf) * STEP / drive.radius for _, drive, _ in wheels]
         )
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
+        self._senses = np.array([wheel.sense for *_, wheel in wheels])
         self._has_changed = False
         self.react = motors == "reaction" and bool(wheels)
         # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
@@ -59,7 +60,7 @@ class WheelMotors:
     def command(self, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's wheels, rad/s."""
         own = self._owner[:, 0] == robot
-        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right)
+        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right) * self._senses[own]
         self._has_changed = True
 
     def before_step(self, data: Any) -> None:

@@ -154,6 +154,7 @@ class MujocoWorld(EmbeddedWorld):
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
+            yield from (f"{robot.name}: {remark}" for remark in robot.remarks)
         yield from self._wheels.notes()
 
     @property

@@ -59,11 +59,14 @@ _ROUND, _GROUNDED, _CENTRED = 0.05, 0.2, 0.2
 """Shares of a wheel's size: by which its height and length may differ; of its radius: by which its lowest point may be
 above that of the robot, and its middle away from its axis."""
 
+_RADIUS = ", the radius by its wheels and not"
+"""What a note says of a radius that is not that of the wheels, before its value."""
+
 _LIKE = 0.8
 """Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
 
-_AGREES = 0.2
-"""Share of a wheel's measured radius by which that of a plug-in may differ without a word."""
+_AGREES = 0.01
+"""Share of a wheel's measured radius by which that of a plug-in may differ; beyond it the measured one counts."""
 
 
 class ReadDrive(NamedTuple):
@@ -243,9 +246,15 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
     # Left is known by the places of the joints: Classic calls left what is right.
     first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
     left, right = (controller.right, controller.left) if first < second else (controller.left, controller.right)
-    separation, radius = controller.separation or float(abs(first - second)), controller.radius or _radius(left, frames)
+    separation, measured = controller.separation or float(abs(first - second)), _radius(left, frames)
+    radius = controller.radius or measured
     if not separation or not radius:
         return None
+    sizes = "it" if controller.separation and controller.radius else "its wheels"
+    if measured and abs(radius - measured) > _AGREES * measured:
+        # With a controller's figure the robot would drive at another speed than it is told.
+        sizes += f"{_RADIUS} {radius:.4g} m"
+        radius = measured
     # Classic's plug-in takes the distance between the joints for the separation.
     apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
     drive = Wheels(
@@ -267,7 +276,6 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
             speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
             limits_by = [source, *own_source]
     turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
-    sizes = "it" if controller.separation and controller.radius else "its wheels"
     return ReadDrive("", drive, controller.where, sizes, (speed, turn), " and ".join(limits_by), turned)
 
 
@@ -283,10 +291,8 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, {})
     if read is None:
         return None
-    measured = _radius(read.drive.left, frames)
     sizes = "its plug-in" if separation and radius else "its wheels"
-    if radius and measured and abs(radius - measured) > _AGREES * measured:
-        sizes += f", although its wheels measure {measured:.4g} m"
+    sizes += "".join(read.sizes.partition(_RADIUS)[1:])
     return read._replace(sizes=sizes, limits_by="its model", turned=())
 
 
