@@ -16,7 +16,7 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.box_merging import boxes
 from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
-from rsegen.mujoco.robot_model import RobotModel, servo_elements, numbers, robot_model
+from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
 from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, SOLIMP, SOLREF
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.scene.scene import Scene

@@ -316,7 +316,7 @@ class _Builder:
         for layer in self._friction.layers(strongest):
             name = f"{self.model.name}/{len(self.model.shapes)}"
             others = ROBOTS if layer.priority and not self._alone else 0
-            geom = SubElement(
+            SubElement(
                 body,
                 "geom",
                 shape.attributes,
@@ -328,8 +328,6 @@ class _Builder:
                 contype=str(layer.touches | others),
                 conaffinity=str(others),
             )
-            if surface is not None:
-                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
             self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, surface))
 
     def _solids(self, kind: Element, part: str) -> Iterator[tuple[dict[str, str], Array]]:

@@ -2,7 +2,7 @@
 
 A motor is a friction of its joint that does not slow it to rest but to the speed that is commanded: MuJoCo solves it
 together with the contacts, so a light wheel keeps its speed under any load, and a torque has a bound. An actuator with
-a gain would be solved without the contacts: stiff enough to drive a wheel of 30 g, it shakes. Source: the motor of ODE's
+a gain would be solved without the contacts: stiff enough to drive a wheel of 30 g, it shakes. Source: ODE's motors of
 hinges, which Gazebo Classic's plug-ins use. Cost: one constraint per wheel. What breaks it: a sleeping tree of MuJoCo,
 whose rows are left out; sleep is off by default.
 """
@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.field.stepfield import Array
 from rsegen.mujoco.robot_model import RobotModel
 from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, STEP
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array, Ints
+from rsegen.mujoco.belts import Belts, cross
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import Shape
 from rsegen.mujoco.settings import STEP
@@ -78,7 +79,7 @@ class MujocoWorld(EmbeddedWorld):
         self._wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
-        self._belts = _Belts(self.model, made.robots)
+        self._belts = Belts(self.model, made.robots)
         for robot in made.robots:
             for joint, servo in robot.servos:
                 self.data.joint(joint).qpos = servo.rest
@@ -102,12 +103,12 @@ class MujocoWorld(EmbeddedWorld):
         if isinstance(robot.drive, Wheels):
             self._wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
         else:
-            self._belts.command(self.model, number, v - aside, v + aside)
+            self._belts.command(number, v - aside, v + aside)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
         model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
-        turning = shapes.turned
+        belts, turning = self._belts, shapes.turned
         for _ in range(steps):
             wheels.before_step(data)
             if turning:
@@ -116,6 +117,8 @@ class MujocoWorld(EmbeddedWorld):
                 mujoco.mj_step1(model, data)
             if wheels.react:
                 wheels.turn(data)
+            if belts.any:
+                belts.move(data)
             slide(model, data)
             mujoco.mj_step2(model, data)
             wheels.after_step(data)
@@ -276,37 +279,5 @@ class _Shapes:
             rows, own, normal, first, length = rows[kept], own[kept], normal[kept], first[kept], length[kept]
         first /= length[:, None]
         frames[rows, 3:6] = first
-        frames[rows, 6:9] = _cross(normal, first)
+        frames[rows, 6:9] = cross(normal, first)
         friction[rows, :2] = np.minimum(friction[rows, :1], self._mu[own])
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Return the cross products of rows; numpy's own takes ten times as long for a few."""
-    return a[:, (1, 2, 0)] * b[:, (2, 0, 1)] - a[:, (2, 0, 1)] * b[:, (1, 2, 0)]
-
-
-class _Belts:
-    """The belts of all robots."""
-
-    def __init__(self, model: Any, robots: Sequence[Any]) -> None:
-        belts = [
-            (number, shape, model.geom(shape.name).id)
-            for number, robot in enumerate(robots)
-            for shape in robot.shapes
-            if shape.surface is not None
-        ]
-        self._owner = np.array([(number, shape.belt) for number, shape, _ in belts], dtype=int).reshape(-1, 2)
-        self._geoms = np.array([geom for _, _, geom in belts], dtype=int)
-        surfaces = []
-        for _, shape, geom in belts:  # in the frame of the shape as it was compiled
-            turn = np.zeros(9)
-            mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-            back = turn.reshape(3, 3).T
-            surfaces.append(np.concatenate([back @ shape.surface[:3], back @ shape.surface[3:]]))
-        self._surfaces = np.array(surfaces).reshape(-1, 6)
-
-    def command(self, model: Any, robot: int, left: float, right: float) -> None:
-        """Set the speeds of a robot's belts, m/s."""
-        own = self._owner[:, 0] == robot
-        speeds = np.where(self._owner[own, 1] == 0, left, right)
-        model.geom_surfacevel[self._geoms[own]] = self._surfaces[own] * speeds[:, None]
