@@ -102,6 +102,8 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
             drive := _of_wheels(controller, frames, ros.rates)
         ):
             return drive
+    if steered_wheels(frames):
+        return None
     controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
     return _paired(controlled, frames, "ros2_control", ros.rates) or _by_shapes(frames)
 
@@ -168,6 +170,37 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     largest = max(radii.values(), default=0.0)
     wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
     return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", {})
+
+
+def steered_wheels(frames: ModelFrames) -> list[str]:
+    """Return the joints of wheels that are steered: as large as the largest, and on a joint with limits about z.
+
+    Casters swivel without end. What is steered does not turn by a difference between its sides.
+    """
+    if not frames.shapes.whole:
+        return []
+    above = {frames.child(name): name for name in frames.joints}
+    across = [joint for joint in frames.joints if is_endless(frames.joints[joint]) and _is_along_y(joint, frames)]
+    radii = {joint: _wheel_radius(joint, frames) for joint in across}
+
+    def is_steered(joint: str) -> bool:
+        link = frames.parent(joint)
+        for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
+            if link not in above:
+                return False
+            held = above[link]
+            element = frames.joints[held]
+            if element.get("type") == "revolute" and not is_endless(element) and not _is_along_y(held, frames):
+                return True
+            link = frames.parent(held)
+        return False
+
+    largest = max(radii.values(), default=0.0)
+    return [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest and is_steered(joint)]
+
+
+def _is_along_y(joint: str, frames: ModelFrames) -> bool:
+    return bool(abs(frames.axis(joint)[1]) >= _ALONG)
 
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
