@@ -40,6 +40,9 @@ _SWOLLEN = 10.0
 """Share of the largest moment of inertia that fits into a link's shapes from which on a file's is a mistake: what is
 seen of a link may be somewhat larger than what touches."""
 
+_AXLE = 0.9
+"""Cosine of the angle to the axle from which on a direction of friction is meant to be that of the axle."""
+
 _JOINTS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "ball": "ball"}
 """Types of joints in SDF and in MJCF; one that is neither these nor fixed cannot be driven."""
 
@@ -130,6 +133,7 @@ class _Builder:
         self._is_of_file = not isinstance(placed.robot, Robot)
         drive = placed.robot.drive
         self._driven = {self._frames.child(name) for name in (*drive.left, *drive.right) if name in self._frames.joints}
+        self._has_mecanum = False
         self._massless: list[str] = []
         self._swollen_links: list[str] = []
         self._add_bodies(self._frames.local(element))
@@ -280,7 +284,7 @@ class _Builder:
                 solids = list(self._rounded(solids[0], pose @ placed))
             for attributes, at in solids:
                 shape = _Placed(attributes, placed @ at, pose)
-                self._add_shape(body, shape, part, side, (mu, mu2), direction)
+                self._add_shape(body, link, shape, part, side, (mu, mu2), direction)
 
     def _belt_side(self, link: str) -> int:
         drive = self.model.drive
@@ -291,6 +295,7 @@ class _Builder:
     def _add_shape(  # all that a shape is
         self,
         body: Element,
+        link: str,
         shape: _Placed,
         part: str,
         side: int,
@@ -310,6 +315,8 @@ class _Builder:
         elif direction.any():
             turned = shape.pose[:3, :3] @ direction
             axis = turned / np.linalg.norm(turned)
+            if link in self._driven:
+                axis, mu_axis, mu_other = self._on_axle(axis, shape.link, (mu, mu2))
         if min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
             axis = None
         strongest = max(mu_axis, mu_other)
@@ -329,6 +336,22 @@ class _Builder:
                 conaffinity=str(others),
             )
             self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, surface))
+
+    def _on_axle(self, axis: Array, link: Array, mus: tuple[float, float]) -> tuple[Array, float, float]:
+        """Return the axis of friction of a driven wheel, and the coefficients along it and across it.
+
+        A direction in a wheel turns with it. What lies in its plane is meant to be that in which it rolls, so the axle
+        is the axis; a diagonal is that of a mecanum wheel's rollers, which MuJoCo has not: it drives as an ordinary one.
+        """
+        mu, mu2 = mus
+        axle = link[:3, :3].T @ (0.0, 1.0, 0.0)
+        across = abs(float(axis @ axle))
+        if across > _AXLE:
+            return axis, mu, mu2
+        if across < 1 - _AXLE:
+            return axle, mu2, mu
+        self._has_mecanum = True
+        return axle, max(mu, mu2), max(mu, mu2)
 
     def _solids(self, kind: Element, part: str) -> Iterator[tuple[dict[str, str], Array]]:
         """Yield the shapes of MJCF of a geometry, with their poses in it; a cone is the cylinder around it."""
@@ -405,6 +428,8 @@ class _Builder:
         ):
             if links:
                 self.model.remarks.append(f"links {what}: {', '.join(links)}")
+        if self._has_mecanum:
+            self.model.remarks.append("its mecanum wheels are driven as ordinary ones, and skid where their rollers roll")
 
     def _add_motors(self, servos: Sequence[Servo]) -> None:
         drive = self.model.drive
