@@ -29,7 +29,9 @@ RECIPE = rsegen.Recipe(name="course", seed=1, chunk_size=2)
         ({"speed": 1}, "speed: is for the robot of a file; 'burger' has its own"),
         ({"robot": robot_of_kind("jackal"), "turn": 1}, "turn: is for the robot of a file; 'jackal' has its own"),
         ({"picture": True}, "picture: needs a folder"),
-        ({"picture": True, "output": "out"}, "picture: Gazebo's camera needs a screen"),
+        ({"picture": True, "output": "out", "simulator": "classic"}, "picture: Gazebo's camera needs a screen"),
+        ({"simulator": "clasic"}, "simulator: unknown simulator 'clasic'; did you mean 'classic'"),
+        ({"simulator": "classic", "motors": "reaction"}, "motors: is for MuJoCo; 'classic' has motors of"),
     ],
 )
 def test_wrong_values_name_the_parameter(given: dict[str, Any], message: str, programs: Path) -> None:
@@ -46,20 +48,21 @@ def test_a_world_without_a_recipe_is_refused(programs: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(("output", "said"), [("out", "nothing was changed in out"), (None, "")])
+@pytest.mark.parametrize("recorder", ["record_drive", "record_embedded"])
 def test_a_drive_that_is_stopped_changes_nothing(
-    output: str | None, said: str, programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    recorder: str, output: str | None, said: str, programs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def stopped(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     put(programs, PROGRAMS["classic"])
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("rsegen.driving.recording.record_drive", stopped)
+    monkeypatch.setattr(f"rsegen.driving.recording.{recorder}", stopped)
     with pytest.raises(KeyboardInterrupt, match=f"^{said}$"):
-        rsegen.drive(RECIPE, output=output)
+        rsegen.drive(RECIPE, output=output, simulator="classic" if recorder == "record_drive" else None)
     assert not any(tmp_path.joinpath("out").glob("**"))
 
 
 def test_without_gazebo_classic_the_script_says_how_to_install_it(programs: Path) -> None:
     with pytest.raises(NoSimulator, match="Gazebo Classic is not installed; to install it: "):
-        rsegen.drive(RECIPE)
+        rsegen.drive(RECIPE, simulator="classic")

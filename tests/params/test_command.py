@@ -148,10 +148,12 @@ def test_every_parameter_of_a_command_is_explained_and_its_default_is_valid(func
 
 @pytest.mark.parametrize("function", COMMANDS, ids=lambda function: function.__name__)
 def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) -> None:
-    """Others by intention: spawn gives a name, respawn takes one; an experiment several simulators; a series limits."""
+    """Others by intention: spawn gives a name, respawn takes one; an experiment several simulators; a series limits; a
+    drive needs no server."""
     others = {
         ("name", "spawn"),
         ("simulator", "experiment"),
+        ("simulator", "drive"),
         ("robot", "series"),
         ("formats", "export_maps"),
         ("size", "spots"),

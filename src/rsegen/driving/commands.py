@@ -14,7 +14,7 @@ from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, whic
 from rsegen.cli.parameters import Force, MapReference
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, checked_flags, seconds_bar
-from rsegen.errors import ParameterError
+from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
 from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors
@@ -140,10 +140,10 @@ def drive(  # noqa: PLR0913  # each is a flag
     model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
     refuse_output(None if output is None else Path(output), picture=picture, force=force)
-    world = world_of(target, map)
-    here = embedded_simulator(simulator) or choose_installation(world.made_for, simulator, timeout)
-    if motors is not None and isinstance(here, Installation):
-        raise ParameterError("motors", f"is for MuJoCo; {here} has motors of its own")
+    world, embedded = world_of(target, map), embedded_simulator(simulator)
+    if motors is not None and not embedded:
+        raise ParameterError("motors", f"is for MuJoCo; {shown(simulator)} has motors of its own")
+    here = embedded or choose_installation(world.made_for, simulator, timeout)
     scene, report = world.scene(), progress or ignore
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
     pictured = picture and "pictures" not in here.drives_without

@@ -47,6 +47,8 @@ class Mujoco(EmbeddedSimulator):
             raise NoSimulator(
                 f"{self.title} {_FIRST} is not installed; to install it: {'; '.join(self.how_to_install)}"
             )
+        from rsegen.mujoco.turning import turn_gain
         from rsegen.mujoco.world import MujocoWorld
 
-        return MujocoWorld(scene, robots, motors=motors, period=period)
+        gains = [turn_gain(placed.robot) for placed in robots]
+        return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains)

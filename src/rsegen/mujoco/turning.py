@@ -14,6 +14,7 @@ from math import pi
 
 from rsegen.errors import SimulatorFailed
 from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.world import MujocoWorld
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
@@ -56,10 +57,8 @@ def turn_gain(robot: DrivableRobot) -> float:
 
 def _turned(robot: DrivableRobot, w: float) -> float:
     """Return the radians that a robot turns within _TURNS on flat ground when it is told a rate, its gain left out."""
-    from rsegen.mujoco.world import MujocoWorld
-
     flat = compose(Recipe(name="flat", boundary="none"))
-    world = MujocoWorld(flat, [_Alone(name="robot", robot=robot, start=Pose(x=0, y=0, z=DROP_HEIGHT))], gains=False)
+    world = MujocoWorld(flat, [_Alone(name="robot", robot=robot, start=Pose(x=0, y=0, z=DROP_HEIGHT))])
     world.drive("robot", robot, 0.0, w)
     world.step(round(_SETTLES / STEP))
     before, turned = world.poses()["robot"].yaw, 0.0

@@ -15,7 +15,7 @@ ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an e
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import asin, atan2, inf
+from math import asin, atan2
 from typing import Any, ClassVar
 
 import mujoco
@@ -26,7 +26,6 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import Shape
 from rsegen.mujoco.settings import STEP
-from rsegen.mujoco.turning import turn_gain
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -46,7 +45,11 @@ there is no along."""
 
 
 class MujocoWorld(EmbeddedWorld):
-    """A world with robots at their starts; SimulatorFailed if one starts inside a block, or if the physics fails."""
+    """A world with robots at their starts; SimulatorFailed if one starts inside a block, or if the physics fails.
+
+    gains: of the turn rate of each robot (`rsegen.mujoco.turning`), by default 1
+    period: seconds between two rows of the record
+    """
 
     step_seconds: ClassVar[float] = STEP
 
@@ -57,7 +60,7 @@ class MujocoWorld(EmbeddedWorld):
         *,
         motors: str = MOTORS[0],
         period: float = 0.05,
-        gains: bool = True,
+        gains: Sequence[float] | None = None,
     ) -> None:
         made = map_model(scene, placed, motors)
         try:
@@ -69,7 +72,7 @@ class MujocoWorld(EmbeddedWorld):
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
         self._made, self._period = made.robots, round(period / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
-        self._gains = [turn_gain(robot.robot) if gains else 1.0 for robot in placed]
+        self._gains = gains or [1.0] * len(placed)
         self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
@@ -101,13 +104,10 @@ class MujocoWorld(EmbeddedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
-        model, data, shapes, turning = self.model, self.data, self._shapes, self._shapes.turned
+        model, data, shapes = self.model, self.data, self._shapes
         for _ in range(steps):
             self._wheels.before_step(data)
-            if turning:
-                _step_with_turned_contacts(model, data, shapes)
-            else:
-                mujoco.mj_step(model, data)
+            _step(model, data, shapes)
             self._steps += 1
             self._touched += shapes.touching(data)
             if self._steps % self._period == 0:
@@ -187,6 +187,14 @@ class MujocoWorld(EmbeddedWorld):
             raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
 
 
+_RAMP = 10.0
+"""Change of speed, m/s^2, of a drive of which none is known: as much as friction lets a robot make use of. A motor that
+jumped to its speed would throw the robot up by its reaction."""
+
+_STIFF = 100.0
+"""Gain of the motors of wheels, in units of the inertia that they turn by a step: with 1, a jackal that turns on the
+spot at 0.1 rad/s loses a quarter of it to the load of its skidding wheels."""
+
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
@@ -198,79 +206,105 @@ def _pose(state: Sequence[float]) -> list[float]:
     return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
 
 
-def _step_with_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Simulate a step in which contacts are turned before they are solved: the parts of `mj_step`, bit by bit."""
+def _step(model: Any, data: Any, shapes: _Shapes) -> None:
+    """Simulate a step: the parts of `mj_step`, bit by bit, with contacts turned and let slide in between."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_makeM(model, data)
     mujoco.mj_factorM(model, data)
     mujoco.mj_collision(model, data)
-    shapes.turn(data)
+    if shapes.turned and data.ncon:
+        shapes.turn(data)
     mujoco.mj_makeConstraint(model, data)
     mujoco.mj_island(model, data)
     mujoco.mj_transmission(model, data)
     mujoco.mj_projectConstraint(model, data)
     mujoco.mj_fwdVelocity(model, data)
+    if data.ncon:
+        shapes.let_slide(data)
     mujoco.mj_step2(model, data)
 
 
+_NEXT, _AFTER = [1, 2, 0, 2, 0, 1], [2, 0, 1, 1, 2, 0]
+"""Rows of two vectors whose products, three less three, are their cross product."""
+
+
 class _Shapes:
-    """The collision shapes of all robots: which part each is, and how the friction of some is turned.
+    """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
+    turned: whether the friction of any shape has a direction
     """
 
     def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
-        self._part, self._axis = np.full(model.ngeom, 0), np.zeros((model.ngeom, 3))
-        self._mu = np.zeros((model.ngeom, 2))
-        self._has_axis = np.zeros(model.ngeom, dtype=bool)
+        self._part = np.zeros(model.ngeom, dtype=int)
+        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
             self.names[geom] = f"{robot}::{shape.part}"
             self._part[geom] = self.parts.setdefault((robot, shape.part), len(self.parts) + 1)
             if shape.axis is not None:
-                self._has_axis[geom], self._axis[geom] = True, shape.axis
-                self._mu[geom] = shape.mu_axis, shape.mu_other
+                self._axis[geom] = shape.axis
+                self._mu[:, geom] = shape.mu_axis, shape.mu_other
         self.count = len(self.parts) + 1  # 0 is the map
-        self.turned = bool(self._has_axis.any())
+        self.turned = any(shape.axis is not None for shape in shapes)
         self._body: Ints = np.asarray(model.geom_bodyid)
         self._flags = np.zeros(self.count, dtype=np.int64)
 
     def touching(self, data: Any) -> Ints:
         """Return 1 for each part that has contact, else 0; the array is used again."""
         flags = self._flags
-        flags[:] = 0
+        flags.fill(0)
         flags[self._part[data.contact.geom]] = 1
         return flags
 
+    def let_slide(self, data: Any) -> None:
+        """Keep contacts that slide from being pushed apart, which MuJoCo's convex model of friction does.
+
+        The model asks that the residual acceleration of a contact is in the cone dual to that of its force: where it
+        slides with a residual r along its plane, the bodies part with mu r, so that wheels and belts that slip hop by
+        some tenths of a millimetre, and are in the air for most of the time. Coulomb's law asks that for the residual
+        plus mu r along the normal (de Saxce and Feng, 1998). So the reference of the normal is lowered by mu times that
+        of the plane: the whole residual of a contact that slides evenly, and nothing for one that holds. What breaks
+        it: stiff contacts (`settings.SOLIMP`), which then may hold by pressing harder than they should.
+        """
+        at, mu, reference = data.contact.efc_address, data.contact.friction, data.efc_aref
+        if at.min() < 0:
+            at, mu = at[at >= 0], mu[at >= 0]
+        reference[at] -= np.hypot(mu[:, 0] * reference[at + 1], mu[:, 1] * reference[at + 2])
+
     def turn(self, data: Any) -> None:
-        """Turn the contacts of shapes that have an axis: the first direction along it, with its own friction."""
-        geoms = data.contact.geom
-        has_axis = self._has_axis[geoms]
-        if not has_axis.any():
-            return
-        rows, sides = has_axis.nonzero()
-        own = geoms[rows, sides]
-        frames, friction = data.contact.frame, data.contact.friction
-        normal = frames[rows, :3]
-        axis = (data.xmat[self._body[own]].reshape(-1, 3, 3) @ self._axis[own][:, :, None])[:, :, 0]
-        first = axis - (axis * normal).sum(axis=1)[:, None] * normal
-        length = np.sqrt((first * first).sum(axis=1))
-        beside = length < _SIDE
+        """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
+
+        Shapes of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape
+        whose friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they
+        are, with one friction.
+        """
+        # Vectors are columns, as few contacts are turned 1,000 times a second: what counts is the number of calls.
+        contact = data.contact
+        geoms, frames, surface, friction = contact.geom, contact.frame, contact.surfacevel, contact.friction
+        own = np.maximum(geoms[:, 0], geoms[:, 1])
+        columns = frames.T
+        turn, axis = data.xmat[self._body[own]].T, self._axis[own].T
+        axis = turn[0::3] * axis[0] + turn[1::3] * axis[1] + turn[2::3] * axis[2]
+        # n x a is in the plane, at right angles to what of a is in it, and as long.
+        normal = columns[_NEXT]
+        product = normal * axis[_AFTER]
+        second = product[:3] - product[3:]
+        length = np.sqrt((second * second).sum(axis=0))
+        mu = np.minimum(friction[:, 0], self._mu[:, own])
+        beside = length <= _SIDE
         if beside.any():
-            kept = ~beside
-            rows, own, normal, first, length = rows[kept], own[kept], normal[kept], first[kept], length[kept]
-        first /= length[:, None]
-        frames[rows, 3:6] = first
-        frames[rows, 6:9] = _cross(normal, first)
-        friction[rows, :2] = np.minimum(friction[rows, :1], self._mu[own])
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Return the cross products of rows; numpy's own takes ten times as long for a few."""
-    return a[:, (1, 2, 0)] * b[:, (2, 0, 1)] - a[:, (2, 0, 1)] * b[:, (1, 2, 0)]
+            second[:, beside], length[beside], mu[:, beside] = columns[6:, beside], 1.0, friction[beside, 0]
+        second /= length
+        product = normal * second[_AFTER]
+        first = product[3:] - product[:3]
+        # The velocity of a belt's surface is kept along the two directions.
+        moving = columns[3:6] * surface[:, 0] + columns[6:] * surface[:, 1]
+        surface[:, 0], surface[:, 1] = (moving * first).sum(axis=0), (moving * second).sum(axis=0)
+        columns[3:6], columns[6:], friction[:, :2] = first, second, mu.T
 
 
 class _WheelMotors:
@@ -282,15 +316,15 @@ class _WheelMotors:
         ]
         self._owner = np.array([(number, side) for number, side, _, _ in owners], dtype=int).reshape(-1, 2)
         self._dofs = np.array([model.joint(joint).dofadr[0] for _, _, joint, _ in owners], dtype=int)
-        self._most = np.array([(drive.acceleration or inf) * STEP / drive.radius for _, _, _, drive in owners])
+        self._most = np.array([(drive.acceleration or _RAMP) * STEP / drive.radius for _, _, _, drive in owners])
         self._reacts = motors == "reaction"
         self._wanted, self._now = np.zeros(len(owners)), np.zeros(len(owners))
         self._has_changed = False
         if self._reacts and owners:
             self._motors = np.array([model.actuator(joint).id for _, _, joint, _ in owners], dtype=int)
-            # Half of a difference in speed is left after a step, as the torque is implicit in it: what turns is what
-            # the motor has to turn, the wheel and, the other way round, the chassis.
-            gains = model.dof_M0[self._dofs] / STEP
+            # A hundredth of a difference in speed is left after a step, as the torque is implicit in it, and a load
+            # slows a wheel by less than a hundredth of what it would in that step without a motor.
+            gains = _STIFF * model.dof_M0[self._dofs] / STEP
             model.actuator_gainprm[self._motors, 0], model.actuator_biasprm[self._motors, 2] = gains, -gains
 
     def command(self, robot: int, left: float, right: float) -> None:
