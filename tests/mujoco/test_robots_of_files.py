@@ -55,8 +55,8 @@ def cart(
     return from_file(folder / "cart.sdf")
 
 
-def pair(**given: object) -> list[str]:
-    return [wheel("left", 0.15, 0.1, **given), wheel("right", 0.15, -0.1, **given)]
+def pair(x: float = 0.05, **given: object) -> list[str]:
+    return [wheel("left", x, 0.1, **given), wheel("right", x, -0.1, **given)]
 
 
 def speeds(world: MujocoWorld, robot: DrivableRobot, v: float, w: float) -> tuple[float, float]:
@@ -94,12 +94,14 @@ def test_four_thin_wheels_skid_as_statics_has_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize("mu", [0.3, 1.0])
 @pytest.mark.parametrize("speed", [0.5, 2.0])
 def test_what_slides_slows_by_mu_g_and_stays_on_the_ground(tmp_path: Path, mu: float, speed: float) -> None:
-    assert slide(cart(tmp_path, pair(mu=mu, width=0.02), caster=mu), FLAT, speed) == pytest.approx(mu * G, rel=0.01)
+    assert slide(cart(tmp_path, pair(0.15, mu=mu, width=0.02), caster=mu), FLAT, speed) == pytest.approx(
+        mu * G, rel=0.01
+    )
 
 
 @pytest.mark.parametrize(("own", "ground"), [(0.6, 0.2), (0.2, 0.6), (1.0, 1.0)])
 def test_the_smaller_coefficient_of_friction_counts(tmp_path: Path, own: float, ground: float) -> None:
-    robot, patch = cart(tmp_path, pair(mu=own, width=0.02), caster=own), step_of(0.05, level_friction=(ground,))
+    robot, patch = cart(tmp_path, pair(0.15, mu=own, width=0.02), caster=own), step_of(0.05, level_friction=(ground,))
     assert slide(robot, patch, 0.5) == pytest.approx(min(own, ground) * G, rel=0.01)
 
 
@@ -108,7 +110,7 @@ def test_each_of_two_robots_has_its_own_friction(tmp_path: Path) -> None:
     robots = []
     for name, mu in (("smooth", 0.2), ("rough", 0.8)):
         (tmp_path / name).mkdir()
-        robots.append(cart(tmp_path / name, pair(mu=mu, width=0.02), caster=mu))
+        robots.append(cart(tmp_path / name, pair(0.15, mu=mu, width=0.02), caster=mu))
     placed = [
         Placed(robot=robot, start=Pose(x=-0.7, y=y, z=0.055), name=str(y))
         for robot, y in zip(robots, (-0.4, 0.4), strict=True)

@@ -284,7 +284,7 @@ class _Builder:
                 solids = list(self._rounded(solids[0], pose @ placed))
             for attributes, at in solids:
                 shape = _Placed(attributes, placed @ at, pose)
-                self._add_shape(body, link, shape, part, side, (mu, mu2), direction)
+                self._add_shape(body, shape, part, side, (mu, mu2), direction)
 
     def _belt_side(self, link: str) -> int:
         drive = self.model.drive
@@ -295,7 +295,6 @@ class _Builder:
     def _add_shape(  # all that a shape is
         self,
         body: Element,
-        link: str,
         shape: _Placed,
         part: str,
         side: int,
@@ -315,7 +314,7 @@ class _Builder:
         elif direction.any():
             turned = shape.pose[:3, :3] @ direction
             axis = turned / np.linalg.norm(turned)
-            if link in self._driven:
+            if part.rpartition("::")[0] in self._driven:
                 axis, mu_axis, mu_other = self._on_axle(axis, shape.link, (mu, mu2))
         if min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
             axis = None
@@ -323,7 +322,7 @@ class _Builder:
         for layer in self._friction.layers(strongest):
             name = f"{self.model.name}/{len(self.model.shapes)}"
             others = ROBOTS if layer.priority and not self._alone else 0
-            SubElement(
+            geom = SubElement(
                 body,
                 "geom",
                 shape.attributes,
@@ -335,13 +334,15 @@ class _Builder:
                 contype=str(layer.touches | others),
                 conaffinity=str(others),
             )
+            if surface is not None:
+                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
             self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, surface))
 
     def _on_axle(self, axis: Array, link: Array, mus: tuple[float, float]) -> tuple[Array, float, float]:
         """Return the axis of friction of a driven wheel, and the coefficients along it and across it.
 
         A direction in a wheel turns with it. What lies in its plane is meant to be that in which it rolls, so the axle
-        is the axis; a diagonal is that of a mecanum wheel's rollers, which MuJoCo has not: it drives as an ordinary one.
+        is the axis. A diagonal is that of a mecanum wheel's rollers, which it has not here: it drives as an ordinary one.
         """
         mu, mu2 = mus
         axle = link[:3, :3].T @ (0.0, 1.0, 0.0)
@@ -429,7 +430,9 @@ class _Builder:
             if links:
                 self.model.remarks.append(f"links {what}: {', '.join(links)}")
         if self._has_mecanum:
-            self.model.remarks.append("its mecanum wheels are driven as ordinary ones, and skid where their rollers roll")
+            self.model.remarks.append(
+                "its mecanum wheels are driven as ordinary ones, and skid where their rollers roll"
+            )
 
     def _add_motors(self, servos: Sequence[Servo]) -> None:
         drive = self.model.drive

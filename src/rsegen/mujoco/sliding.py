@@ -17,7 +17,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-TANGENTS = np.array([1, 2])
+_TANGENTS = np.array([1, 2])
 """Rows of a contact's friction, after that of its normal."""
 
 
@@ -31,6 +31,6 @@ def slide(model: Any, data: Any) -> None:
     change = np.empty(data.nefc)
     mujoco.mj_mulJacVec(model, data, change, data.qacc)
     reference = data.efc_aref
-    tangents = normals[:, None] + TANGENTS
+    tangents = normals[:, None] + _TANGENTS
     left = (change[tangents] - reference[tangents]) * data.contact.friction[is_active, :2]
     reference[normals] -= np.sqrt((left * left).sum(axis=1))

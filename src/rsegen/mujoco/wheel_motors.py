@@ -10,7 +10,6 @@ whose rows are left out; sleep is off by default.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,10 @@ from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, STEP
 
 _STRONG = 1e6
 """Torque, Nm, of a motor that nothing limits: the friction of its wheel does."""
+
+_RAMP = 10.0
+"""Change of speed, m/s^2, of a drive of which none is known: as much as friction lets a robot make use of. A motor that
+jumped to its speed would throw the robot up by its reaction."""
 
 _AT_LIMIT, _SLOW, _OFTEN = 0.999, 0.5, 0.2
 """Share of its torque from which on a motor is at its limit, of its speed below which a wheel is slow, and of the steps
@@ -40,7 +43,7 @@ class WheelMotors:
         self._owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
         self._dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
         self._most = np.array(
-            [(getattr(drive, "acceleration", None) or inf) * STEP / drive.radius for _, drive, _ in wheels]
+            [(getattr(drive, "acceleration", None) or _RAMP) * STEP / drive.radius for _, drive, _ in wheels]
         )
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
         self._senses = np.array([wheel.sense for *_, wheel in wheels])
@@ -72,6 +75,8 @@ class WheelMotors:
 
     def turn(self, data: Any) -> None:
         """Add the speeds to the references of the constraints, after MuJoCo has made those of friction, to rest."""
+        if not self.react:
+            return
         rows = self._rows + data.ne
         data.efc_aref[rows] += data.efc_KBIP[rows, 1] * self._now * self._turns
 

@@ -23,7 +23,6 @@ import numpy as np
 
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array, Ints
-from rsegen.mujoco.belts import Belts, cross
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import Shape
 from rsegen.mujoco.settings import STEP
@@ -79,7 +78,7 @@ class MujocoWorld(EmbeddedWorld):
         self._wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
-        self._belts = Belts(self.model, made.robots)
+        self._belts = _Belts(self.model, made.robots)
         for robot in made.robots:
             for joint, servo in robot.servos:
                 self.data.joint(joint).qpos = servo.rest
@@ -103,22 +102,15 @@ class MujocoWorld(EmbeddedWorld):
         if isinstance(robot.drive, Wheels):
             self._wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
         else:
-            self._belts.command(number, v - aside, v + aside)
+            self._belts.command(self.model, number, v - aside, v + aside)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
         model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
-        belts, turning = self._belts, shapes.turned
         for _ in range(steps):
             wheels.before_step(data)
-            if turning:
-                _make_turned_contacts(model, data, shapes)
-            else:
-                mujoco.mj_step1(model, data)
-            if wheels.react:
-                wheels.turn(data)
-            if belts.any:
-                belts.move(data)
+            _make_constraints(model, data, shapes)
+            wheels.turn(data)
             slide(model, data)
             mujoco.mj_step2(model, data)
             wheels.after_step(data)
@@ -214,14 +206,15 @@ def _pose(state: Sequence[float]) -> list[float]:
     return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
 
 
-def _make_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Do the first half of a step, and turn contacts before they are solved: the parts of `mj_step1`, bit by bit."""
+def _make_constraints(model: Any, data: Any, shapes: _Shapes) -> None:
+    """Do the first half of a step: the parts of `mj_step1`, bit by bit, with contacts turned in between."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_makeM(model, data)
     mujoco.mj_factorM(model, data)
     mujoco.mj_collision(model, data)
-    shapes.turn(data)
+    if shapes.turned and data.ncon:
+        shapes.turn(data)
     mujoco.mj_makeConstraint(model, data)
     mujoco.mj_island(model, data)
     mujoco.mj_transmission(model, data)
@@ -229,55 +222,95 @@ def _make_turned_contacts(model: Any, data: Any, shapes: _Shapes) -> None:
     mujoco.mj_fwdVelocity(model, data)
 
 
+_NEXT, _AFTER = [1, 2, 0, 2, 0, 1], [2, 0, 1, 1, 2, 0]
+"""Rows of two vectors whose products, three less three, are their cross product."""
+
+
 class _Shapes:
-    """The collision shapes of all robots: which part each is, and how the friction of some is turned.
+    """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
+    turned: whether the friction of any shape has a direction
     """
 
     def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
-        self._part, self._axis = np.full(model.ngeom, 0), np.zeros((model.ngeom, 3))
-        self._mu = np.zeros((model.ngeom, 2))
-        self._has_axis = np.zeros(model.ngeom, dtype=bool)
+        self._part = np.zeros(model.ngeom, dtype=int)
+        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
             self.names[geom] = f"{robot}::{shape.part}"
             self._part[geom] = self.parts.setdefault((robot, shape.part), len(self.parts) + 1)
             if shape.axis is not None:
-                self._has_axis[geom], self._axis[geom] = True, shape.axis
-                self._mu[geom] = shape.mu_axis, shape.mu_other
+                self._axis[geom] = shape.axis
+                self._mu[:, geom] = shape.mu_axis, shape.mu_other
         self.count = len(self.parts) + 1  # 0 is the map
-        self.turned = bool(self._has_axis.any())
+        self.turned = any(shape.axis is not None for shape in shapes)
         self._body: Ints = np.asarray(model.geom_bodyid)
         self._flags = np.zeros(self.count, dtype=np.int64)
 
     def touching(self, data: Any) -> Ints:
         """Return 1 for each part that has contact, else 0; the array is used again."""
         flags = self._flags
-        flags[:] = 0
+        flags.fill(0)
         flags[self._part[data.contact.geom]] = 1
         return flags
 
     def turn(self, data: Any) -> None:
-        """Turn the contacts of shapes that have an axis: the first direction along it, with its own friction."""
-        geoms = data.contact.geom
-        has_axis = self._has_axis[geoms]
-        if not has_axis.any():
-            return
-        rows, sides = has_axis.nonzero()
-        own = geoms[rows, sides]
-        frames, friction = data.contact.frame, data.contact.friction
-        normal = frames[rows, :3]
-        axis = (data.xmat[self._body[own]].reshape(-1, 3, 3) @ self._axis[own][:, :, None])[:, :, 0]
-        first = axis - (axis * normal).sum(axis=1)[:, None] * normal
-        length = np.sqrt((first * first).sum(axis=1))
-        beside = length < _SIDE
+        """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
+
+        Shapes of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape
+        whose friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they
+        are, with one friction.
+        """
+        # Vectors are columns, as few contacts are turned 1,000 times a second: what counts is the number of calls.
+        contact = data.contact
+        geoms, frames, surface, friction = contact.geom, contact.frame, contact.surfacevel, contact.friction
+        own = np.maximum(geoms[:, 0], geoms[:, 1])
+        columns = frames.T
+        turn, axis = data.xmat[self._body[own]].T, self._axis[own].T
+        axis = turn[0::3] * axis[0] + turn[1::3] * axis[1] + turn[2::3] * axis[2]
+        # n x a is in the plane, at right angles to what of a is in it, and as long.
+        normal = columns[_NEXT]
+        product = normal * axis[_AFTER]
+        second = product[:3] - product[3:]
+        length = np.sqrt((second * second).sum(axis=0))
+        mu = np.minimum(friction[:, 0], self._mu[:, own])
+        beside = length <= _SIDE
         if beside.any():
-            kept = ~beside
-            rows, own, normal, first, length = rows[kept], own[kept], normal[kept], first[kept], length[kept]
-        first /= length[:, None]
-        frames[rows, 3:6] = first
-        frames[rows, 6:9] = cross(normal, first)
-        friction[rows, :2] = np.minimum(friction[rows, :1], self._mu[own])
+            second[:, beside], length[beside], mu[:, beside] = columns[6:, beside], 1.0, friction[beside, 0]
+        second /= length
+        product = normal * second[_AFTER]
+        first = product[3:] - product[:3]
+        # The velocity of a belt's surface is kept along the two directions.
+        moving = columns[3:6] * surface[:, 0] + columns[6:] * surface[:, 1]
+        surface[:, 0], surface[:, 1] = (moving * first).sum(axis=0), (moving * second).sum(axis=0)
+        columns[3:6], columns[6:], friction[:, :2] = first, second, mu.T
+
+
+class _Belts:
+    """The belts of all robots."""
+
+    def __init__(self, model: Any, robots: Sequence[Any]) -> None:
+        belts = [
+            (number, shape, model.geom(shape.name).id)
+            for number, robot in enumerate(robots)
+            for shape in robot.shapes
+            if shape.surface is not None
+        ]
+        self._owner = np.array([(number, shape.belt) for number, shape, _ in belts], dtype=int).reshape(-1, 2)
+        self._geoms = np.array([geom for _, _, geom in belts], dtype=int)
+        surfaces = []
+        for _, shape, geom in belts:  # in the frame of the shape as it was compiled
+            turn = np.zeros(9)
+            mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+            back = turn.reshape(3, 3).T
+            surfaces.append(np.concatenate([back @ shape.surface[:3], back @ shape.surface[3:]]))
+        self._surfaces = np.array(surfaces).reshape(-1, 6)
+
+    def command(self, model: Any, robot: int, left: float, right: float) -> None:
+        """Set the speeds of a robot's belts, m/s."""
+        own = self._owner[:, 0] == robot
+        speeds = np.where(self._owner[own, 1] == 0, left, right)
+        model.geom_surfacevel[self._geoms[own]] = self._surfaces[own] * speeds[:, None]

@@ -73,10 +73,10 @@ class SdfRobot(RobotOnField):
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
     if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
-    be wheels; steered: those of wheels that are steered, without a drive; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above the
-    lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from nowhere;
-    remarks: sentences about links that were left out, or whose inertia no body has, joints that do not follow others as
-    they should, and packages that are not found.
+    be wheels; steered: those of wheels that are steered, if it has no drive; size: of a box around its origin that
+    holds its collision shapes; lift: how far its origin is above the lowest of them, metres; derived, assumed: which of
+    size, speed and turn are from the model, and which from nowhere; remarks: sentences about links that were left out,
+    or whose inertia no body has, joints that do not follow others as they should, and packages that are not found.
     """
 
     kind: str
