@@ -342,7 +342,7 @@ class _Builder:
         """Return the axis of friction of a driven wheel, and the coefficients along it and across it.
 
         A direction in a wheel turns with it. What lies in its plane is meant to be that in which it rolls, so the axle
-        is the axis. A diagonal is that of a mecanum wheel's rollers, which it has not here: it drives as an ordinary one.
+        is the axis. A diagonal is that of a mecanum wheel's rollers, which are not here: it is an ordinary one.
         """
         mu, mu2 = mus
         axle = link[:3, :3].T @ (0.0, 1.0, 0.0)

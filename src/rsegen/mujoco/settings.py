@@ -21,8 +21,8 @@ MULTICCD = "disable"
 """Several contacts of two convex shapes, on by default since 4.0, hold a cylinder at an edge of any height."""
 
 SOLREF, SOLIMP = "0.004 1", "0.99 0.999 0.0001"
-"""Contacts as stiff as four steps allow, so that blocks of wood are hard: a robot of 23 kg sinks in by micrometres. With
-`sliding`, robots that skid turn as Coulomb's law says at any stiffness: a jackal's sides run against each other 1.48
+"""Contacts as stiff as four steps allow, as blocks of wood are hard: a robot of 23 kg sinks in by micrometres. With
+`sliding`, robots that skid turn as Coulomb's law says at any stiffness: a jackal's sides run against each other 1.487
 times as fast as they would roll (1.487 by statics, 1.5 in its maker's settings), the crawler's 1.19 times (1.19 by
 statics), at all rates."""
 
