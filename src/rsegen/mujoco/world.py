@@ -102,7 +102,7 @@ class MujocoWorld(EmbeddedWorld):
         if isinstance(robot.drive, Wheels):
             self._wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
         else:
-            self._belts.command(self.model, number, v - aside, v + aside)
+            self._belts.command(self._shapes, number, v - aside, v + aside)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
@@ -247,6 +247,7 @@ class _Shapes:
                 self._mu[:, geom] = shape.mu_axis, shape.mu_other
         self.count = len(self.parts) + 1  # 0 is the map
         self.turned = any(shape.axis is not None for shape in shapes)
+        self.belts = np.zeros(model.ngeom)  # speeds of belts, m/s
         self._body: Ints = np.asarray(model.geom_bodyid)
         self._flags = np.zeros(self.count, dtype=np.int64)
 
@@ -283,9 +284,8 @@ class _Shapes:
         second /= length
         product = normal * second[_AFTER]
         first = product[3:] - product[:3]
-        # The velocity of a belt's surface is kept along the two directions.
-        moving = columns[3:6] * surface[:, 0] + columns[6:] * surface[:, 1]
-        surface[:, 0], surface[:, 1] = (moving * first).sum(axis=0), (moving * second).sum(axis=0)
+        # A belt runs round its shape: backward below, down in front, whatever the shape is.
+        surface[:, 0], surface[:, 1] = 0.0, np.where(beside, 0.0, self.belts[own])
         columns[3:6], columns[6:], friction[:, :2] = first, second, mu.T
 
 
@@ -297,20 +297,12 @@ class _Belts:
             (number, shape, model.geom(shape.name).id)
             for number, robot in enumerate(robots)
             for shape in robot.shapes
-            if shape.surface is not None
+            if shape.belt >= 0
         ]
         self._owner = np.array([(number, shape.belt) for number, shape, _ in belts], dtype=int).reshape(-1, 2)
         self._geoms = np.array([geom for _, _, geom in belts], dtype=int)
-        surfaces = []
-        for _, shape, geom in belts:  # in the frame of the shape as it was compiled
-            turn = np.zeros(9)
-            mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-            back = turn.reshape(3, 3).T
-            surfaces.append(np.concatenate([back @ shape.surface[:3], back @ shape.surface[3:]]))
-        self._surfaces = np.array(surfaces).reshape(-1, 6)
 
-    def command(self, model: Any, robot: int, left: float, right: float) -> None:
+    def command(self, shapes: _Shapes, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's belts, m/s."""
         own = self._owner[:, 0] == robot
-        speeds = np.where(self._owner[own, 1] == 0, left, right)
-        model.geom_surfacevel[self._geoms[own]] = self._surfaces[own] * speeds[:, None]
+        shapes.belts[self._geoms[own]] = np.where(self._owner[own, 1] == 0, left, right)
