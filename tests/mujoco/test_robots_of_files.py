@@ -218,3 +218,21 @@ def test_steered_wheels_are_refused(tmp_path: Path) -> None:
     robot = cart(tmp_path, [*front, *rear], None, forks)
     with pytest.raises(ParameterError, match=r"^cart: left_front_axle, right_front_axle are steered wheels"):
         _ = robot.drive
+
+
+def test_a_belt_runs_down_in_front_of_every_shape(tmp_path: Path) -> None:
+    """A track of several boxes climbs a step with its upright face, as a belt does."""
+    track = """<link name="{side}"><pose>0 {y} 0.05 0 0 0</pose>{inertial}
+        <collision name="front"><pose>0.1 0 0 0 0 0</pose>{box}</collision>
+        <collision name="rear"><pose>-0.1 0 0 0 0 0</pose>{box}</collision></link>
+      <joint name="{side}_joint" type="fixed"><parent>base</parent><child>{side}</child></joint>"""
+    sides, box = (("left", 0.15), ("right", -0.15)), "<geometry><box><size>0.2 0.05 0.1</size></box></geometry>"
+    cart(tmp_path, [track.format(side=side, y=y, inertial=inertial(2, 0.01), box=box) for side, y in sides], None)
+    robot = from_file(tmp_path / "cart.sdf", tracks="left,right")
+    world = world_of(robot, step_of(0.01, friction=2.0), Pose(x=-1.25, y=0, z=DROP_HEIGHT))
+    world.step(500)
+    world.drive("robot", robot, 0.2, 0.0)
+    world.step(4000)
+    at = world.poses()["robot"]
+    assert at.x > -0.7
+    assert at.z == pytest.approx(0.01, abs=0.002)
