@@ -45,8 +45,7 @@ class Shape(NamedTuple):
 
     part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
     axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
-    they are equal on this map
-    surface: velocity of its surface for a belt at 1 m/s, linear, m/s, and angular, rad/s, in the frame of its link
+    they are equal on this map, but for a belt
     """
 
     name: str
@@ -55,7 +54,6 @@ class Shape(NamedTuple):
     axis: Array | None = None
     mu_axis: float = 1.0
     mu_other: float = 1.0
-    surface: Array | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -246,17 +244,16 @@ class _Builder:
         mu, mu2 = mus
         back = shape.link[:3, :3].T  # from the model's frame to the link's
         axis: Array | None = None
-        mu_axis, mu_other, surface = mu, mu2, None
+        mu_axis, mu_other = mu, mu2
         if side >= 0:
             drive = self.model.drive
             assert isinstance(drive, Tracks)  # noqa: S101  # `_belt_side`
             # What of a belt is across it is along its axles, however it is bent.
             axis, mu_axis, mu_other = back @ (0.0, 1.0, 0.0), drive.mu2, drive.mu
-            surface = shape.moving_surface(back)
         elif direction.any():
             turned = shape.pose[:3, :3] @ direction
             axis = turned / np.linalg.norm(turned)
-        if min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
+        if side < 0 and min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
             axis = None
         strongest = max(mu_axis, mu_other)
         for layer in self._friction.layers(strongest):
@@ -274,9 +271,9 @@ class _Builder:
                 contype=str(layer.touches | others),
                 conaffinity=str(others),
             )
-            if surface is not None:
-                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
-            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, surface))
+            if side >= 0:
+                geom.set("surfacevel", "1e-15 0 0")  # MuJoCo then looks at the velocities of contacts' surfaces
+            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other))
 
     def _solids(self, kind: Element, part: str) -> Iterator[tuple[dict[str, str], Array]]:
         """Yield the shapes of MJCF of a geometry, with their poses in it; a cone is the cylinder around it."""
@@ -361,17 +358,6 @@ class _Placed(NamedTuple):
     attributes: dict[str, str]
     pose: Array
     link: Array
-
-    def moving_surface(self, back: Array) -> Array:
-        """Return the velocity of a belt's surface at 1 m/s forward, linear and angular, in the frame of its link.
-
-        What is round turns about the robot's left; the straight runs of a belt go backward below. back: the rotation
-        from the robot's frame to the link's.
-        """
-        if self.attributes["type"] in ("cylinder", "sphere", "capsule"):
-            radius = float(self.attributes["size"].split()[0])
-            return np.concatenate([np.zeros(3), back @ (0.0, 1.0, 0.0) / radius])
-        return np.concatenate([back @ (-1.0, 0.0, 0.0), np.zeros(3)])
 
 
 def motor_elements(model: RobotModel, motors: str) -> Iterator[Element]:
