@@ -207,19 +207,22 @@ def _pose(state: Sequence[float]) -> list[float]:
 
 
 def _step(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Simulate a step: the parts of `mj_step`, bit by bit, with contacts turned and let slide in between."""
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_makeM(model, data)
-    mujoco.mj_factorM(model, data)
-    mujoco.mj_collision(model, data)
-    if shapes.turned and data.ncon:
-        shapes.turn(data)
-    mujoco.mj_makeConstraint(model, data)
-    mujoco.mj_island(model, data)
-    mujoco.mj_transmission(model, data)
-    mujoco.mj_projectConstraint(model, data)
-    mujoco.mj_fwdVelocity(model, data)
+    """Simulate a step: `mj_step`, or its parts, bit by bit, with contacts turned and let slide in between."""
+    if shapes.turned:
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_factorM(model, data)
+        mujoco.mj_collision(model, data)
+        if data.ncon:
+            shapes.turn(data)
+        mujoco.mj_makeConstraint(model, data)
+        mujoco.mj_island(model, data)
+        mujoco.mj_transmission(model, data)
+        mujoco.mj_projectConstraint(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+    else:
+        mujoco.mj_step1(model, data)
     if data.ncon:
         shapes.let_slide(data)
     mujoco.mj_step2(model, data)
@@ -271,10 +274,11 @@ class _Shapes:
         of the plane: the whole residual of a contact that slides evenly, and nothing for one that holds. What breaks
         it: stiff contacts (`settings.SOLIMP`), which then may hold by pressing harder than they should.
         """
-        at, mu, reference = data.contact.efc_address, data.contact.friction, data.efc_aref
-        if at.min() < 0:
-            at, mu = at[at >= 0], mu[at >= 0]
-        reference[at] -= np.hypot(mu[:, 0] * reference[at + 1], mu[:, 1] * reference[at + 2])
+        contact, reference = data.contact, data.efc_aref
+        at, mu = contact.efc_address, contact.friction.T
+        if np.minimum.reduce(at) < 0:  # one that is near, and does not touch
+            at, mu = at[at >= 0], mu[:, at >= 0]
+        reference[at] -= np.hypot(mu[0] * reference[at + 1], mu[1] * reference[at + 2])
 
     def turn(self, data: Any) -> None:
         """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
@@ -288,14 +292,14 @@ class _Shapes:
         contact = data.contact
         geoms, columns, friction = contact.geom, contact.frame.T, contact.friction
         own = np.maximum(geoms[:, 0], geoms[:, 1])
-        axes = (data.xmat.reshape(-1, 3, 3) * self._axis).sum(axis=2)
+        axes = np.add.reduce(data.xmat.reshape(-1, 3, 3) * self._axis, axis=2)
         # n x a is in the plane, at right angles to what of a is in it, and as long.
         normal = columns[_NEXT]
         product = normal * axes[self._body[own]].T[_AFTER]
         second = product[:3] - product[3:]
-        length = np.sqrt((second * second).sum(axis=0))
+        length = np.sqrt(np.add.reduce(second * second))
         mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), self.speed[own]
-        if length.min() <= _SIDE:
+        if np.minimum.reduce(length) <= _SIDE:
             beside = length <= _SIDE
             second[:, beside], length[beside] = columns[6:, beside], 1.0
             mu[:, beside], surface[beside] = friction[beside, 0], 0.0
