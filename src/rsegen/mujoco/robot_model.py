@@ -52,7 +52,7 @@ class Shape(NamedTuple):
 
     part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
     axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
-    they are equal on this map
+    they are equal on this map, but for a belt
     """
 
     name: str

@@ -3,9 +3,9 @@
     map_model -> MjModel, MjData -> step: wheels' speeds, belts' surfaces, contacts turned -> poses, contacts, record
 
 Wheels turn by motors between them and the chassis, which reach their speed within a few steps, as far as torque and
-acceleration allow. A belt has no inertia: its surface moves although its shape does not (`surfacevel`), and its pull on
-the ground is all that its motor does. Friction along a belt and across it differ, and MuJoCo's contacts know only
-directions of the world; so between finding contacts and solving for forces, those of a belt are turned along it.
+acceleration allow. A belt has no inertia: its surface moves although its shape does not (`surfacevel` of contacts), and
+its pull on the ground is all that its motor does. Friction along a belt and across it differ, and MuJoCo's contacts
+know only directions of the world; so between finding contacts and solving for forces, those of a belt are turned.
 
 Cost: 50 to 60 microseconds a step and robot, whatever the map's size, of which a third turns contacts of belts. The
 same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends round more than its
@@ -24,7 +24,7 @@ import numpy as np
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array, Ints
 from rsegen.mujoco.map_model import GROUND, map_model
-from rsegen.mujoco.robot_model import Shape
+from rsegen.mujoco.robot_model import RobotModel, Shape
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.sliding import slide
 from rsegen.mujoco.wheel_motors import WheelMotors
@@ -207,19 +207,22 @@ def _pose(state: Sequence[float]) -> list[float]:
 
 
 def _make_constraints(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Do the first half of a step: the parts of `mj_step1`, bit by bit, with contacts turned in between."""
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_makeM(model, data)
-    mujoco.mj_factorM(model, data)
-    mujoco.mj_collision(model, data)
-    if shapes.turned and data.ncon:
-        shapes.turn(data)
-    mujoco.mj_makeConstraint(model, data)
-    mujoco.mj_island(model, data)
-    mujoco.mj_transmission(model, data)
-    mujoco.mj_projectConstraint(model, data)
-    mujoco.mj_fwdVelocity(model, data)
+    """Do the first half of a step: `mj_step1`, or its parts, bit by bit, with contacts turned in between."""
+    if shapes.turned:
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_factorM(model, data)
+        mujoco.mj_collision(model, data)
+        if data.ncon:
+            shapes.turn(data)
+        mujoco.mj_makeConstraint(model, data)
+        mujoco.mj_island(model, data)
+        mujoco.mj_transmission(model, data)
+        mujoco.mj_projectConstraint(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+    else:
+        mujoco.mj_step1(model, data)
 
 
 _NEXT, _AFTER = [1, 2, 0, 2, 0, 1], [2, 0, 1, 1, 2, 0]
@@ -230,24 +233,24 @@ class _Shapes:
     """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
-    turned: whether the friction of any shape has a direction
+    turned: whether the friction of any shape has a direction; speed: of the surface of each shape, m/s, 0 but for belts
     """
 
     def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
         self._part = np.zeros(model.ngeom, dtype=int)
-        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
+        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.nbody, 1, 1)), np.full((2, model.ngeom), np.inf)
+        self.speed = np.zeros(model.ngeom)
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
             self.names[geom] = f"{robot}::{shape.part}"
             self._part[geom] = self.parts.setdefault((robot, shape.part), len(self.parts) + 1)
             if shape.axis is not None:
-                self._axis[geom] = shape.axis
+                self._axis[model.geom_bodyid[geom]] = shape.axis
                 self._mu[:, geom] = shape.mu_axis, shape.mu_other
         self.count = len(self.parts) + 1  # 0 is the map
-        self.turned = any(shape.axis is not None for shape in shapes)
-        self.belts = np.zeros(model.ngeom)  # speeds of belts, m/s
+        self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
         self._body: Ints = np.asarray(model.geom_bodyid)
         self._flags = np.zeros(self.count, dtype=np.int64)
 
@@ -261,48 +264,45 @@ class _Shapes:
     def turn(self, data: Any) -> None:
         """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
 
-        Shapes of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape
-        whose friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they
-        are, with one friction.
+        Across the axis, as long as n x a, a belt's surface moves at its speed, whichever of both shapes it is. Shapes
+        of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape whose
+        friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they are,
+        with one friction, and without motion.
         """
         # Vectors are columns, as few contacts are turned 1,000 times a second: what counts is the number of calls.
         contact = data.contact
-        geoms, frames, surface, friction = contact.geom, contact.frame, contact.surfacevel, contact.friction
+        geoms, columns, friction = contact.geom, contact.frame.T, contact.friction
         own = np.maximum(geoms[:, 0], geoms[:, 1])
-        columns = frames.T
-        turn, axis = data.xmat[self._body[own]].T, self._axis[own].T
-        axis = turn[0::3] * axis[0] + turn[1::3] * axis[1] + turn[2::3] * axis[2]
+        axes = np.add.reduce(data.xmat.reshape(-1, 3, 3) * self._axis, axis=2)
         # n x a is in the plane, at right angles to what of a is in it, and as long.
         normal = columns[_NEXT]
-        product = normal * axis[_AFTER]
+        product = normal * axes[self._body[own]].T[_AFTER]
         second = product[:3] - product[3:]
-        length = np.sqrt((second * second).sum(axis=0))
-        mu = np.minimum(friction[:, 0], self._mu[:, own])
-        beside = length <= _SIDE
-        if beside.any():
-            second[:, beside], length[beside], mu[:, beside] = columns[6:, beside], 1.0, friction[beside, 0]
+        length = np.sqrt(np.add.reduce(second * second))
+        mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), self.speed[own]
+        if np.minimum.reduce(length) <= _SIDE:
+            beside = length <= _SIDE
+            second[:, beside], length[beside] = columns[6:, beside], 1.0
+            mu[:, beside], surface[beside] = friction[beside, 0], 0.0
         second /= length
         product = normal * second[_AFTER]
-        first = product[3:] - product[:3]
-        # A belt runs round its shape: backward below, down in front, whatever the shape is.
-        surface[:, 0], surface[:, 1] = 0.0, np.where(beside, 0.0, self.belts[own])
-        columns[3:6], columns[6:], friction[:, :2] = first, second, mu.T
+        columns[3:6], columns[6:] = product[3:] - product[:3], second
+        contact.surfacevel[:, 1], friction[:, :2] = surface, mu.T
 
 
 class _Belts:
     """The belts of all robots."""
 
-    def __init__(self, model: Any, robots: Sequence[Any]) -> None:
+    def __init__(self, model: Any, robots: Sequence[RobotModel]) -> None:
         belts = [
-            (number, shape, model.geom(shape.name).id)
+            (number, shape.belt, model.geom(shape.name).id)
             for number, robot in enumerate(robots)
             for shape in robot.shapes
             if shape.belt >= 0
         ]
-        self._owner = np.array([(number, shape.belt) for number, shape, _ in belts], dtype=int).reshape(-1, 2)
-        self._geoms = np.array([geom for _, _, geom in belts], dtype=int)
+        self._owner, self._side, self._geoms = np.array(belts, dtype=int).reshape(-1, 3).T
 
     def command(self, shapes: _Shapes, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's belts, m/s."""
-        own = self._owner[:, 0] == robot
-        shapes.belts[self._geoms[own]] = np.where(self._owner[own, 1] == 0, left, right)
+        own = self._owner == robot
+        shapes.speed[self._geoms[own]] = np.where(self._side[own] == 0, left, right)
