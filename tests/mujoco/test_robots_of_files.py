@@ -176,7 +176,7 @@ def test_frames_of_a_file_have_no_mass(tmp_path: Path) -> None:
     world = world_of(cart(tmp_path, pair(), more=FRAME))
     assert world.model.body("robot").subtreemass[0] == pytest.approx(2.4, abs=1e-4)
     assert list(world.notes()) == [
-        "robot: links without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each): imu"
+        "cart: links without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each): imu"
     ]
 
 
@@ -204,7 +204,7 @@ def test_mecanum_wheels_are_driven_as_ordinary_ones(tmp_path: Path) -> None:
     robot = cart(tmp_path, [wheel(*place, more=rollers).replace("<mu2>1.0", "<mu2>0") for place in places], None)
     world = world_of(robot)
     assert speeds(world, robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=1e-3)
-    assert "robot: its mecanum wheels are driven as ordinary ones" in next(world.notes())
+    assert "cart: its mecanum wheels are driven as ordinary ones" in next(world.notes())
 
 
 def test_steered_wheels_are_refused(tmp_path: Path) -> None:

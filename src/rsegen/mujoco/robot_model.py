@@ -86,6 +86,7 @@ class RobotModel:
     """
 
     name: str
+    kind: str
     drive: Drive
     bodies: list[Element] = field(default_factory=list)
     assets: list[Element] = field(default_factory=list)
@@ -126,7 +127,7 @@ class _Builder:
         self._frames = ModelFrames(element, self._where)
         self._friction, self._alone = friction, alone
         self._held = self._holders()
-        self.model = RobotModel(name=placed.name, drive=placed.robot.drive)
+        self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
         self._is_of_file = not isinstance(placed.robot, Robot)
         drive = placed.robot.drive

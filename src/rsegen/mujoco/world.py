@@ -149,7 +149,8 @@ class MujocoWorld(EmbeddedWorld):
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
-            yield from (f"{robot.name}: {remark}" for remark in robot.remarks)
+        # Robots of one kind have the same remarks.
+        yield from dict.fromkeys(f"{robot.kind}: {remark}" for robot in self._made for remark in robot.remarks)
         yield from self._wheels.notes()
 
     @property
