@@ -16,7 +16,7 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.box_merging import boxes
 from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
-from rsegen.mujoco.robot_model import RobotModel, motor_elements, numbers, robot_model
+from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
 from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, SOLIMP, SOLREF
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.scene.scene import Scene
@@ -33,7 +33,7 @@ class MapModel(NamedTuple):
     robots: list[RobotModel]
 
 
-def map_model(scene: Scene, placed: Sequence[PlacedRobot], motors: str) -> MapModel:
+def map_model(scene: Scene, placed: Sequence[PlacedRobot]) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold."""
     blocks = list(_blocks(scene))
     friction = MapFriction(sorted({scene.friction, *(mu for _, _, mu in blocks)}))
@@ -57,7 +57,7 @@ def map_model(scene: Scene, placed: Sequence[PlacedRobot], motors: str) -> MapMo
             SubElement(contact, "exclude", body1=one, body2=other)
     actuators = SubElement(root, "actuator")
     for robot in robots:
-        actuators.extend(motor_elements(robot, motors))
+        actuators.extend(servo_elements(robot))
     return MapModel(tostring(root, encoding="unicode"), robots)
 
 

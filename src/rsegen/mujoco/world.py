@@ -26,6 +26,8 @@ from rsegen.field.stepfield import Array, Ints
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import RobotModel, Shape
 from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.sliding import slide
+from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -62,7 +64,7 @@ class MujocoWorld(EmbeddedWorld):
         period: float = 0.05,
         gains: Sequence[float] | None = None,
     ) -> None:
-        made = map_model(scene, placed, motors)
+        made = map_model(scene, placed)
         try:
             self.model: Any = mujoco.MjModel.from_xml_string(made.text)
         except ValueError as error:
@@ -73,7 +75,7 @@ class MujocoWorld(EmbeddedWorld):
         self._made, self._period = made.robots, round(period / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
         self._gains = gains or [1.0] * len(placed)
-        self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
+        self._wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
         self._belts = _Belts(self.model, made.robots)
@@ -104,10 +106,14 @@ class MujocoWorld(EmbeddedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
-        model, data, shapes = self.model, self.data, self._shapes
+        model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
         for _ in range(steps):
-            self._wheels.before_step(data)
-            _step(model, data, shapes)
+            wheels.before_step(data)
+            _make_constraints(model, data, shapes)
+            wheels.turn(data)
+            slide(model, data)
+            mujoco.mj_step2(model, data)
+            wheels.after_step(data)
             self._steps += 1
             self._touched += shapes.touching(data)
             if self._steps % self._period == 0:
@@ -143,6 +149,8 @@ class MujocoWorld(EmbeddedWorld):
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
+            yield from (f"{robot.name}: {remark}" for remark in robot.remarks)
+        yield from self._wheels.notes()
 
     @property
     def _seconds(self) -> float:
@@ -187,14 +195,6 @@ class MujocoWorld(EmbeddedWorld):
             raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
 
 
-_RAMP = 10.0
-"""Change of speed, m/s^2, of a drive of which none is known: as much as friction lets a robot make use of. A motor that
-jumped to its speed would throw the robot up by its reaction."""
-
-_STIFF = 100.0
-"""Gain of the motors of wheels, in units of the inertia that they turn by a step: with 1, a jackal that turns on the
-spot at 0.1 rad/s loses a quarter of it to the load of its skidding wheels."""
-
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
@@ -206,8 +206,8 @@ def _pose(state: Sequence[float]) -> list[float]:
     return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
 
 
-def _step(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Simulate a step: `mj_step`, or its parts, bit by bit, with contacts turned and let slide in between."""
+def _make_constraints(model: Any, data: Any, shapes: _Shapes) -> None:
+    """Do the first half of a step: `mj_step1`, or its parts, bit by bit, with contacts turned in between."""
     if shapes.turned:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -223,9 +223,6 @@ def _step(model: Any, data: Any, shapes: _Shapes) -> None:
         mujoco.mj_fwdVelocity(model, data)
     else:
         mujoco.mj_step1(model, data)
-    if data.ncon:
-        shapes.let_slide(data)
-    mujoco.mj_step2(model, data)
 
 
 _NEXT, _AFTER = [1, 2, 0, 2, 0, 1], [2, 0, 1, 1, 2, 0]
@@ -264,22 +261,6 @@ class _Shapes:
         flags[self._part[data.contact.geom]] = 1
         return flags
 
-    def let_slide(self, data: Any) -> None:
-        """Keep contacts that slide from being pushed apart, which MuJoCo's convex model of friction does.
-
-        The model asks that the residual acceleration of a contact is in the cone dual to that of its force: where it
-        slides with a residual r along its plane, the bodies part with mu r, so that wheels and belts that slip hop by
-        some tenths of a millimetre, and are in the air for most of the time. Coulomb's law asks that for the residual
-        plus mu r along the normal (de Saxce and Feng, 1998). So the reference of the normal is lowered by mu times that
-        of the plane: the whole residual of a contact that slides evenly, and nothing for one that holds. What breaks
-        it: stiff contacts (`settings.SOLIMP`), which then may hold by pressing harder than they should.
-        """
-        contact, reference = data.contact, data.efc_aref
-        at, mu = contact.efc_address, contact.friction.T
-        if np.minimum.reduce(at) < 0:  # one that is near, and does not touch
-            at, mu = at[at >= 0], mu[:, at >= 0]
-        reference[at] -= np.hypot(mu[0] * reference[at + 1], mu[1] * reference[at + 2])
-
     def turn(self, data: Any) -> None:
         """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
 
@@ -307,46 +288,6 @@ class _Shapes:
         product = normal * second[_AFTER]
         columns[3:6], columns[6:] = product[3:] - product[:3], second
         contact.surfacevel[:, 1], friction[:, :2] = surface, mu.T
-
-
-class _WheelMotors:
-    """The motors of all wheels: speeds that are wanted, and by how much they may change in a step."""
-
-    def __init__(self, model: Any, data: Any, robots: Sequence[RobotModel], motors: str) -> None:
-        owners = [
-            (number, side, joint, robot.drive)
-            for number, robot in enumerate(robots)
-            for side, joint, _ in robot.wheels
-            if isinstance(robot.drive, Wheels)
-        ]
-        self._owner = np.array([(number, side) for number, side, _, _ in owners], dtype=int).reshape(-1, 2)
-        self._dofs = np.array([model.joint(joint).dofadr[0] for _, _, joint, _ in owners], dtype=int)
-        self._most = np.array([(drive.acceleration or _RAMP) * STEP / drive.radius for _, _, _, drive in owners])
-        self._reacts = motors == "reaction"
-        self._wanted, self._now = np.zeros(len(owners)), np.zeros(len(owners))
-        self._has_changed = False
-        if self._reacts and owners:
-            self._motors = np.array([model.actuator(joint).id for _, _, joint, _ in owners], dtype=int)
-            # A hundredth of a difference in speed is left after a step, as the torque is implicit in it, and a load
-            # slows a wheel by less than a hundredth of what it would in that step without a motor.
-            gains = _STIFF * model.dof_M0[self._dofs] / STEP
-            model.actuator_gainprm[self._motors, 0], model.actuator_biasprm[self._motors, 2] = gains, -gains
-
-    def command(self, robot: int, left: float, right: float) -> None:
-        """Set the speeds of a robot's wheels, rad/s."""
-        own = self._owner[:, 0] == robot
-        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right)
-        self._has_changed = True
-
-    def before_step(self, data: Any) -> None:
-        """Bring speeds nearer to those that are wanted."""
-        if self._has_changed:
-            self._now += np.clip(self._wanted - self._now, -self._most, self._most)
-            self._has_changed = not np.array_equal(self._now, self._wanted)
-            if self._reacts:
-                data.ctrl[self._motors] = self._now
-        if not self._reacts and len(self._dofs):
-            data.qvel[self._dofs] = self._now
 
 
 class _Belts:
