@@ -134,5 +134,5 @@ def test_steps_that_a_robot_climbs_are_those_up_to_the_first_that_holds_it() -> 
 
 def test_a_robot_is_upon_a_low_step_and_held_by_a_high_one(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
-    monkeypatch.setitem(agreement.STEPS, "jackal", agreement.Steps(2.0, range(1, 6, 4), 6))  # type: ignore[arg-type]
+    monkeypatch.setitem(agreement.STEPS, "jackal", agreement.Steps(2.0, range(1, 6, 4), 6))
     assert [(step["height"], step["climbed"]) for step in climbs(MUJOCO[0], "jackal")] == [(0.02, True), (0.1, False)]
