@@ -23,6 +23,7 @@ import numpy as np
 
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
+from rsegen.mujoco.log import without_log
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import RobotModel, Shape
 from rsegen.mujoco.settings import STEP
@@ -66,10 +67,11 @@ class MujocoWorld(EmbeddedWorld):
     ) -> None:
         made = map_model(scene, placed)
         try:
-            self.model: Any = mujoco.MjModel.from_xml_string(made.text)
+            with without_log():
+                self.model: Any = mujoco.MjModel.from_xml_string(made.text)
+                self.data: Any = mujoco.MjData(self.model)
         except ValueError as error:
             raise SimulatorFailed(f"MuJoCo does not take the model: {str(error).splitlines()[0]}") from None
-        self.data: Any = mujoco.MjData(self.model)
         self._scene, self._names = scene.name, [robot.name for robot in placed]
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
         self._made, self._period = made.robots, round(period / STEP)
@@ -83,7 +85,8 @@ class MujocoWorld(EmbeddedWorld):
             for joint, servo in robot.servos:
                 self.data.joint(joint).qpos = servo.rest
                 self.data.actuator(joint).ctrl = servo.rest
-        mujoco.mj_forward(self.model, self.data)
+        with without_log():
+            mujoco.mj_forward(self.model, self.data)
         self._refuse_sunk(STARTS_IN, "it starts inside a block")
         self._rows: Record = []
         self._steps = 0
@@ -106,10 +109,16 @@ class MujocoWorld(EmbeddedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
+        with without_log():
+            self._step(steps)
+
+    def _step(self, steps: int) -> None:
         model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
         for _ in range(steps):
             wheels.before_step(data)
             _make_constraints(model, data, shapes)
+            if not data.nefc:  # in the air, or MuJoCo's memory is full
+                self._check()
             wheels.turn(data)
             slide(model, data)
             mujoco.mj_step2(model, data)
@@ -188,8 +197,11 @@ class MujocoWorld(EmbeddedWorld):
 
     def _check(self) -> None:
         """Raise a SimulatorFailed if the physics has failed."""
-        if not np.isfinite(self.data.qpos).all() or any(warning.number for warning in self.data.warning):
-            raise SimulatorFailed(f"MuJoCo: the physics failed after {self._seconds:g} s, so this drive has no result")
+        warnings = [mujoco.mju_warningText(kind, at.lastinfo) for kind, at in enumerate(self.data.warning) if at.number]
+        if warnings or not np.isfinite(self.data.qpos).all():
+            why = f" ({warnings[0].rstrip('. ')})" if warnings else ""
+            problem = f"the physics failed after {self._seconds:g} s{why}, so this drive has no result"
+            raise SimulatorFailed(f"MuJoCo: {problem}")
         self._refuse_sunk(SINKS, f"after {self._seconds:g} s it sank in, so this drive has no result")
 
     def _refuse_sunk(self, depth: float, why: str) -> None:
