@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from platform import machine, system
 from typing import ClassVar
 
-from rsegen.errors import NoSimulator
+from rsegen.errors import NoSimulator, line_of
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import MOTORS, EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
 
@@ -28,7 +28,7 @@ class Mujoco(EmbeddedSimulator):
     )
 
     def version(self) -> str | None:
-        """Return the version of the library; None if it is not installed, or too old."""
+        """Return the version of the library; None if it is not installed, NoSimulator if it is too old."""
         if find_spec("mujoco") is None:
             return None
         for package in ("mujoco-core", "mujoco"):
@@ -36,7 +36,11 @@ class Mujoco(EmbeddedSimulator):
                 found = version(package)
             except PackageNotFoundError:
                 continue
-            return found if int(found.partition(".")[0]) >= _FIRST else None
+            if int(found.partition(".")[0]) < _FIRST:
+                raise NoSimulator(
+                    f"{package} {found} is installed, which is too old; pip install -U '{package}>={_FIRST}'"
+                )
+            return found
         return None
 
     def world(
@@ -47,8 +51,11 @@ class Mujoco(EmbeddedSimulator):
             raise NoSimulator(
                 f"{self.title} {_FIRST} is not installed; to install it: {'; '.join(self.how_to_install)}"
             )
-        from rsegen.mujoco.turning import turn_gain
-        from rsegen.mujoco.world import MujocoWorld
+        try:
+            from rsegen.mujoco.turning import turn_gain
+            from rsegen.mujoco.world import MujocoWorld
+        except (ImportError, OSError) as error:  # such as a wheel for another machine
+            raise NoSimulator(f"{self.title} is installed, but not loaded: {line_of(str(error))}") from None
 
         gains = [turn_gain(placed.robot) for placed in robots]
         return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains)

@@ -16,6 +16,5 @@ CAPABILITY = Capability(
     ),
     public={"rsegen.simulators.commands": ("open",), "rsegen.simulators.open_world": ("OpenResult",)},
     doctor="rsegen.simulators.installed:finding",
-    words={"simulator": "rsegen.simulators.base:SIMULATORS"},
     manual="gazebo",
 )

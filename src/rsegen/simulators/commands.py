@@ -14,7 +14,7 @@ from rsegen.cli.report import Report, call
 from rsegen.errors import printable
 from rsegen.params.command import Shell, add_flags, command, flags_in_errors
 from rsegen.params.sorts import Flag, Float
-from rsegen.simulators.parameters import OWN_FLAGS, WORLD, SimulatorName, Timeout, ignore
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, OpenSimulator, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.simulators.open_world import OpenedWorld, OpenResult
@@ -26,7 +26,7 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     target: Target,
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
-    simulator: SimulatorName = None,
+    simulator: OpenSimulator = None,
     headless: Annotated[bool, Flag(help="run only the server, without a window")] = False,
     seconds: Annotated[
         float | None,
@@ -119,7 +119,9 @@ def run_open(arguments: argparse.Namespace) -> Report:
 
 def add_sim(command: Parser) -> None:
     """Say what `rsegen sim` is."""
-    command.explain("List the simulators in which rsegen can open worlds: version and path, or how to install them.")
+    command.explain(
+        "List the simulators that rsegen drives and opens worlds in: version and path, or how to install them."
+    )
 
 
 def run_sim(_: argparse.Namespace) -> Report:

@@ -76,7 +76,7 @@ class EmbeddedSimulator(ABC):
 
     @abstractmethod
     def version(self) -> str | None:
-        """Return the version of its library; None if it is not installed."""
+        """Return the version of its library; None if it is not installed, NoSimulator if it cannot be used."""
 
     @abstractmethod
     def world(
