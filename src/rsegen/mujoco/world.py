@@ -29,7 +29,7 @@ from rsegen.mujoco.settings import STEP
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import MOTORS, EmbeddedWorld, PlacedRobot
+from rsegen.simulators.embedded import MOTORS, EmbeddedWorld, LinkPoses, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.stepped_world import Record
 
@@ -68,6 +68,7 @@ class MujocoWorld(EmbeddedWorld):
         except ValueError as error:
             raise SimulatorFailed(f"MuJoCo does not take the model: {str(error).splitlines()[0]}") from None
         self.data: Any = mujoco.MjData(self.model)
+        self._drawn: Any = None
         self._scene, self._names = scene.name, [robot.name for robot in placed]
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
         self._made, self._period = made.robots, round(period / STEP)
@@ -121,6 +122,17 @@ class MujocoWorld(EmbeddedWorld):
         return contacts
 
     # What it tells.
+
+    def link_poses(self) -> LinkPoses:
+        """Return the poses of all links now."""
+        # A step computes the poses of links at its beginning; what comes after them is not to be changed.
+        data = self._drawn = self._drawn or mujoco.MjData(self.model)
+        data.qpos[:] = self.data.qpos
+        mujoco.mj_kinematics(self.model, data)
+        return {
+            robot.name: {link: _matrix(data.body(f"{robot.name}/{link}")) for link in robot.links}
+            for robot in self._made
+        }
 
     def recorded(self) -> Record:
         """Return the poses of all robots, every period, and at the end."""
@@ -194,6 +206,14 @@ jumped to its speed would throw the robot up by its reaction."""
 _STIFF = 100.0
 """Gain of the motors of wheels, in units of the inertia that they turn by a step: with 1, a jackal that turns on the
 spot at 0.1 rad/s loses a quarter of it to the load of its skidding wheels."""
+
+
+def _matrix(body: Any) -> Array:
+    """Return the pose of a body, (4, 4)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = body.xmat.reshape(3, 3), body.xpos
+    return pose
+
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 

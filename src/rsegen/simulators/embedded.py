@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, TypeAlias
 
 from rsegen.errors import UnknownName
+from rsegen.field.stepfield import Array
 from rsegen.params.registry import Contract, Registry
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -39,10 +40,18 @@ class PlacedRobot(Protocol):
         """The pose of its origin at the start."""
 
 
+LinkPoses: TypeAlias = Mapping[str, Mapping[str, Array]]
+"""The pose of each link in the world, (4, 4), by the names of its robot and of the link."""
+
+
 class EmbeddedWorld(SteppedWorld):
     """A world in this process, which keeps a record of its robots."""
 
     step_seconds: ClassVar[float]
+
+    @abstractmethod
+    def link_poses(self) -> LinkPoses:
+        """Return the poses of all links now, for pictures."""
 
     @abstractmethod
     def recorded(self) -> Record:
