@@ -13,14 +13,13 @@ from math import hypot
 
 import numpy as np
 
-from rsegen.driving.recording import RobotRun
 from rsegen.geometry.exposed_faces import surface
 from rsegen.pictures.animation import Animation
 from rsegen.pictures.camera import Camera, Pixels, Triangles, View, south_west_of
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.visuals import visuals
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import EmbeddedWorld, LinkPoses
+from rsegen.simulators.embedded import EmbeddedWorld, LinkPoses, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.stepped_world import SteppedWorld
 
@@ -40,7 +39,7 @@ _AROUND = 1.0
 class FilmedWorld(SteppedWorld):
     """A world of which a video is made, and otherwise the world that it has."""
 
-    def __init__(self, world: EmbeddedWorld, scene: Scene, runs: Sequence[RobotRun]) -> None:
+    def __init__(self, world: EmbeddedWorld, scene: Scene, runs: Sequence[PlacedRobot]) -> None:
         self._world, self._steps, self._every = world, 0, round(FRAME / world.step_seconds)
         self._view = _View(scene, runs, south_west_of(scene.field.extent, VIDEO))
         self._animation = Animation(milliseconds=round(1000 * FRAME))
@@ -75,7 +74,7 @@ class FilmedWorld(SteppedWorld):
         return self._animation.file()
 
 
-def picture_of_end(scene: Scene, runs: Sequence[RobotRun], links: LinkPoses) -> bytes:
+def picture_of_end(scene: Scene, runs: Sequence[PlacedRobot], links: LinkPoses) -> bytes:
     """Return a JPEG of robots on a map whose links are at these poses."""
     from PIL import Image
 
@@ -87,7 +86,7 @@ def picture_of_end(scene: Scene, runs: Sequence[RobotRun], links: LinkPoses) -> 
 class _View:
     """What a camera sees of robots on a map."""
 
-    def __init__(self, scene: Scene, runs: Sequence[RobotRun], camera: Camera) -> None:
+    def __init__(self, scene: Scene, runs: Sequence[PlacedRobot], camera: Camera) -> None:
         radius = hypot(*scene.field.extent) / 2 + _AROUND
         self._view = View(camera, shapes_of_map(scene), radius, _GROUND)
         shapes = {id(run.robot): _links(run.robot) for run in runs}

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.driving.drive_metrics import Trajectory
+from rsegen.driving.filming import FilmedWorld, picture_of_end
 from rsegen.driving.routes import STOP, PlannedWay, Route
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
@@ -137,8 +138,6 @@ def record_embedded(  # noqa: PLR0913  # as `record_drive`
 
     The same runs, scene and simulator give the same trajectories, bit by bit, with a picture or a video too.
     """
-    from rsegen.driving.filming import FilmedWorld, picture_of_end
-
     world = simulator.world(scene, runs, motors=motors or MOTORS[0], period=PERIOD)
     filmed = FilmedWorld(world, scene, runs) if video else None
     samples = drive_in_steps(filmed or world, runs, seconds, world.step_seconds, progress, contacts=contacts)
