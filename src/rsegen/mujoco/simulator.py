@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from math import inf
 from platform import machine, system
 from typing import ClassVar
 
@@ -47,15 +49,42 @@ class Mujoco(EmbeddedSimulator):
         self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
     ) -> EmbeddedWorld:
         """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
+        self._refuse_missing()
+        from rsegen.mujoco.turning import turn_gain
+        from rsegen.mujoco.world import MujocoWorld
+
+        gains = [turn_gain(placed.robot) for placed in robots]
+        return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains)
+
+    def show(
+        self,
+        scene: Scene,
+        robots: Sequence[PlacedRobot],
+        seconds: float | None,
+        *,
+        headless: bool,
+        on_start: Callable[[], None],
+    ) -> None:
+        """Simulate a scene with robots that stand in real time, in MuJoCo's own window unless `headless`."""
+        self._refuse_missing()
+        from rsegen.mujoco.window import simulate, window_on
+        from rsegen.mujoco.world import MujocoWorld
+        from rsegen.pictures.camera import south_west_of
+
+        # It keeps no record, and goes on if somebody presses a robot into the ground.
+        world = MujocoWorld(scene, robots, period=inf, seen=not headless)
+        camera = south_west_of(scene.field.extent)
+        with nullcontext() if headless else window_on(world, camera) as window:
+            on_start()
+            simulate(world, seconds, window)
+
+    def _refuse_missing(self) -> None:
+        """Raise a NoSimulator if the library is not installed, or cannot be loaded."""
         if self.version() is None:
             raise NoSimulator(
                 f"{self.title} {_FIRST} is not installed; to install it: {'; '.join(self.how_to_install)}"
             )
         try:
-            from rsegen.mujoco.turning import turn_gain
-            from rsegen.mujoco.world import MujocoWorld
+            import mujoco  # noqa: F401  # whether it can be
         except (ImportError, OSError) as error:  # such as a wheel for another machine
             raise NoSimulator(f"{self.title} is installed, but not loaded: {line_of(str(error))}") from None
-
-        gains = [turn_gain(placed.robot) for placed in robots]
-        return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains)

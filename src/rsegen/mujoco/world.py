@@ -49,6 +49,7 @@ class MujocoWorld(EmbeddedWorld):
 
     gains: of the turn rate of each robot (`rsegen.mujoco.turning`), by default 1
     period: seconds between two rows of the record
+    seen: with colours and light, for a window
     """
 
     step_seconds: ClassVar[float] = STEP
@@ -61,8 +62,9 @@ class MujocoWorld(EmbeddedWorld):
         motors: str = MOTORS[0],
         period: float = 0.05,
         gains: Sequence[float] | None = None,
+        seen: bool = False,
     ) -> None:
-        made = map_model(scene, placed, motors)
+        made = map_model(scene, placed, motors, seen=seen)
         try:
             self.model: Any = mujoco.MjModel.from_xml_string(made.text)
         except ValueError as error:
@@ -71,7 +73,7 @@ class MujocoWorld(EmbeddedWorld):
         self._drawn: Any = None
         self._scene, self._names = scene.name, [robot.name for robot in placed]
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
-        self._made, self._period = made.robots, round(period / STEP)
+        self._made, self._period = made.robots, round(min(period, _NEVER) / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
         self._gains = gains or [1.0] * len(placed)
         self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
@@ -214,6 +216,9 @@ def _matrix(body: Any) -> Array:
     pose[:3, :3], pose[:3, 3] = body.xmat.reshape(3, 3), body.xpos
     return pose
 
+
+_NEVER = 1e12
+"""Seconds after which an infinite period is over."""
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 
