@@ -1,8 +1,8 @@
-"""`python -m benchmarks.robot_files FILE ...`: how a robot of a file drives, or stands, in Gazebo Classic.
+"""`python -m benchmarks.robot_files FILE ...`: how a robot of a file drives in MuJoCo, or drives or stands in Gazebo.
 
 A robot with a drive is driven straight ahead and in a circle on the bare ground, and straight over a field of random
-blocks of three levels, for as long each, by what rsegen finds in its file; one without is spawned, as rsegen spawn does
-it, and left alone. A row of a table in Markdown says what was commanded and what came of it.
+blocks of three levels, for as long each, by what rsegen finds in its file; in Gazebo Classic one without is spawned,
+as rsegen spawn does it, and left alone. A row of a table in Markdown says what was commanded and what came of it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,13 @@ import numpy as np
 
 import rsegen
 from rsegen import Random, Recipe
-from rsegen.driving.recording import RobotRun, record_drive
+from rsegen.driving.recording import RobotRun, record_drive, record_embedded
 from rsegen.driving.routes import Motion, Route
+from rsegen.errors import UserError
 from rsegen.gazebo import sdf
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.simulators.base import SIMULATORS, Installation
+from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.simulators.server import running_server
 
@@ -55,7 +57,7 @@ class Steady(Route):
         return Motion(self.v, self.w)
 
 
-def ahead_and_round(robot: SdfRobot, here: Installation) -> tuple[str, str]:
+def ahead_and_round(robot: SdfRobot, here: Installation | EmbeddedSimulator) -> tuple[str, str]:
     """Drive a robot ahead and in a circle on the bare ground, in metres and in shares of the commanded turn."""
     v, w = robot.driving_speed, min(TURN, robot.turn)
     routes = {"ahead": (v, 0.0), "round": (v / 2, w)}
@@ -63,10 +65,14 @@ def ahead_and_round(robot: SdfRobot, here: Installation) -> tuple[str, str]:
         RobotRun(name=name, robot=robot, start=Pose(x=0, y=y, z=DROP_HEIGHT), route=partial(Steady, v=speed, w=rate))
         for y, (name, (speed, rate)) in zip((-5, 5), routes.items(), strict=True)
     ]
+    scene = rsegen.compose(_PLAIN)
     with tempfile.TemporaryDirectory() as folder:
-        world = Path(folder, "ground.world")
-        world.write_bytes(b"".join(sdf.utf8(sdf.world(rsegen.compose(_PLAIN), ()))))
-        recording = record_drive(here, world, runs, SECONDS)
+        if isinstance(here, Installation):
+            world = Path(folder, "ground.world")
+            world.write_bytes(b"".join(sdf.utf8(sdf.world(scene, ()))))
+            recording = record_drive(here, world, runs, SECONDS)
+        else:
+            recording = record_embedded(here, scene, runs, SECONDS)
     rows = {name: recording.trajectories[name].rows for name in routes}
     leaps = [np.linalg.norm(np.diff(poses[:, 1:4], axis=0), axis=1) for poses in rows.values()]
     if max(leap.max() for leap in leaps) > LEAP or min(map(len, leaps)) < SECONDS:
@@ -77,12 +83,12 @@ def ahead_and_round(robot: SdfRobot, here: Installation) -> tuple[str, str]:
     return f"{came:.2f} of {v * SECONDS:.2f}", f"{turned:.2f}"
 
 
-def over_blocks(robot: SdfRobot, unit_cm: float) -> str:
+def over_blocks(robot: SdfRobot, unit_cm: float, simulator: str) -> str:
     """Drive a robot straight over blocks of three levels, in metres, and what a drive finds amiss."""
     field = Recipe(
         name="blocks", chunks=(6, 6), boundary="none", seed=1, unit_cm=unit_cm, obstacles=(Random(levels=3),)
     )
-    result = rsegen.drive(field, robot=robot, duration=SECONDS, seed=1, simulator="classic")
+    result = rsegen.drive(field, robot=robot, duration=SECONDS, seed=1, simulator=simulator)
     metrics = result.robots[0].metrics
     amiss = [str(incident) for incident in metrics.incidents] + list(result.errors)
     amiss += [f"tipped over {metrics.tipped}x"] if metrics.tipped else []
@@ -110,26 +116,31 @@ def standing(robot: SdfRobot, here: Installation) -> str:
     return f"stands {fallen:.1f} mm lower, tilted {tilt:.1f} degrees; creeps {moved}"
 
 
-def row(file: str, wheels: str | None, tracks: str | None, unit_cm: float, here: Installation) -> str:
-    """Return the row of a robot."""
+def row(
+    file: str, wheels: str | None, tracks: str | None, unit_cm: float, here: Installation | EmbeddedSimulator
+) -> str:
+    """Return the row of a robot; a UserError for one that does not drive in an embedded simulator."""
     robot = from_file(file, wheels, tracks)
-    if robot.read_drive is None:
+    if robot.read_drive is None and isinstance(here, Installation):
         return f"| {file} | {' '.join(robot.spawn_notes(here.backend))} | {standing(robot, here)} | - | - |"
     ahead, turned = ahead_and_round(robot, here)
-    blocks = over_blocks(robot, unit_cm)
+    blocks = over_blocks(robot, unit_cm, "classic" if isinstance(here, Installation) else here.name)
     return f"| {file} | {' '.join(robot.notes(here.backend))} | {ahead} | {turned} | {blocks} |"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0, or 3 where the simulator is not here."""
     options = _options(arguments)
-    here = SIMULATORS["classic"].installation()
+    here = SIMULATORS["classic"].installation() if options.simulator == "classic" else embedded_simulator("mujoco")
     if not here:
-        print("no Gazebo Classic here", file=sys.stderr)
+        print(f"no {options.simulator} here", file=sys.stderr)
         return NOTHING_HERE
     print("| file | what is read and assumed | ahead, m | turn rate, share | over blocks, m |\n|---|---|---|---|---|")
     for file in options.files:
-        print(row(file, options.wheels, options.tracks, options.unit_cm, here), flush=True)
+        try:
+            print(row(file, options.wheels, options.tracks, options.unit_cm, here), flush=True)
+        except UserError as error:
+            print(f"| {file} | {error} | - | - | - |", flush=True)
     return 0
 
 
@@ -139,6 +150,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of the wheels, as for rsegen drive")
     parser.add_argument("--tracks", metavar="LEFT,RIGHT", help="links of the tracks, as for rsegen drive")
     parser.add_argument("--unit-cm", type=float, default=1.0, metavar="CM", help="height of a level of the blocks")
+    parser.add_argument("--simulator", choices=("mujoco", "classic"), default="mujoco", help="default: mujoco")
     return parser.parse_args(arguments)
 
 

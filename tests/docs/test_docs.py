@@ -121,13 +121,17 @@ def test_the_readme_is_short_and_its_python_makes_a_world(tmp_path: Path) -> Non
     assert (tmp_path / "worlds-from-python" / "rse_0000" / "rse_0000.world").is_file()
 
 
-def test_the_first_two_commands_of_the_readme_are_there_and_the_second_opens_a_page(tmp_path: Path) -> None:
-    first, second = re.findall(r"^    (\S.*?)(?:  +#.*)?$", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)[:2]
+def test_the_first_commands_of_the_readme_make_worlds_and_drive_over_one_and_play_it(tmp_path: Path) -> None:
+    lines = re.findall(r"^    (\S.*?)(?:  +#.*)?$", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE)
+    first, *others = lines[:3]
     assert first == "make worlds"
     assert re.search(r"^worlds:", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
-    words = second.removeprefix(".venv/bin/rsegen ").split()
-    command = [sys.executable, "-m", "rsegen", *words, "--no-browser"]
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as server:
+    rsegen.generate(rsegen.load("turtlebot"), tmp_path / "worlds")
+    drive, play = ([sys.executable, "-m", *line.removeprefix(".venv/bin/").split()] for line in others)
+    out = subprocess.run(drive, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert "in MuJoCo " in out
+    assert "crossed the map after" in out
+    with subprocess.Popen([*play, "--no-browser"], cwd=tmp_path, stdout=subprocess.PIPE, text=True) as server:
         try:
             assert server.stdout
             assert "http://localhost:" in server.stdout.readline()

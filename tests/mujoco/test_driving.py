@@ -86,6 +86,7 @@ WHEEL = """\
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.5, 0.8, 1.0])
 def test_wheels_climb_what_statics_let_them(mu: float, tmp_path: Path) -> None:
     """A wheel of radius r rolls up h = r (1 - 1 / sqrt(1 + mu^2)) at most: the force on the edge is within its cone.
@@ -124,6 +125,7 @@ def test_a_caster_is_lifted_over_an_edge_only_without_the_reaction_of_the_motors
     assert climbed("burger", 0.001, motors="reaction")
 
 
+@pytest.mark.slow
 def test_belts_climb_a_step_as_high_as_their_ends() -> None:
     assert climbed("crawler", 0.1)
     assert not climbed("crawler", 0.4)
@@ -177,6 +179,7 @@ print(json.dumps([row.hex() for row in result.robots[0].trajectory.rows.ravel().
 """
 
 
+@pytest.mark.slow
 def test_the_same_drive_gives_the_same_bits_in_every_process() -> None:
     one, other = (
         json.loads(subprocess.run([sys.executable, "-c", DRIVEN], capture_output=True, check=True, text=True).stdout)

@@ -99,7 +99,7 @@ def test_a_model_with_looks_moves_as_one_without() -> None:
         assert np.abs(shown - scene.surface_colour(material)).max(axis=1).min() < 1e-3
     assert (seen.model.geom_contype[seen.model.geom_group == 2] == 0).all()
     assert not (plain.model.geom_group == 2).any()
-    assert "rgba" not in map_model(scene, [standing], "reaction").text
+    assert "rgba" not in map_model(scene, [standing]).text
 
 
 @pytest.mark.parametrize(

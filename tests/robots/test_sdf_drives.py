@@ -97,10 +97,11 @@ def test_notes_list_derived_and_omitted_values(tmp_path: Path) -> None:
     assert sensors.endswith(": eye")
 
 
-def test_a_plug_in_that_contradicts_the_wheels_is_named(tmp_path: Path) -> None:
+def test_the_radius_of_the_wheels_counts_where_the_plug_in_has_another(tmp_path: Path) -> None:
     robot = read(tmp_path, two_wheels(ROS_1.replace("Diameter>0.1", "Diameter>0.02")))
-    assert robot.drive.radius == 0.01
-    assert "radius 0.01 m by its plug-in, although its wheels measure 0.05 m;" in next(robot.notes("classic"))
+    assert robot.drive.radius == pytest.approx(0.05)
+    note = next(robot.notes("classic"))
+    assert "radius 0.05 m by its plug-in, the radius by its wheels and not 0.01 m;" in note
 
 
 def test_a_library_of_ros_that_is_here_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,12 +9,23 @@ CAPABILITY = Capability(
         Command(
             "drive",
             "simulation",
-            "drive a robot over a map in Gazebo and report how far it got",
+            "drive a robot over a map, in MuJoCo or Gazebo, and report how far it got",
             "rsegen.driving.commands",
             "drive",
         ),
+        Command(
+            "drives",
+            "simulation",
+            "drive a robot over many maps, and count how many it crosses",
+            "rsegen.driving.commands",
+            "drive_many",
+        ),
     ),
-    public={"rsegen.driving.commands": ("drive",), "rsegen.driving.drive": ("DriveResult",)},
+    public={
+        "rsegen.driving.commands": ("drive", "drive_many"),
+        "rsegen.driving.drive": ("DriveResult",),
+        "rsegen.driving.many": ("ManyDrives",),
+    },
     calls=("rsegen.driving.page",),
     manual="driving",
 )

@@ -5,26 +5,26 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, which_map
-from rsegen.cli.parameters import Force, MapReference
+from rsegen.cli.flags import add_input, add_recipe_flags, add_target_recipe_flags, recipe_from, target_of, which_map
+from rsegen.cli.parameters import Force, MapReference, Scheduler, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, checked_flags, seconds_bar
+from rsegen.cli.report import Report, call, checked_flags, counting, seconds_bar
+from rsegen.driving.parameters import Best, DriveSeed, Duration, RouteName, Size, Speed, Tracks, Turn, Wheels
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
-from rsegen.field.limits import SIDE, SPEED, TURN
 from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors
-from rsegen.params.sorts import Choice, FilePath, Flag, Float, Integer, ListOf, Reference
-from rsegen.params.streams import SEEDS
+from rsegen.params.sorts import FilePath, Flag, Integer
 from rsegen.robots.parameters import RobotModel
 from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, MotorModel, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
+    from rsegen.driving.many import ManyDrives
+    from rsegen.recipe.recipe import Recipe
     from rsegen.writing.target_worlds import Target
 
 
@@ -34,56 +34,18 @@ def drive(  # noqa: PLR0913  # each is a flag
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
     robot: RobotModel = "burger",
-    wheels: Annotated[
-        str | None,
-        Reference("LEFT,RIGHT or FRONT+REAR,FRONT+REAR", help="joints of the wheels of a model in a file"),
-        Shell(metavar="LEFT,RIGHT", default="of its drive plug-in, of ROS's controllers, or by their shapes"),
-    ] = None,
-    tracks: Annotated[
-        str | None,
-        Reference(
-            "LEFT,RIGHT or TRACK+FLIPPER,TRACK+FLIPPER",
-            help="links of the tracks of a model in a file, and of their flippers",
-        ),
-        Shell(metavar="LEFT,RIGHT", default="of its drive plug-in"),
-    ] = None,
-    size: Annotated[
-        tuple[float, float, float] | None,
-        ListOf(SIDE, 3, help="length, width and height of the robot in the file"),
-        Shell(metavar="L,W,H", default="of its collision shapes"),
-    ] = None,
-    speed: Annotated[
-        float | None,
-        replace(SPEED, help="maximum speed of the robot in the file"),
-        Shell(metavar="V", default="of its plug-in, controller or joints, else 0.2"),
-    ] = None,
-    turn: Annotated[
-        float | None,
-        replace(TURN, help="maximum turn rate of the robot in the file"),
-        Shell(metavar="W", default="of its plug-in or controller, else 0.5"),
-    ] = None,
+    wheels: Wheels = None,
+    tracks: Tracks = None,
+    size: Size = None,
+    speed: Speed = None,
+    turn: Turn = None,
     robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,
     simulator: DriveSimulator = None,
     motors: MotorModel = None,
-    route: Annotated[
-        str,
-        Choice(
-            ("straight", "random", "way"),
-            help="straight across the map, randomly on it, or across it on a way on which the robot's poses are good",
-        ),
-    ] = "straight",
-    best: Annotated[
-        str | None,
-        Choice(
-            ("length", "tilt", "margin"),
-            help="for route way: the shortest way, that with the least tilt, or with the largest angle to tip over",
-        ),
-        Shell(default="length"),
-    ] = None,
-    duration: Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")] = 30.0,
-    seed: Annotated[
-        int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
-    ] = None,
+    route: RouteName = "straight",
+    best: Best = None,
+    duration: Duration = 30.0,
+    seed: DriveSeed = None,
     output: Annotated[
         str | Path | None,
         FilePath(help="folder for trajectories, metrics and a picture"),
@@ -191,6 +153,79 @@ def drive(  # noqa: PLR0913  # each is a flag
     return result
 
 
+@command
+def drive_many(  # noqa: PLR0913  # each is a flag
+    recipe: Recipe,
+    *,
+    maps: int | None = None,
+    robot: RobotModel = "burger",
+    wheels: Wheels = None,
+    tracks: Tracks = None,
+    size: Size = None,
+    speed: Speed = None,
+    turn: Turn = None,
+    motors: MotorModel = None,
+    route: RouteName = "straight",
+    best: Best = None,
+    duration: Duration = 30.0,
+    output: Annotated[
+        str | Path | None, FilePath(help="folder for the table of all drives"), Shell(("-o", "--output"), "DIR")
+    ] = None,
+    force: Force = False,
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
+    progress: Callable[[int], None] | None = None,
+) -> ManyDrives:
+    """Drive a robot over each map of a recipe, in MuJoCo, and count how many it crosses.
+
+    One robot over each map, on all cores or a Dask cluster. Each drive is that of `rsegen drive` over that map, bit by
+    bit, wherever it is simulated.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The maps.
+    maps : int, optional
+        Their number; by default that of the recipe.
+    progress : callable, optional
+        Called with the number of drives that are done now and then.
+
+    Returns
+    -------
+    ManyDrives
+        A row for each drive, and the share of maps that were crossed with its interval.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong, or MuJoCo is not installed.
+    """
+    from dataclasses import replace
+
+    from rsegen.driving.drive import drivable
+    from rsegen.driving.many import ManyPlan, make_drives
+    from rsegen.writing.execute import Execution
+    from rsegen.writing.store import refuse_taken, unchanged_if_stopped
+
+    if best is not None and route != "way":
+        raise ParameterError("best", f"is for route way, not for {route}")
+    plan = ManyPlan(
+        recipe=recipe if maps is None else replace(recipe, maps=maps),
+        robot=drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn),
+        motors=motors,
+        route=route,
+        best=best or "length",
+        duration=duration,
+    )
+    if output is not None:
+        refuse_taken([Path(output)], force=force, holds="drives")
+    with unchanged_if_stopped(output):
+        result = make_drives(plan, Execution(workers=workers, scheduler=scheduler), progress or ignore)
+    if output is not None:
+        result.write(output, force=force)
+    return result
+
+
 def add_drive(command: Parser) -> None:
     """Add the flags of `rsegen drive`."""
     epilog = (
@@ -215,3 +250,21 @@ def run_drive(arguments: argparse.Namespace) -> Report:
     )
     notes = which_map(arguments.target, arguments.map)
     return Report(lines=chain(result.report(), played), content=result.as_json, notes=notes)
+
+
+def add_drives(command: Parser) -> None:
+    """Add the flags of `rsegen drives`."""
+    epilog = "rsegen drive RECIPE --map INDEX drives one of them again, to look at it. " + robot_kinds()
+    command.explain(drive_many.__doc__, epilog)
+    add_input(command)
+    add_flags(command.group("drive"), drive_many)
+    add_recipe_flags(command)
+
+
+def run_drives(arguments: argparse.Namespace) -> Report:
+    """Drive over all maps, and report how many were crossed."""
+    with flags_in_errors(drive_many):
+        recipe = recipe_from(arguments)
+    with counting(recipe.maps, "drive") as counted:
+        result = call(drive_many, arguments, recipe, progress=lambda done: [counted() for _ in range(done)])
+    return Report(lines=result.report(), content=result.as_json)

@@ -17,7 +17,7 @@ from rsegen.geometry.box_merging import boxes
 from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
 from rsegen.mujoco.looks import add_looks
-from rsegen.mujoco.robot_model import RobotModel, motor_elements, numbers, robot_model
+from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
 from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, SOLIMP, SOLREF
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.scene.scene import Scene
@@ -34,7 +34,7 @@ class MapModel(NamedTuple):
     robots: list[RobotModel]
 
 
-def map_model(scene: Scene, placed: Sequence[PlacedRobot], motors: str, *, seen: bool = False) -> MapModel:
+def map_model(scene: Scene, placed: Sequence[PlacedRobot], *, seen: bool = False) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
 
     seen: with colours and light, for a window
@@ -61,7 +61,7 @@ def map_model(scene: Scene, placed: Sequence[PlacedRobot], motors: str, *, seen:
             SubElement(contact, "exclude", body1=one, body2=other)
     actuators = SubElement(root, "actuator")
     for robot in robots:
-        actuators.extend(motor_elements(robot, motors))
+        actuators.extend(servo_elements(robot))
     if seen:
         add_looks(root, scene, placed, robots)
     return MapModel(tostring(root, encoding="unicode"), robots)

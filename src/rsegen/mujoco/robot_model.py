@@ -36,6 +36,13 @@ _ENDLESS = 1e6
 _THIN = 0.0005
 """Half of a side, metres, that a shape has at least: MuJoCo takes no flat one."""
 
+_SWOLLEN = 10.0
+"""Share of the largest moment of inertia that fits into a link's shapes from which on a file's is a mistake: what is
+seen of a link may be somewhat larger than what touches."""
+
+_AXLE = 0.9
+"""Cosine of the angle to the axle from which on a direction of friction is meant to be that of the axle."""
+
 _JOINTS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "ball": "ball"}
 """Types of joints in SDF and in MJCF; one that is neither these nor fixed cannot be driven."""
 
@@ -45,8 +52,7 @@ class Shape(NamedTuple):
 
     part: LINK::COLLISION; belt: the side of the belt that it belongs to, 0 left or 1 right, -1 if none
     axis: direction in the frame of its link along which its friction is `mu_axis`, and `mu_other` across it; None if
-    they are equal on this map
-    surface: velocity of its surface for a belt at 1 m/s, linear, m/s, and angular, rad/s, in the frame of its link
+    they are equal on this map, but for a belt
     """
 
     name: str
@@ -55,7 +61,20 @@ class Shape(NamedTuple):
     axis: Array | None = None
     mu_axis: float = 1.0
     mu_other: float = 1.0
-    surface: Array | None = None
+
+
+class WheelMotor(NamedTuple):
+    """The motor of a wheel, named as its joint.
+
+    side: 0 left or 1 right; torque: the most that it gives, Nm, None if nothing limits it; friction: of its joint, Nm;
+    sense: of the joint's axis, 1 if it points to the left, -1 if to the right
+    """
+
+    side: int
+    joint: str
+    torque: float | None
+    friction: float
+    sense: int
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -63,7 +82,7 @@ class RobotModel:
     """A robot's parts of MJCF, and what its drive needs of them.
 
     links: their names, as in its file; bodies: of the world; assets: meshes; excluded: pairs of bodies that do not
-    touch; motors: names of joints with wheels by side, each with the most torque, Nm, or None
+    touch; remarks: sentences about what is not as in its file
     """
 
     name: str
@@ -73,8 +92,9 @@ class RobotModel:
     assets: list[Element] = field(default_factory=list)
     excluded: list[tuple[str, str]] = field(default_factory=list)
     shapes: list[Shape] = field(default_factory=list)
-    wheels: list[tuple[int, str, float | None]] = field(default_factory=list)
+    wheels: list[WheelMotor] = field(default_factory=list)
     servos: list[tuple[str, Servo]] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
 
 def robot_model(placed: PlacedRobot, friction: MapFriction, *, alone: bool) -> RobotModel:
@@ -109,8 +129,15 @@ class _Builder:
         self._held = self._holders()
         self.model = RobotModel(name=placed.name, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
+        self._is_of_file = not isinstance(placed.robot, Robot)
+        drive = placed.robot.drive
+        self._driven = {self._frames.child(name) for name in (*drive.left, *drive.right) if name in self._frames.joints}
+        self._has_mecanum = False
+        self._massless: list[str] = []
+        self._swollen_links: list[str] = []
         self._add_bodies(self._frames.local(element))
         self._add_motors(placed.robot.servos if isinstance(placed.robot, Robot) else ())
+        self._add_remarks()
 
     def _holders(self) -> Mapping[str, str]:
         """Return the joint on which each link hangs."""
@@ -156,7 +183,7 @@ class _Builder:
             body.set("gravcomp", "1")
         if joint := self._held.get(link):
             self._add_joint(body, joint, pose)
-        self._add_mass(body, link, pose)
+        self._add_mass(body, link)
         self._add_shapes(body, link, pose)
         for name in self._frames.joints:
             if self._frames.parent(name) == link:
@@ -194,16 +221,25 @@ class _Builder:
             return None
         return value if abs(value) < _ENDLESS else None
 
-    def _add_mass(self, body: Element, link: str, pose: Array) -> None:
-        """Add mass and moments of inertia, about the principal axes that MuJoCo wants; SDF's default is 1 kg."""
+    def _add_mass(self, body: Element, link: str) -> None:
+        """Add mass and moments of inertia, about the principal axes that MuJoCo wants; SDF's default is 1 kg.
+
+        A frame of a file has none: a link without <inertial> and shapes that is fixed to another one.
+        """
         element, mass, place = self._links[link], 1.0, np.eye(4)
         inertial = element.find("inertial")
+        if inertial is None and self._is_frame(link):
+            self._massless.append(link)
+            return
         if inertial is not None:
             (mass,) = floats(inertial.findtext("mass", "1"), 1, self._where)
             place = self._frames.local(inertial)
         moments, axes = np.linalg.eigh(inertia_tensor(link, element, self._frames))
         if np.linalg.det(axes) < 0:
             axes[:, 0] *= -1
+        if self._is_of_file and link not in self._driven and (size := self._swollen(link, mass, moments)) is not None:
+            self._swollen_links.append(link)
+            moments, axes = mass / 12 * ((size * size).sum() - size * size), place[:3, :3].T @ np.eye(3)
         SubElement(
             body,
             "inertial",
@@ -212,6 +248,26 @@ class _Builder:
             mass=numbers([mass]),
             diaginertia=numbers(np.maximum(moments, 1e-9)),
         )
+
+    def _is_frame(self, link: str) -> bool:
+        """Return whether a link has no collision shapes and is fixed to another one, on either end of a joint."""
+        if any(name == link for name, _, _ in self._frames.collisions()):
+            return False
+        joints = self._frames.joints
+        ends = [name for name in joints if link in (self._frames.child(name), self._frames.parent(name))]
+        return bool(ends) and all(joints[name].get("type") == "fixed" for name in ends)
+
+    def _swollen(self, link: str, mass: float, moments: Array) -> Array | None:
+        """Return the sides of the box around a link's shapes if its moments of inertia are far beyond what fits in it.
+
+        A body within half a diagonal R of its centre has at most m R^2. Files have thousands of times that, by a
+        mistake in units or by a default, and such a robot takes seconds to tip by a degree, and stops where it lands.
+        """
+        extent = self._frames.shapes.of(link)
+        if extent is None:
+            return None
+        size = np.asarray(extent.high - extent.low)
+        return size if moments[2] > _SWOLLEN * mass * (size @ size) / 4 else None
 
     def _add_shapes(self, body: Element, link: str, pose: Array) -> None:
         own = [(collision, geometry) for name, collision, geometry in self._frames.collisions() if name == link]
@@ -248,17 +304,19 @@ class _Builder:
         mu, mu2 = mus
         back = shape.link[:3, :3].T  # from the model's frame to the link's
         axis: Array | None = None
-        mu_axis, mu_other, surface = mu, mu2, None
+        mu_axis, mu_other = mu, mu2
         if side >= 0:
             drive = self.model.drive
             assert isinstance(drive, Tracks)  # noqa: S101  # `_belt_side`
             # What of a belt is across it is along its axles, however it is bent.
             axis, mu_axis, mu_other = back @ (0.0, 1.0, 0.0), drive.mu2, drive.mu
-            surface = shape.moving_surface(back)
         elif direction.any():
             turned = shape.pose[:3, :3] @ direction
             axis = turned / np.linalg.norm(turned)
-        if min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
+            if part.rpartition("::")[0] in self._driven:
+                axis, mu_axis, mu_other = self._on_axle(axis, shape.link, (mu, mu2))
+        # A belt runs at right angles to its axle, so its contacts are turned in any case.
+        if side < 0 and min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
             axis = None
         strongest = max(mu_axis, mu_other)
         for layer in self._friction.layers(strongest):
@@ -276,9 +334,25 @@ class _Builder:
                 contype=str(layer.touches | others),
                 conaffinity=str(others),
             )
-            if surface is not None:
+            if side >= 0:
                 geom.set("surfacevel", "1e-15 0 0")  # MuJoCo looks at those alone that have one when it compiles
-            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other, surface))
+            self.model.shapes.append(Shape(name, part, side, axis, mu_axis, mu_other))
+
+    def _on_axle(self, axis: Array, link: Array, mus: tuple[float, float]) -> tuple[Array, float, float]:
+        """Return the axis of friction of a driven wheel, and the coefficients along it and across it.
+
+        A direction in a wheel turns with it. What lies in its plane is meant to be that in which it rolls, so the axle
+        is the axis. A diagonal is that of a mecanum wheel's rollers, which are not here: it is an ordinary one.
+        """
+        mu, mu2 = mus
+        axle = link[:3, :3].T @ (0.0, 1.0, 0.0)
+        across = abs(float(axis @ axle))
+        if across > _AXLE:
+            return axis, mu, mu2
+        if across < 1 - _AXLE:
+            return axle, mu2, mu
+        self._has_mecanum = True
+        return axle, max(mu, mu2), max(mu, mu2)
 
     def _solids(self, kind: Element, part: str) -> Iterator[tuple[dict[str, str], Array]]:
         """Yield the shapes of MJCF of a geometry, with their poses in it; a cone is the cylinder around it."""
@@ -348,12 +422,31 @@ class _Builder:
         if length > 2 * radius + 2 * _THIN:
             yield {"type": "box", "size": numbers((length / 2 - radius, width / 2, radius))}, in_shape(0.0)
 
+    def _add_remarks(self) -> None:
+        for links, what in (
+            (self._massless, "without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each)"),
+            (self._swollen_links, "with the moments of inertia of a box, as those of the file fit into no such shape"),
+        ):
+            if links:
+                self.model.remarks.append(f"links {what}: {', '.join(links)}")
+        if self._has_mecanum:
+            self.model.remarks.append(
+                "its mecanum wheels are driven as ordinary ones, and skid where their rollers roll"
+            )
+
     def _add_motors(self, servos: Sequence[Servo]) -> None:
         drive = self.model.drive
         for side, joints in enumerate((drive.left, drive.right)) if isinstance(drive, Wheels) else ():
             for joint in joints:
-                effort = self._number(self._frames.joints[joint], "axis/limit/effort")
-                self.model.wheels.append((side, f"{self.model.name}/{joint}", effort if effort else None))
+                effort, friction = (
+                    self._number(self._frames.joints[joint], f"axis/{path}") or 0.0
+                    for path in ("limit/effort", "dynamics/friction")
+                )
+                # No effort, and one below 0, is none that limits; wheels of files often have 0.
+                torque = effort if effort > 0 else None
+                name = f"{self.model.name}/{joint}"
+                sense = 1 if self._frames.axis(joint)[1] > 0 else -1
+                self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense))
         self.model.servos.extend((f"{self.model.name}/{servo.joint}", servo) for servo in servos)
 
 
@@ -364,23 +457,9 @@ class _Placed(NamedTuple):
     pose: Array
     link: Array
 
-    def moving_surface(self, back: Array) -> Array:
-        """Return the velocity of a belt's surface at 1 m/s forward, linear and angular, in the frame of its link.
 
-        What is round turns about the robot's left; the straight runs of a belt go backward below. back: the rotation
-        from the robot's frame to the link's.
-        """
-        if self.attributes["type"] in ("cylinder", "sphere", "capsule"):
-            radius = float(self.attributes["size"].split()[0])
-            return np.concatenate([np.zeros(3), back @ (0.0, 1.0, 0.0) / radius])
-        return np.concatenate([back @ (-1.0, 0.0, 0.0), np.zeros(3)])
-
-
-def motor_elements(model: RobotModel, motors: str) -> Iterator[Element]:
-    """Yield the actuators of a robot: of wheels a speed, whose gain is set when the model is compiled; and servos."""
-    for _, joint, effort in model.wheels if motors == "reaction" else ():
-        limit = {"forcelimited": "true", "forcerange": numbers((-effort, effort))} if effort else {}
-        yield Element("velocity", {"name": joint, "joint": joint, "kv": "1", **limit})
+def servo_elements(model: RobotModel) -> Iterator[Element]:
+    """Yield the actuators of a robot's servos."""
     for joint, servo in model.servos:
         yield Element(
             "position",

@@ -3,9 +3,9 @@
     map_model -> MjModel, MjData -> step: wheels' speeds, belts' surfaces, contacts turned -> poses, contacts, record
 
 Wheels turn by motors between them and the chassis, which reach their speed within a few steps, as far as torque and
-acceleration allow. A belt has no inertia: its surface moves although its shape does not (`surfacevel`), and its pull on
-the ground is all that its motor does. Friction along a belt and across it differ, and MuJoCo's contacts know only
-directions of the world; so between finding contacts and solving for forces, those of a belt are turned along it.
+acceleration allow. A belt has no inertia: its surface moves although its shape does not (`surfacevel` of contacts), and
+its pull on the ground is all that its motor does. Friction along a belt and across it differ, and MuJoCo's contacts
+know only directions of the world; so between finding contacts and solving for forces, those of a belt are turned.
 
 Cost: 50 to 60 microseconds a step and robot, whatever the map's size, of which a third turns contacts of belts. The
 same world gives the same numbers, bit by bit, in every process. What breaks it: a belt that bends round more than its
@@ -24,8 +24,10 @@ import numpy as np
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array, Ints
 from rsegen.mujoco.map_model import GROUND, map_model
-from rsegen.mujoco.robot_model import Shape
+from rsegen.mujoco.robot_model import RobotModel, Shape
 from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.sliding import slide
+from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -64,7 +66,7 @@ class MujocoWorld(EmbeddedWorld):
         gains: Sequence[float] | None = None,
         seen: bool = False,
     ) -> None:
-        made = map_model(scene, placed, motors, seen=seen)
+        made = map_model(scene, placed, seen=seen)
         try:
             self.model: Any = mujoco.MjModel.from_xml_string(made.text)
         except ValueError as error:
@@ -76,7 +78,7 @@ class MujocoWorld(EmbeddedWorld):
         self._made, self._period = made.robots, round(min(period, _NEVER) / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
         self._gains = gains or [1.0] * len(placed)
-        self._wheels = _WheelMotors(self.model, self.data, made.robots, motors)
+        self._wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
         self._shapes = _Shapes(self.model, shapes)
         self._belts = _Belts(self.model, made.robots)
@@ -103,14 +105,18 @@ class MujocoWorld(EmbeddedWorld):
         if isinstance(robot.drive, Wheels):
             self._wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
         else:
-            self._belts.command(self.model, number, v - aside, v + aside)
+            self._belts.command(self._shapes, number, v - aside, v + aside)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
-        model, data, shapes = self.model, self.data, self._shapes
+        model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
         for _ in range(steps):
-            self._wheels.before_step(data)
-            _step(model, data, shapes)
+            wheels.before_step(data)
+            _make_constraints(model, data, shapes)
+            wheels.turn(data)
+            slide(model, data)
+            mujoco.mj_step2(model, data)
+            wheels.after_step(data)
             self._steps += 1
             self._touched += shapes.touching(data)
             if self._steps % self._period == 0:
@@ -157,6 +163,8 @@ class MujocoWorld(EmbeddedWorld):
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
+            yield from (f"{robot.name}: {remark}" for remark in robot.remarks)
+        yield from self._wheels.notes()
 
     @property
     def _seconds(self) -> float:
@@ -201,15 +209,6 @@ class MujocoWorld(EmbeddedWorld):
             raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
 
 
-_RAMP = 10.0
-"""Change of speed, m/s^2, of a drive of which none is known: as much as friction lets a robot make use of. A motor that
-jumped to its speed would throw the robot up by its reaction."""
-
-_STIFF = 100.0
-"""Gain of the motors of wheels, in units of the inertia that they turn by a step: with 1, a jackal that turns on the
-spot at 0.1 rad/s loses a quarter of it to the load of its skidding wheels."""
-
-
 def _matrix(body: Any) -> Array:
     """Return the pose of a body, (4, 4)."""
     pose = np.eye(4)
@@ -231,23 +230,23 @@ def _pose(state: Sequence[float]) -> list[float]:
     return [x, y, z, roll, pitch, atan2(2 * (a * d + b * c), 1 - 2 * (c * c + d * d))]
 
 
-def _step(model: Any, data: Any, shapes: _Shapes) -> None:
-    """Simulate a step: the parts of `mj_step`, bit by bit, with contacts turned and let slide in between."""
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_makeM(model, data)
-    mujoco.mj_factorM(model, data)
-    mujoco.mj_collision(model, data)
-    if shapes.turned and data.ncon:
-        shapes.turn(data)
-    mujoco.mj_makeConstraint(model, data)
-    mujoco.mj_island(model, data)
-    mujoco.mj_transmission(model, data)
-    mujoco.mj_projectConstraint(model, data)
-    mujoco.mj_fwdVelocity(model, data)
-    if data.ncon:
-        shapes.let_slide(data)
-    mujoco.mj_step2(model, data)
+def _make_constraints(model: Any, data: Any, shapes: _Shapes) -> None:
+    """Do the first half of a step: `mj_step1`, or its parts, bit by bit, with contacts turned in between."""
+    if shapes.turned:
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_factorM(model, data)
+        mujoco.mj_collision(model, data)
+        if data.ncon:
+            shapes.turn(data)
+        mujoco.mj_makeConstraint(model, data)
+        mujoco.mj_island(model, data)
+        mujoco.mj_transmission(model, data)
+        mujoco.mj_projectConstraint(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+    else:
+        mujoco.mj_step1(model, data)
 
 
 _NEXT, _AFTER = [1, 2, 0, 2, 0, 1], [2, 0, 1, 1, 2, 0]
@@ -258,23 +257,24 @@ class _Shapes:
     """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
-    turned: whether the friction of any shape has a direction
+    turned: whether the friction of any shape has a direction; speed: of the surface of each shape, m/s, 0 but for belts
     """
 
     def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
         self._part = np.zeros(model.ngeom, dtype=int)
-        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
+        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.nbody, 1, 1)), np.full((2, model.ngeom), np.inf)
+        self.speed = np.zeros(model.ngeom)
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
             self.names[geom] = f"{robot}::{shape.part}"
             self._part[geom] = self.parts.setdefault((robot, shape.part), len(self.parts) + 1)
             if shape.axis is not None:
-                self._axis[geom] = shape.axis
+                self._axis[model.geom_bodyid[geom]] = shape.axis
                 self._mu[:, geom] = shape.mu_axis, shape.mu_other
         self.count = len(self.parts) + 1  # 0 is the map
-        self.turned = any(shape.axis is not None for shape in shapes)
+        self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
         self._body: Ints = np.asarray(model.geom_bodyid)
         self._flags = np.zeros(self.count, dtype=np.int64)
 
@@ -285,112 +285,48 @@ class _Shapes:
         flags[self._part[data.contact.geom]] = 1
         return flags
 
-    def let_slide(self, data: Any) -> None:
-        """Keep contacts that slide from being pushed apart, which MuJoCo's convex model of friction does.
-
-        The model asks that the residual acceleration of a contact is in the cone dual to that of its force: where it
-        slides with a residual r along its plane, the bodies part with mu r, so that wheels and belts that slip hop by
-        some tenths of a millimetre, and are in the air for most of the time. Coulomb's law asks that for the residual
-        plus mu r along the normal (de Saxce and Feng, 1998). So the reference of the normal is lowered by mu times that
-        of the plane: the whole residual of a contact that slides evenly, and nothing for one that holds. What breaks
-        it: stiff contacts (`settings.SOLIMP`), which then may hold by pressing harder than they should.
-        """
-        at, mu, reference = data.contact.efc_address, data.contact.friction, data.efc_aref
-        if at.min() < 0:
-            at, mu = at[at >= 0], mu[at >= 0]
-        reference[at] -= np.hypot(mu[:, 0] * reference[at + 1], mu[:, 1] * reference[at + 2])
-
     def turn(self, data: Any) -> None:
         """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
 
-        Shapes of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape
-        whose friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they
-        are, with one friction.
+        Across the axis, as long as n x a, a belt's surface moves at its speed, whichever of both shapes it is. Shapes
+        of robots have larger numbers than those of the map. All are turned, which changes nothing for a shape whose
+        friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they are,
+        with one friction, and without motion.
         """
         # Vectors are columns, as few contacts are turned 1,000 times a second: what counts is the number of calls.
         contact = data.contact
-        geoms, frames, surface, friction = contact.geom, contact.frame, contact.surfacevel, contact.friction
+        geoms, columns, friction = contact.geom, contact.frame.T, contact.friction
         own = np.maximum(geoms[:, 0], geoms[:, 1])
-        columns = frames.T
-        turn, axis = data.xmat[self._body[own]].T, self._axis[own].T
-        axis = turn[0::3] * axis[0] + turn[1::3] * axis[1] + turn[2::3] * axis[2]
+        axes = np.add.reduce(data.xmat.reshape(-1, 3, 3) * self._axis, axis=2)
         # n x a is in the plane, at right angles to what of a is in it, and as long.
         normal = columns[_NEXT]
-        product = normal * axis[_AFTER]
+        product = normal * axes[self._body[own]].T[_AFTER]
         second = product[:3] - product[3:]
-        length = np.sqrt((second * second).sum(axis=0))
-        mu = np.minimum(friction[:, 0], self._mu[:, own])
-        beside = length <= _SIDE
-        if beside.any():
-            second[:, beside], length[beside], mu[:, beside] = columns[6:, beside], 1.0, friction[beside, 0]
+        length = np.sqrt(np.add.reduce(second * second))
+        mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), self.speed[own]
+        if np.minimum.reduce(length) <= _SIDE:
+            beside = length <= _SIDE
+            second[:, beside], length[beside] = columns[6:, beside], 1.0
+            mu[:, beside], surface[beside] = friction[beside, 0], 0.0
         second /= length
         product = normal * second[_AFTER]
-        first = product[3:] - product[:3]
-        # The velocity of a belt's surface is kept along the two directions.
-        moving = columns[3:6] * surface[:, 0] + columns[6:] * surface[:, 1]
-        surface[:, 0], surface[:, 1] = (moving * first).sum(axis=0), (moving * second).sum(axis=0)
-        columns[3:6], columns[6:], friction[:, :2] = first, second, mu.T
-
-
-class _WheelMotors:
-    """The motors of all wheels: speeds that are wanted, and by how much they may change in a step."""
-
-    def __init__(self, model: Any, data: Any, robots: Sequence[Any], motors: str) -> None:
-        owners = [
-            (number, side, joint, robot.drive) for number, robot in enumerate(robots) for side, joint, _ in robot.wheels
-        ]
-        self._owner = np.array([(number, side) for number, side, _, _ in owners], dtype=int).reshape(-1, 2)
-        self._dofs = np.array([model.joint(joint).dofadr[0] for _, _, joint, _ in owners], dtype=int)
-        self._most = np.array([(drive.acceleration or _RAMP) * STEP / drive.radius for _, _, _, drive in owners])
-        self._reacts = motors == "reaction"
-        self._wanted, self._now = np.zeros(len(owners)), np.zeros(len(owners))
-        self._has_changed = False
-        if self._reacts and owners:
-            self._motors = np.array([model.actuator(joint).id for _, _, joint, _ in owners], dtype=int)
-            # A hundredth of a difference in speed is left after a step, as the torque is implicit in it, and a load
-            # slows a wheel by less than a hundredth of what it would in that step without a motor.
-            gains = _STIFF * model.dof_M0[self._dofs] / STEP
-            model.actuator_gainprm[self._motors, 0], model.actuator_biasprm[self._motors, 2] = gains, -gains
-
-    def command(self, robot: int, left: float, right: float) -> None:
-        """Set the speeds of a robot's wheels, rad/s."""
-        own = self._owner[:, 0] == robot
-        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right)
-        self._has_changed = True
-
-    def before_step(self, data: Any) -> None:
-        """Bring speeds nearer to those that are wanted."""
-        if self._has_changed:
-            self._now += np.clip(self._wanted - self._now, -self._most, self._most)
-            self._has_changed = not np.array_equal(self._now, self._wanted)
-            if self._reacts:
-                data.ctrl[self._motors] = self._now
-        if not self._reacts and len(self._dofs):
-            data.qvel[self._dofs] = self._now
+        columns[3:6], columns[6:] = product[3:] - product[:3], second
+        contact.surfacevel[:, 1], friction[:, :2] = surface, mu.T
 
 
 class _Belts:
     """The belts of all robots."""
 
-    def __init__(self, model: Any, robots: Sequence[Any]) -> None:
+    def __init__(self, model: Any, robots: Sequence[RobotModel]) -> None:
         belts = [
-            (number, shape, model.geom(shape.name).id)
+            (number, shape.belt, model.geom(shape.name).id)
             for number, robot in enumerate(robots)
             for shape in robot.shapes
-            if shape.surface is not None
+            if shape.belt >= 0
         ]
-        self._owner = np.array([(number, shape.belt) for number, shape, _ in belts], dtype=int).reshape(-1, 2)
-        self._geoms = np.array([geom for _, _, geom in belts], dtype=int)
-        surfaces = []
-        for _, shape, geom in belts:  # in the frame of the shape as it was compiled
-            turn = np.zeros(9)
-            mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-            back = turn.reshape(3, 3).T
-            surfaces.append(np.concatenate([back @ shape.surface[:3], back @ shape.surface[3:]]))
-        self._surfaces = np.array(surfaces).reshape(-1, 6)
+        self._owner, self._side, self._geoms = np.array(belts, dtype=int).reshape(-1, 3).T
 
-    def command(self, model: Any, robot: int, left: float, right: float) -> None:
+    def command(self, shapes: _Shapes, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's belts, m/s."""
-        own = self._owner[:, 0] == robot
-        speeds = np.where(self._owner[own, 1] == 0, left, right)
-        model.geom_surfacevel[self._geoms[own]] = self._surfaces[own] * speeds[:, None]
+        own = self._owner == robot
+        shapes.speed[self._geoms[own]] = np.where(self._side[own] == 0, left, right)

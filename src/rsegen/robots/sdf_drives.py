@@ -59,11 +59,14 @@ _ROUND, _GROUNDED, _CENTRED = 0.05, 0.2, 0.2
 """Shares of a wheel's size: by which its height and length may differ; of its radius: by which its lowest point may be
 above that of the robot, and its middle away from its axis."""
 
+_RADIUS = ", the radius by its wheels and not"
+"""What a note says of a radius that is not that of the wheels, before its value."""
+
 _LIKE = 0.8
 """Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
 
-_AGREES = 0.2
-"""Share of a wheel's measured radius by which that of a plug-in may differ without a word."""
+_AGREES = 0.01
+"""Share of a wheel's measured radius by which that of a plug-in may differ; beyond it the measured one counts."""
 
 
 class ReadDrive(NamedTuple):
@@ -99,6 +102,8 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
             drive := _of_wheels(controller, frames, ros.rates)
         ):
             return drive
+    if steered_wheels(frames):
+        return None
     controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
     return _paired(controlled, frames, "ros2_control", ros.rates) or _by_shapes(frames)
 
@@ -165,6 +170,37 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     largest = max(radii.values(), default=0.0)
     wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
     return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", {})
+
+
+def steered_wheels(frames: ModelFrames) -> list[str]:
+    """Return the joints of wheels that are steered: as large as the largest, and on a joint with limits about z.
+
+    Casters swivel without end. What is steered does not turn by a difference between its sides.
+    """
+    if not frames.shapes.whole:
+        return []
+    above = {frames.child(name): name for name in frames.joints}
+    across = [joint for joint in frames.joints if is_endless(frames.joints[joint]) and _is_along_y(joint, frames)]
+    radii = {joint: _wheel_radius(joint, frames) for joint in across}
+
+    def is_steered(joint: str) -> bool:
+        link = frames.parent(joint)
+        for _ in frames.joints:  # as deep as there are joints, as a file may have a circle
+            if link not in above:
+                return False
+            held = above[link]
+            element = frames.joints[held]
+            if element.get("type") == "revolute" and not is_endless(element) and not _is_along_y(held, frames):
+                return True
+            link = frames.parent(held)
+        return False
+
+    largest = max(radii.values(), default=0.0)
+    return [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest and is_steered(joint)]
+
+
+def _is_along_y(joint: str, frames: ModelFrames) -> bool:
+    return bool(abs(frames.axis(joint)[1]) >= _ALONG)
 
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
@@ -243,9 +279,15 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
     # Left is known by the places of the joints: Classic calls left what is right.
     first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
     left, right = (controller.right, controller.left) if first < second else (controller.left, controller.right)
-    separation, radius = controller.separation or float(abs(first - second)), controller.radius or _radius(left, frames)
+    separation, measured = controller.separation or float(abs(first - second)), _radius(left, frames)
+    radius = controller.radius or measured
     if not separation or not radius:
         return None
+    sizes = "it" if controller.separation and controller.radius else "its wheels"
+    if measured and abs(radius - measured) > _AGREES * measured:
+        # With a controller's figure the robot would drive at another speed than it is told.
+        sizes += f"{_RADIUS} {radius:.4g} m"
+        radius = measured
     # Classic's plug-in takes the distance between the joints for the separation.
     apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
     drive = Wheels(
@@ -267,7 +309,6 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
             speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
             limits_by = [source, *own_source]
     turned = tuple(joint for joint in joints if frames.axis(joint)[1] < 0)
-    sizes = "it" if controller.separation and controller.radius else "its wheels"
     return ReadDrive("", drive, controller.where, sizes, (speed, turn), " and ".join(limits_by), turned)
 
 
@@ -283,10 +324,8 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, {})
     if read is None:
         return None
-    measured = _radius(read.drive.left, frames)
     sizes = "its plug-in" if separation and radius else "its wheels"
-    if radius and measured and abs(radius - measured) > _AGREES * measured:
-        sizes += f", although its wheels measure {measured:.4g} m"
+    sizes += "".join(read.sizes.partition(_RADIUS)[1:])
     return read._replace(sizes=sizes, limits_by="its model", turned=())
 
 

@@ -41,6 +41,7 @@ from rsegen.robots.sdf_drives import (
     named_tracks,
     named_wheels,
     plugin_key,
+    steered_wheels,
 )
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials
 from rsegen.robots.urdf import Converted, converted
@@ -72,10 +73,10 @@ class SdfRobot(RobotOnField):
 
     backend: the simulator that its own plug-in is of, None if ROS's or none that is known; read_drive: its drive, None
     if it has neither wheels nor tracks that are known: then it cannot be driven, and stands; joints: those that could
-    be wheels; size: of a box around its origin that holds its collision shapes; lift: how far its origin is above the
-    lowest of them, metres; derived, assumed: which of size, speed and turn are from the model, and which from nowhere;
-    remarks: sentences about links that were left out, or whose inertia no body has, joints that do not follow others as
-    they should, and packages that are not found.
+    be wheels; steered: those of wheels that are steered, if it has no drive; size: of a box around its origin that
+    holds its collision shapes; lift: how far its origin is above the lowest of them, metres; derived, assumed: which of
+    size, speed and turn are from the model, and which from nowhere; remarks: sentences about links that were left out,
+    or whose inertia no body has, joints that do not follow others as they should, and packages that are not found.
     """
 
     kind: str
@@ -84,6 +85,7 @@ class SdfRobot(RobotOnField):
     backend: str | None = None
     read_drive: ReadDrive | None = None
     joints: tuple[str, ...] = ()
+    steered: tuple[str, ...] = ()
     size: Vector = (0.5, 0.5, 0.5)
     speed: float = DEFAULT_SPEED
     turn: float = DEFAULT_TURN
@@ -105,6 +107,13 @@ class SdfRobot(RobotOnField):
     @property
     def drive(self) -> Drive:
         """The drive with its maximum speed and turn rate; ParameterError if none is known."""
+        if self.read_drive is None and self.steered:
+            raise ParameterError(
+                self.kind,
+                f"{_some(self.steered)} are steered wheels, and rsegen drives robots that turn by a difference between"
+                " their sides; to drive it straight ahead with its steering held, name its wheels with"
+                " wheels='LEFT,RIGHT'; without them it only stands, with rsegen spawn",
+            )
         if self.read_drive is None:
             joints = f" ({_some(self.joints)})" if self.joints else ""
             raise ParameterError(
@@ -254,6 +263,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         backend=_backend(model, drive),
         read_drive=drive,
         joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in ("revolute", "continuous")),
+        steered=() if drive else tuple(steered_wheels(frames)),
         size=size or (0.5, 0.5, 0.5),
         speed=speed or DEFAULT_SPEED,
         turn=turn or DEFAULT_TURN,

@@ -1,0 +1,233 @@
+"""Drives over many maps: one robot over each, on all cores or a cluster, and the share of maps that it crosses.
+
+    ManyPlan --execute--> ManyDrive for each map, in order --> ManyDrives: table, share, interval
+
+A drive is that of `rsegen drive` over the same map, bit by bit, wherever it is simulated. One that has no result, as
+its physics failed, is a row that says so, and counts neither as crossed nor as not.
+
+The interval is Wilson's, which holds for shares near 0 and 1 too (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927). What
+breaks it: maps that are not independent, as those of a recipe without random obstacles.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, astuple, dataclass, fields
+from functools import partial
+from math import sqrt
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from rsegen.driving.drive import driven_robot
+from rsegen.driving.recording import record_embedded
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.errors import NoSimulator, SimulatorFailed
+from rsegen.params.streams import SEEDS
+from rsegen.recipe.codec import to_json
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.scene.scene import compose
+from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
+from rsegen.writing.execute import Execution, execute
+from rsegen.writing.resources import refuse_too_large
+from rsegen.writing.store import write_folder
+
+_SECONDS = 0.5
+"""CPU seconds that a drive takes, about; so workers get few at once, and their bar moves."""
+
+_Z = 1.959963984540054
+"""Standard deviations on either side of the mean that hold 95 % of a normal distribution."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ManyPlan:
+    """What is driven: the maps of a recipe, a robot, its motors, route and seconds of simulation."""
+
+    recipe: Recipe
+    robot: DrivableRobot
+    motors: str | None
+    route: str
+    best: str
+    duration: float
+
+    def seed_of(self, index: int) -> int:
+        """Return the seed of the start and route on a map: that of the recipe, and the map's index."""
+        return (self.recipe.seed + index) % SEEDS
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ManyDrive:
+    """A drive over a map, as in `DriveMetrics`; x and y: where the robot was at the end, metres.
+
+    seed: of `rsegen drive`, to see it again; failed: why it has no result, empty if it has one
+    """
+
+    map: int
+    seed: int
+    crossed: float | None
+    seconds: float
+    distance: float
+    stuck: float
+    tipped: int
+    tilt: float
+    climbed: float
+    x: float
+    y: float
+    failed: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ManyDrives:
+    """The result of `rsegen.drive_many`.
+
+    Attributes
+    ----------
+    recipe : Recipe
+        The maps.
+    robot : str
+        Its kind.
+    simulator : str
+        Title and version.
+    route : str
+        How the robot was sent.
+    drives : tuple of ManyDrive
+        A row for each map, in the order of the maps.
+    """
+
+    recipe: Recipe
+    robot: str
+    simulator: str
+    route: str
+    drives: tuple[ManyDrive, ...]
+
+    @property
+    def crossed(self) -> int:
+        """How many maps were crossed."""
+        return sum(drive.crossed is not None for drive in self.drives)
+
+    @property
+    def counted(self) -> int:
+        """How many drives have a result."""
+        return sum(not drive.failed for drive in self.drives)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The share of maps that are crossed, low and high, with a confidence of 95 %."""
+        return wilson(self.crossed, self.counted)
+
+    def as_json(self) -> dict[str, object]:
+        """Return the content of drives.json, which `rsegen drives --json` prints."""
+        return {
+            "map": self.recipe.name,
+            "robot": self.robot,
+            "simulator": self.simulator,
+            "route": self.route,
+            "crossed": self.crossed,
+            "drives": self.counted,
+            "interval": [round(end, 6) for end in self.interval],
+            "rows": [asdict(drive) for drive in self.drives],
+        }
+
+    def report(self) -> Iterator[str]:
+        """Yield the lines that `rsegen drives` prints."""
+        low, high = self.interval
+        share = f"{self.crossed / self.counted:.0%} [{low:.0%}, {high:.0%}]" if self.counted else "no result"
+        yield f"{self.recipe.name} in {self.simulator}, {self.route}:"
+        yield f"  {self.robot} crossed {self.crossed} of {self.counted} maps: {share} (95 % interval)"
+        times = [drive.crossed for drive in self.drives if drive.crossed is not None]
+        if times:
+            yield f"  median time of crossing {np.median(times):.3g} s"
+        if tipped := sum(drive.tipped > 0 for drive in self.drives):
+            yield f"  tipped over on {tipped} maps"
+        failed = [drive for drive in self.drives if drive.failed]
+        yield from (f"  map {drive.map} has no result: {drive.failed}" for drive in failed[:_FAILED])
+        if len(failed) > _FAILED:
+            yield f"  and {len(failed) - _FAILED} more maps have no result"
+
+    def csv(self) -> Iterator[bytes]:
+        """Yield the lines of drives.csv."""
+        yield (",".join(field.name for field in fields(ManyDrive)) + "\n").encode()
+        for drive in self.drives:
+            cells = (
+                "" if cell is None else f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in astuple(drive)
+            )
+            yield (",".join(f'"{cell}"' if "," in cell else cell for cell in cells) + "\n").encode()
+
+    def write(self, folder: str | Path, *, force: bool = False) -> None:
+        """Write drives.csv, drives.json and the recipe into a folder; `force` replaces earlier ones."""
+        files = {
+            "drives.csv": self.csv(),
+            "drives.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
+            "recipe.json": [to_json(self.recipe).encode()],
+        }
+        write_folder(
+            {PurePosixPath(name): list(content) for name, content in files.items()}, Path(folder), "drives", force=force
+        )
+
+
+_FAILED = 5
+"""Drives without a result that are named in a report."""
+
+
+def wilson(count: int, of: int) -> tuple[float, float]:
+    """Return the ends of the 95 % interval of the share that `count` of `of` trials show; (0, 1) without a trial."""
+    if not of:
+        return 0.0, 1.0
+    share, z2 = count / of, _Z * _Z / of
+    middle, half = share + z2 / 2, _Z * sqrt(share * (1 - share) / of + z2 / (4 * of))
+    return max((middle - half) / (1 + z2), 0.0), min((middle + half) / (1 + z2), 1.0)
+
+
+def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], None]) -> ManyDrives:
+    """Return the drives over all maps of a plan; `progress` is called with how many more are done."""
+    refuse_too_large(plan.recipe)
+    here = _simulator()
+    first = plan.recipe.first_map
+    indices = range(first, first + plan.recipe.maps)
+    drives: list[ManyDrive] = []
+    for batch in execute(partial(_drives, plan), indices, _SECONDS, execution):
+        drives += batch
+        progress(len(batch))
+    return ManyDrives(
+        recipe=plan.recipe, robot=plan.robot.kind, simulator=str(here), route=plan.route, drives=tuple(drives)
+    )
+
+
+def _simulator() -> EmbeddedSimulator:
+    here = embedded_simulator(None)
+    if here is None or here.version() is None:
+        hint = "; ".join(here.how_to_install) if here else "this rsegen has no embedded simulator"
+        raise NoSimulator(f"many drives need MuJoCo; to install it: {hint}")
+    return here
+
+
+def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
+    return [_drive(plan, index) for index in indices]
+
+
+def _drive(plan: ManyPlan, index: int) -> ManyDrive:
+    """Return the drive over one map."""
+    scene, seed = compose(plan.recipe, index), plan.seed_of(index)
+    (run,) = robot_runs(scene.field, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
+    try:
+        recording = record_embedded(_simulator(), scene, [run], plan.duration, contacts=False, motors=plan.motors)
+    except SimulatorFailed as error:
+        values = dict.fromkeys(("seconds", "distance", "stuck", "tilt", "climbed", "x", "y"), float("nan"))
+        return ManyDrive(map=index, seed=seed, crossed=None, tipped=0, failed=str(error), **values)
+    robot = driven_robot(run, scene, recording, plan.route)
+    metrics, (x, y) = robot.metrics, robot.trajectory.rows[-1, 1:3].tolist()
+    return ManyDrive(
+        map=index,
+        seed=seed,
+        crossed=metrics.crossed,
+        seconds=metrics.seconds,
+        distance=metrics.distance,
+        stuck=metrics.stuck,
+        tipped=metrics.tipped,
+        tilt=metrics.tilt,
+        climbed=metrics.climbed,
+        x=round(x, 4),
+        y=round(y, 4),
+    )

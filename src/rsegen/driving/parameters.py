@@ -1,0 +1,67 @@
+"""Parameters of all commands that drive robots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+from rsegen.field.limits import SIDE, SPEED, TURN
+from rsegen.params.command import Shell
+from rsegen.params.sorts import Choice, Float, Integer, ListOf, Reference
+from rsegen.params.streams import SEEDS
+
+Wheels = Annotated[
+    str | None,
+    Reference("LEFT,RIGHT or FRONT+REAR,FRONT+REAR", help="joints of the wheels of a model in a file"),
+    Shell(metavar="LEFT,RIGHT", default="of its drive plug-in, of ROS's controllers, or by their shapes"),
+]
+
+Tracks = Annotated[
+    str | None,
+    Reference(
+        "LEFT,RIGHT or TRACK+FLIPPER,TRACK+FLIPPER",
+        help="links of the tracks of a model in a file, and of their flippers",
+    ),
+    Shell(metavar="LEFT,RIGHT", default="of its drive plug-in"),
+]
+
+Size = Annotated[
+    tuple[float, float, float] | None,
+    ListOf(SIDE, 3, help="length, width and height of the robot in the file"),
+    Shell(metavar="L,W,H", default="of its collision shapes"),
+]
+
+Speed = Annotated[
+    float | None,
+    replace(SPEED, help="maximum speed of the robot in the file"),
+    Shell(metavar="V", default="of its plug-in, controller or joints, else 0.2"),
+]
+
+Turn = Annotated[
+    float | None,
+    replace(TURN, help="maximum turn rate of the robot in the file"),
+    Shell(metavar="W", default="of its plug-in or controller, else 0.5"),
+]
+
+RouteName = Annotated[
+    str,
+    Choice(
+        ("straight", "random", "way"),
+        help="straight across the map, randomly on it, or across it on a way on which the robot's poses are good",
+    ),
+]
+
+Best = Annotated[
+    str | None,
+    Choice(
+        ("length", "tilt", "margin"),
+        help="for route way: the shortest way, that with the least tilt, or with the largest angle to tip over",
+    ),
+    Shell(default="length"),
+]
+
+Duration = Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")]
+
+DriveSeed = Annotated[
+    int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")
+]

@@ -1,0 +1,111 @@
+"""The motors of wheels: each brings its wheel to a speed, as far as its torque goes, and acts back on the chassis.
+
+A motor is a friction of its joint that does not slow it to rest but to the speed that is commanded: MuJoCo solves it
+together with the contacts, so a light wheel keeps its speed under any load, and a torque has a bound. An actuator with
+a gain would be solved without the contacts: stiff enough to drive a wheel of 30 g, it shakes. Source: ODE's motors of
+hinges, which Gazebo Classic's plug-ins use. Cost: one constraint per wheel. What breaks it: a sleeping tree of MuJoCo,
+whose rows are left out; sleep is off by default.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from rsegen.mujoco.robot_model import RobotModel
+from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, STEP
+
+_STRONG = 1e6
+"""Torque, Nm, of a motor that nothing limits: the friction of its wheel does."""
+
+_RAMP = 10.0
+"""Change of speed, m/s^2, of a drive of which none is known: as much as friction lets a robot make use of. A motor that
+jumped to its speed would throw the robot up by its reaction."""
+
+_AT_LIMIT, _SLOW, _OFTEN = 0.999, 0.5, 0.2
+"""Share of its torque from which on a motor is at its limit, of its speed below which a wheel is slow, and of the steps
+from which on that is reported."""
+
+_GRAVITY = 9.81
+
+
+class WheelMotors:
+    """The motors of all wheels: speeds that are wanted, and by how much they may change in a step.
+
+    motors: reaction or classic, which writes the speed of a wheel
+    """
+
+    def __init__(self, model: Any, robots: Sequence[RobotModel], motors: str) -> None:
+        wheels = [(number, robot.drive, wheel) for number, robot in enumerate(robots) for wheel in robot.wheels]
+        self._robots, self._weights = robots, _weights(model, robots)
+        self._owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
+        self._dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
+        self._most = np.array(
+            [(getattr(drive, "acceleration", None) or _RAMP) * STEP / drive.radius for _, drive, _ in wheels]
+        )
+        self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
+        self._senses = np.array([wheel.sense for *_, wheel in wheels])
+        self._has_changed = False
+        self.react = motors == "reaction" and bool(wheels)
+        # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
+        nets = np.array([_STRONG if wheel.torque is None else wheel.torque - wheel.friction for *_, wheel in wheels])
+        self._torques, self._turns = np.maximum(np.abs(nets), 1e-9), nets > 0
+        self._steps, self._at_limit = 0, np.zeros(len(wheels), dtype=int)
+        if self.react:
+            model.dof_frictionloss[self._dofs] = self._torques
+            model.dof_solref[self._dofs], model.dof_solimp[self._dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
+            self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self._dofs)
+        self._is_limited = bool((self._torques < _STRONG).any())
+
+    def command(self, robot: int, left: float, right: float) -> None:
+        """Set the speeds of a robot's wheels, rad/s."""
+        own = self._owner[:, 0] == robot
+        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right) * self._senses[own]
+        self._has_changed = True
+
+    def before_step(self, data: Any) -> None:
+        """Bring speeds nearer to those that are wanted; without a reaction, write them."""
+        if self._has_changed:
+            self._now += np.clip(self._wanted - self._now, -self._most, self._most)
+            self._has_changed = not np.array_equal(self._now, self._wanted)
+        if not self.react and len(self._dofs):
+            data.qvel[self._dofs] = self._now
+
+    def turn(self, data: Any) -> None:
+        """Add the speeds to the references of the constraints, after MuJoCo has made those of friction, to rest."""
+        if not self.react:
+            return
+        rows = self._rows + data.ne
+        data.efc_aref[rows] += data.efc_KBIP[rows, 1] * self._now * self._turns
+
+    def after_step(self, data: Any) -> None:
+        """Count the steps in which motors are at their limit, and wheels slow."""
+        self._steps += 1
+        if self.react and self._is_limited:
+            forces = np.abs(data.efc_force[self._rows + data.ne])
+            slow = np.abs(data.qvel[self._dofs]) < _SLOW * np.abs(self._now)
+            self._at_limit += slow & ((forces > _AT_LIMIT * self._torques) | ~self._turns)
+
+    def notes(self) -> Iterator[str]:
+        """Yield a sentence for each robot whose motors are too weak for where it is."""
+        for number, robot in enumerate(self._robots):
+            own = self._owner[:, 0] == number
+            share = self._at_limit[own].max(initial=0) / max(self._steps, 1)
+            if share < _OFTEN:
+                continue
+            torque = min(wheel.torque for wheel in robot.wheels if wheel.torque is not None)
+            slips = self._weights[number] * robot.drive.radius / len(robot.wheels)
+            rubs = max(wheel.friction for wheel in robot.wheels)
+            own_friction = f", of which their joints take {rubs:.3g} Nm" if rubs else ""
+            yield (
+                f"{robot.name}: the motors of its wheels are too weak for {share:.0%} of the time: its model has an "
+                f"effort of {torque:.3g} Nm each{own_friction}; wheels slip on the ground from {slips:.3g} Nm on"
+            )
+
+
+def _weights(model: Any, robots: Sequence[RobotModel]) -> list[float]:
+    """Return the weight of each robot, N."""
+    masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
+    return [_GRAVITY * mass for mass in masses]

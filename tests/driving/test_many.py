@@ -1,0 +1,89 @@
+"""Many drives: each is that of `rsegen drive` over its map, wherever it is simulated, and all are counted."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from scipy.stats import binomtest
+
+import rsegen
+from rsegen.driving import many
+from rsegen.driving.many import wilson
+from rsegen.errors import OutputError, ParameterError, SimulatorFailed
+
+RUBBLE = rsegen.Recipe(name="rubble", seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)])
+
+
+@pytest.mark.slow
+def test_each_drive_is_that_over_its_map_and_they_are_counted() -> None:
+    told: list[int] = []
+    result = rsegen.drive_many(RUBBLE, maps=3, robot="crawler", duration=8, progress=told.append)
+    assert [row.map for row in result.drives] == [0, 1, 2]
+    assert sum(told) == 3
+    for row in result.drives[1:]:
+        alone = rsegen.drive(replace(RUBBLE, maps=3), map=row.map, robot="crawler", duration=8, seed=row.seed)
+        (robot,) = alone.robots
+        assert row.distance == robot.metrics.distance > 1.0
+        assert row.crossed == robot.metrics.crossed
+        assert row.climbed == robot.metrics.climbed > 0.0
+    assert result.counted == 3
+    assert result.crossed == sum(row.crossed is not None for row in result.drives)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("where", [{"workers": 2}, {"workers": 2, "scheduler": "local"}])
+def test_workers_and_a_cluster_drive_the_same(where: dict[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
+    here = rsegen.drive_many(RUBBLE, maps=4, robot="jackal", duration=3)
+    there = rsegen.drive_many(RUBBLE, maps=4, robot="jackal", duration=3, **where)  # type: ignore[arg-type]  # by name
+    assert here.drives == there.drives
+    assert all(row.distance > 0.05 for row in here.drives)
+
+
+def test_a_drive_that_failed_is_a_row_without_a_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    recorded = many.record_embedded
+
+    def failing(here: object, scene: rsegen.Scene, *given: object, **named: object) -> object:
+        if scene.index == 1:
+            raise SimulatorFailed("MuJoCo: the physics failed after 1 s, so this drive has no result")
+        return recorded(here, scene, *given, **named)  # type: ignore[arg-type]  # passed on
+
+    monkeypatch.setattr(many, "record_embedded", failing)
+    result = rsegen.drive_many(RUBBLE, maps=2, robot="crawler", duration=1)
+    assert (result.counted, len(result.drives)) == (1, 2)
+    assert "map 1 has no result: MuJoCo: the physics failed" in "\n".join(result.report())
+    assert result.interval == wilson(result.crossed, 1)
+
+
+@pytest.mark.parametrize(("count", "of"), [(0, 10), (10, 10), (3, 17), (500, 1000), (1, 1)])
+def test_the_interval_is_wilsons(count: int, of: int) -> None:
+    expected = binomtest(count, of).proportion_ci(method="wilson")
+    assert wilson(count, of) == pytest.approx((expected.low, expected.high), abs=1e-12)
+
+
+def test_without_a_trial_nothing_is_known() -> None:
+    assert wilson(0, 0) == (0.0, 1.0)
+
+
+def test_the_table_is_written_whole_and_kept(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    result = rsegen.drive_many(RUBBLE, maps=2, robot="crawler", duration=1, output=out)
+    assert sorted(path.name for path in out.iterdir() if not path.name.startswith(".")) == [
+        "drives.csv",
+        "drives.json",
+        "recipe.json",
+    ]
+    assert json.loads((out / "drives.json").read_text())["drives"] == 2
+    head, *rows = (out / "drives.csv").read_text().splitlines()
+    assert head.startswith("map,seed,crossed,seconds,distance")
+    assert [row.split(",")[0] for row in rows] == ["0", "1"]
+    assert float(rows[0].split(",")[4]) == pytest.approx(result.drives[0].distance)
+    with pytest.raises(OutputError):
+        rsegen.drive_many(RUBBLE, maps=2, robot="crawler", duration=1, output=out)
+
+
+def test_best_is_for_ways() -> None:
+    with pytest.raises(ParameterError, match="best: is for route way, not for straight"):
+        rsegen.drive_many(RUBBLE, best="tilt")

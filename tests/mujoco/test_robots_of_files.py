@@ -1,0 +1,238 @@
+"""Robots of users' files drive in MuJoCo as they are told, and what of their files cannot be is mended and told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rsegen.errors import ParameterError
+from rsegen.mujoco.turning import turn_gain
+from rsegen.mujoco.world import MujocoWorld
+from rsegen.robots.lookup import DrivableRobot, robot_of
+from rsegen.robots.sdf_file import SdfRobot, from_file
+from rsegen.scene.scene import Scene
+from rsegen.simulators.poses import DROP_HEIGHT, Pose
+from tests.mujoco.worlds import FLAT, Placed, step_of, world_of
+
+G = 9.81
+
+
+def friction(mu: float, more: str = "") -> str:
+    return f"<surface><friction><ode><mu>{mu}</mu><mu2>{mu}</mu2>{more}</ode></friction></surface>"
+
+
+def inertial(mass: float, moment: float) -> str:
+    moments = "".join(f"<{name}>{moment}</{name}>" for name in ("ixx", "iyy", "izz"))
+    return f"<inertial><mass>{mass}</mass><inertia>{moments}</inertia></inertial>"
+
+
+def wheel(name: str, x: float, y: float, **given: object) -> str:
+    """Return a wheel of radius 5 cm with its axle, which points to the left if axis is 1."""
+    values = {"mass": 0.2, "moment": 2.5e-4, "width": 0.002, "mu": 1.0, "axis": 1, "axle": "", "more": ""} | given
+    return f"""
+  <link name="{name}"><pose>{x} {y} 0.05 -{pi / 2} 0 0</pose>{inertial(values["mass"], values["moment"])}
+    <collision name="tyre"><geometry><cylinder><radius>0.05</radius><length>{values["width"]}</length></cylinder>
+      </geometry>{friction(values["mu"], values["more"])}</collision></link>
+  <joint name="{name}_axle" type="revolute"><parent>base</parent><child>{name}</child>
+    <axis><xyz>0 0 {values["axis"]}</xyz>{values["axle"]}</axis></joint>"""
+
+
+def cart(
+    folder: Path, wheels: Sequence[str], caster: float | None = 0.0, more: str = "", moment: float = 0.02
+) -> SdfRobot:
+    """Return a robot of 2 kg on wheels, with a ball in the rear, of a coefficient of friction, that does not turn."""
+    ball = f"""<collision name="ball"><pose>-0.15 0 -0.08 0 0 0</pose><geometry><sphere><radius>0.02</radius></sphere>
+      </geometry>{friction(caster)}</collision>""" if caster is not None else ""  # fmt: skip
+    (
+        folder / "cart.sdf"
+    ).write_text(f"""<sdf version="1.7"><model name="cart"><link name="base"><pose>0 0 0.1 0 0 0</pose>
+      {inertial(2, moment)}<collision name="hull"><geometry><box><size>0.3 0.15 0.04</size></box></geometry></collision>
+      {ball}</link>{"".join(wheels)}{more}</model></sdf>""")
+    return from_file(folder / "cart.sdf")
+
+
+def pair(x: float = 0.05, **given: object) -> list[str]:
+    return [wheel("left", x, 0.1, **given), wheel("right", x, -0.1, **given)]
+
+
+def speeds(world: MujocoWorld, robot: DrivableRobot, v: float, w: float) -> tuple[float, float]:
+    """Return the speed ahead and the turn rate a second after a command."""
+    world.step(500)
+    world.drive("robot", robot, v, w)
+    world.step(1000)
+    before = world.poses()["robot"]
+    world.step(500)
+    after = world.poses()["robot"]
+    way = complex(after.x - before.x, after.y - before.y)
+    return (way * np.exp(-1j * (before.yaw + after.yaw) / 2)).real / 0.5, (after.yaw - before.yaw) / 0.5
+
+
+@pytest.mark.parametrize("axis", [1, -1])
+def test_light_wheels_keep_their_speed_under_a_load(tmp_path: Path, axis: int) -> None:
+    robot = cart(tmp_path, pair(mass=0.02, moment=2e-5, axis=axis), caster=0.5)
+    assert speeds(world_of(robot), robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=2e-4)
+
+
+@pytest.mark.parametrize("width", [0.002, 0.04])
+@pytest.mark.parametrize("w", [0.4, -0.4])
+def test_two_wheels_of_any_width_turn_at_their_rate(tmp_path: Path, width: float, w: float) -> None:
+    robot = cart(tmp_path, pair(width=width), caster=0.5)
+    assert speeds(world_of(robot), robot, 0.0, w)[1] == pytest.approx(w, rel=0.02)
+
+
+def test_four_thin_wheels_skid_as_statics_has_it(tmp_path: Path) -> None:
+    """Each rubs against its way: along the robot w L / 2, across it v - w B / 2, and their moments are in balance."""
+    places = [("fl", 0.1, 0.1), ("rl", -0.1, 0.1), ("fr", 0.1, -0.1), ("rr", -0.1, -0.1)]
+    robot = cart(tmp_path, [wheel(*place, mu=0.8) for place in places], caster=None)
+    assert turn_gain(robot) == pytest.approx(1 + (0.2 / 0.2) ** 2, rel=0.02)
+
+
+@pytest.mark.parametrize("mu", [0.3, 1.0])
+@pytest.mark.parametrize("speed", [0.5, 2.0])
+def test_what_slides_slows_by_mu_g_and_stays_on_the_ground(tmp_path: Path, mu: float, speed: float) -> None:
+    assert slide(cart(tmp_path, pair(0.15, mu=mu, width=0.02), caster=mu), FLAT, speed) == pytest.approx(
+        mu * G, rel=0.01
+    )
+
+
+@pytest.mark.parametrize(("own", "ground"), [(0.6, 0.2), (0.2, 0.6), (1.0, 1.0)])
+def test_the_smaller_coefficient_of_friction_counts(tmp_path: Path, own: float, ground: float) -> None:
+    robot, patch = cart(tmp_path, pair(0.15, mu=own, width=0.02), caster=own), step_of(0.05, level_friction=(ground,))
+    assert slide(robot, patch, 0.5) == pytest.approx(min(own, ground) * G, rel=0.01)
+
+
+def test_each_of_two_robots_has_its_own_friction(tmp_path: Path) -> None:
+    patch = step_of(0.05, level_friction=(0.4,))
+    robots = []
+    for name, mu in (("smooth", 0.2), ("rough", 0.8)):
+        (tmp_path / name).mkdir()
+        robots.append(cart(tmp_path / name, pair(0.15, mu=mu, width=0.02), caster=mu))
+    placed = [
+        Placed(robot=robot, start=Pose(x=-0.7, y=y, z=0.055), name=str(y))
+        for robot, y in zip(robots, (-0.4, 0.4), strict=True)
+    ]
+    world = MujocoWorld(patch, placed)
+    assert slowing(world, ["-0.4", "0.4"], 0.5) == pytest.approx([0.2 * G, 0.4 * G], rel=0.01)
+
+
+def slide(robot: SdfRobot, scene: Scene, speed: float) -> float:
+    """Return by how much a robot slows, m/s^2, whose motors hold its wheels, and that is thrown ahead."""
+    return slowing(
+        world_of(robot, scene, Pose(x=-0.7, y=0, z=scene.field.unit * scene.field.levels.max(initial=0) + DROP_HEIGHT)),
+        ["robot"],
+        speed,
+    )[0]
+
+
+def slowing(world: MujocoWorld, names: Sequence[str], speed: float) -> list[float]:
+    world.step(500)
+    dofs = [world.model.joint(name).dofadr[0] for name in names]
+    heights = [world.poses()[name].z for name in names]
+    world.data.qvel[dofs] = speed
+    world.step(10)
+    before = world.data.qvel[dofs]
+    for _ in range(30):
+        world.step(1)
+        assert [world.poses()[name].z for name in names] == pytest.approx(heights, abs=2e-5)
+    return ((before - world.data.qvel[dofs]) / 0.03).tolist()
+
+
+def test_tracks_drive_to_where_they_head() -> None:
+    robot = robot_of("crawler")
+    world = world_of(robot, at=Pose(x=0, y=0, z=DROP_HEIGHT, yaw=pi / 2))
+    assert speeds(world, robot, 0.3, 0.0) == pytest.approx((0.3, 0.0), abs=1e-3)
+    assert world.poses()["robot"].y > 0.35
+
+
+def test_motors_that_are_too_weak_are_told_with_the_torque_that_wheels_take(tmp_path: Path) -> None:
+    weak = "<limit><effort>0.02</effort></limit><dynamics><friction>0.05</friction></dynamics>"
+    robot = cart(tmp_path, pair(axle=weak))
+    world = world_of(robot)
+    assert speeds(world, robot, 0.2, 0.0)[0] == pytest.approx(0.0, abs=1e-4)
+    (note,) = world.notes()
+    assert note == (
+        "robot: the motors of its wheels are too weak for 75% of the time: its model has an effort of 0.02 Nm each, of"
+        " which their joints take 0.05 Nm; wheels slip on the ground from 0.589 Nm on"
+    )
+
+
+@pytest.mark.parametrize("effort", ["0", "-1", "1e16", "inf", "5"])
+def test_an_effort_that_limits_nothing_is_none(tmp_path: Path, effort: str) -> None:
+    robot = cart(tmp_path, pair(axle=f"<limit><effort>{effort}</effort></limit>"))
+    world = world_of(robot)
+    assert speeds(world, robot, 0.2, 0.0)[0] == pytest.approx(0.2, abs=1e-4)
+    assert not list(world.notes())
+
+
+FRAME = """<link name="imu"><pose>0 0 0.3 0 0 0</pose></link>
+  <joint name="imu_joint" type="fixed"><parent>base</parent><child>imu</child></joint>"""
+
+
+def test_frames_of_a_file_have_no_mass(tmp_path: Path) -> None:
+    world = world_of(cart(tmp_path, pair(), more=FRAME))
+    assert world.model.body("robot").subtreemass[0] == pytest.approx(2.4, abs=1e-4)
+    assert list(world.notes()) == [
+        "robot: links without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each): imu"
+    ]
+
+
+def test_moments_of_inertia_that_fit_into_no_shape_are_those_of_a_box(tmp_path: Path) -> None:
+    world = world_of(cart(tmp_path, pair(), moment=5.0))
+    base = world.model.body("robot/base")
+    assert base.inertia.max() < 0.1
+    assert [note.rpartition(": ")[2] for note in world.notes()] == ["base"]
+
+
+def test_the_friction_of_a_wheel_has_the_direction_of_its_axle(tmp_path: Path) -> None:
+    """A direction in the plane of a wheel turns with it, and is meant to be that in which it rolls."""
+    places = [("fl", 0.1, 0.1), ("rl", -0.1, 0.1), ("fr", 0.1, -0.1), ("rr", -0.1, -0.1)]
+    slippery = "<fdir1>1 0 0</fdir1>"
+    robot = cart(
+        tmp_path, [wheel(*place, mu=0.8, more=slippery).replace("<mu2>0.8", "<mu2>0.2") for place in places], None
+    )
+    assert turn_gain(robot) == pytest.approx(1.07, abs=0.06)
+    assert speeds(world_of(robot), robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=1e-3)
+
+
+def test_mecanum_wheels_are_driven_as_ordinary_ones(tmp_path: Path) -> None:
+    places = [("fl", 0.1, 0.1), ("rl", -0.1, 0.1), ("fr", 0.1, -0.1), ("rr", -0.1, -0.1)]
+    rollers = "<fdir1>1 0 1</fdir1>"
+    robot = cart(tmp_path, [wheel(*place, more=rollers).replace("<mu2>1.0", "<mu2>0") for place in places], None)
+    world = world_of(robot)
+    assert speeds(world, robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=1e-3)
+    assert "robot: its mecanum wheels are driven as ordinary ones" in next(world.notes())
+
+
+def test_steered_wheels_are_refused(tmp_path: Path) -> None:
+    fork = """<link name="{side}_fork"><pose>0.1 {y} 0.05 0 0 0</pose>{inertial}</link>
+      <joint name="{side}_steering" type="revolute"><parent>base</parent><child>{side}_fork</child>
+        <axis><xyz>0 0 1</xyz><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis></joint>"""
+    sides = (("left", 0.1), ("right", -0.1))
+    forks = "".join(fork.format(side=side, y=y, inertial=inertial(0.1, 1e-4)) for side, y in sides)
+    front = [wheel(f"{side}_front", 0.1, y).replace("<parent>base", f"<parent>{side}_fork") for side, y in sides]
+    rear = [wheel(f"{side}_rear", -0.1, y) for side, y in sides]
+    robot = cart(tmp_path, [*front, *rear], None, forks)
+    with pytest.raises(ParameterError, match=r"^cart: left_front_axle, right_front_axle are steered wheels"):
+        _ = robot.drive
+
+
+def test_a_belt_runs_down_in_front_of_every_shape(tmp_path: Path) -> None:
+    """A track of several boxes climbs a step with its upright face, as a belt does."""
+    track = """<link name="{side}"><pose>0 {y} 0.05 0 0 0</pose>{inertial}
+        <collision name="front"><pose>0.1 0 0 0 0 0</pose>{box}</collision>
+        <collision name="rear"><pose>-0.1 0 0 0 0 0</pose>{box}</collision></link>
+      <joint name="{side}_joint" type="fixed"><parent>base</parent><child>{side}</child></joint>"""
+    sides, box = (("left", 0.15), ("right", -0.15)), "<geometry><box><size>0.2 0.05 0.1</size></box></geometry>"
+    cart(tmp_path, [track.format(side=side, y=y, inertial=inertial(2, 0.01), box=box) for side, y in sides], None)
+    robot = from_file(tmp_path / "cart.sdf", tracks="left,right")
+    world = world_of(robot, step_of(0.01, friction=2.0), Pose(x=-1.25, y=0, z=DROP_HEIGHT))
+    world.step(500)
+    world.drive("robot", robot, 0.2, 0.0)
+    world.step(4000)
+    at = world.poses()["robot"]
+    assert at.x > -0.7
+    assert at.z == pytest.approx(0.01, abs=0.002)
