@@ -68,8 +68,8 @@ def test_sim_says_how_to_install_a_library_that_is_missing_or_too_old(
     monkeypatch.undo()
     monkeypatch.setattr(simulator, "version", lambda _: "3.2.1")
     assert main(["sim"]) == 0
-    old = "mujoco-core 3.2.1 is installed, which is too old; pip install -U 'mujoco-core>=4'"
-    assert f"mujoco   MuJoCo {old}\n" in capsys.readouterr().out
+    old = "mujoco-core 3.2.1 is installed, which is too old; to install MuJoCo 4: pip install -U 'mujoco-core>=4'"
+    assert f"mujoco   MuJoCo {old}; " in capsys.readouterr().out
 
 
 def test_completion_and_forms_know_the_simulators_of_each_command() -> None:

@@ -39,9 +39,9 @@ class Mujoco(EmbeddedSimulator):
             except PackageNotFoundError:
                 continue
             if int(found.partition(".")[0]) < _FIRST:
-                raise NoSimulator(
-                    f"{package} {found} is installed, which is too old; pip install -U '{package}>={_FIRST}'"
-                )
+                how = f"to install {self.title} {_FIRST}: pip install -U '{package}>={_FIRST}'"
+                advice = f"{how}; {self.how_to_install[1]}"
+                raise NoSimulator(f"{package} {found} is installed, which is too old; {advice}")
             return found
         return None
 
