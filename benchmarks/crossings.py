@@ -7,8 +7,8 @@ Several robots drive side by side over each field, which has a seed of its own. 
 and the robot's shapes alone. The rivals of this prediction know less or more: one always says yes; one is a limit of
 the highest step below a robot that is chosen afterwards, such that it is right most often on these very drives.
 
-Robots with wheels drive in both simulators, with the same starts, routes and ends: where the simulators differ about a
-drive, no prediction is right in both. The crawler drives in Classic alone, as MuJoCo has no tracks.
+Robots drive in both simulators, with the same starts, routes and ends: where the simulators differ about a drive, no
+prediction is right in both. In MuJoCo the motors of wheels act back on the chassis; benchmarks/agreement.py has both.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from importlib.util import find_spec
 from itertools import combinations, product
 from math import degrees
 from typing import Any, NamedTuple, TypeVar, cast
@@ -30,18 +29,16 @@ import numpy as np
 import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
-from benchmarks.mujoco_drives import drive_recording
-from benchmarks.mujoco_robots import version
 from rsegen.driving.drive import DrivenRobot, driven_robot
-from rsegen.driving.recording import RobotRun
+from rsegen.driving.recording import RobotRun, record_embedded
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import Straight
 from rsegen.field.stepfield import StepField
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.drives import Wheels
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.lanes import End, entry_distance, step_of, straight
 
 FILE = RESULTS / "crossings.json"
@@ -149,10 +146,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 3
     record: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
     for simulator, name in product(simulators, options.robots):
-        if can_drive(ROBOTS[name], simulator):
-            lanes = [Drive(**drive).lane for drive in record.get("drives", ()) if drive["simulator"] == CLASSIC]
-            found = list(drives(simulator, name, _say, lanes if simulator == MUJOCO else ()))
-            record = merged(record, simulator, versions[simulator], found)
+        lanes = [Drive(**drive).lane for drive in record.get("drives", ()) if drive["simulator"] == CLASSIC]
+        found = list(drives(simulator, name, _say, lanes if simulator == MUJOCO else ()))
+        record = merged(record, simulator, versions[simulator], found)
     print("\n".join(table(record)))
     if not options.only_print:
         FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
@@ -162,13 +158,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _version(simulator: str) -> str:
     """Return the title and version of a simulator, empty where it is not installed."""
     if simulator == MUJOCO:
-        return version() if find_spec("mujoco") else ""
+        return str(EMBEDDED[MUJOCO]) if EMBEDDED[MUJOCO].version() else ""
     return str(SIMULATORS[simulator].installation() or "")
-
-
-def can_drive(robot: Robot, simulator: str) -> bool:
-    """Return whether a simulator drives a robot: MuJoCo does not drive tracks."""
-    return simulator != MUJOCO or isinstance(robot.drive, Wheels)
 
 
 def merged(record: Mapping[str, Any], simulator: str, version: str, found: Sequence[Drive]) -> dict[str, Any]:
@@ -245,7 +236,7 @@ def _on_line(run: RobotRun, line: float) -> RobotRun:
 def _robots_driven(simulator: str, robot: Robot, scene: Scene, runs: Sequence[RobotRun]) -> Sequence[DrivenRobot]:
     seconds = PLANS[robot.kind].seconds
     if simulator == MUJOCO:
-        recording = drive_recording(scene.field, runs, seconds)
+        recording = record_embedded(EMBEDDED[MUJOCO], scene, runs, seconds, contacts=False)
         return [driven_robot(run, scene, recording, Straight.name) for run in runs]
     drive = partial(rsegen.drive, scene, robot=robot, robots=len(runs), seed=1)
     return drive(simulator=simulator, duration=seconds, contacts=False).robots

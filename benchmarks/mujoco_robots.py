@@ -1,38 +1,32 @@
-"""Robots and fields as a model of MuJoCo: blocks are boxes, and of a robot's joints only driven wheels move.
+"""Robots at rest and fields as a model of MuJoCo: blocks are boxes, and no joint of a robot moves.
 
 Shapes, masses and friction are those of the robots' links, so a robot is the same as in Gazebo.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from rsegen.field.stepfield import Array, StepField
 from rsegen.robots.base import Robot
-from rsegen.robots.drives import Wheels
 from rsegen.robots.links import Box, Cylinder, Joint, Link, Part, SdfPose, rotation, turn_about
 
 STEP = 0.001
 """Seconds of a physics step, as in Gazebo Classic."""
 
 
-def model(parts: Iterable[str], motors: Iterable[str] = (), *, multiccd: bool = True) -> str:
-    """Return an MJCF model of a ground plane and these parts: the blocks of a field, and robots with their motors.
-
-    multiccd: several contacts of two convex shapes, as MuJoCo has by default
-    """
+def model(parts: Iterable[str]) -> str:
+    """Return an MJCF model of a ground plane and these parts: the blocks of a field, and robots."""
     # The robot's friction counts, as that of Gazebo's blocks is larger; contacts are stiff, as ODE's are.
-    flag = "" if multiccd else '<flag multiccd="disable"/>'
     return f"""<mujoco>
 <compiler angle="radian" eulerseq="XYZ"/>
-<option timestep="{STEP}" integrator="implicitfast" cone="elliptic" impratio="10">{flag}</option>
+<option timestep="{STEP}" integrator="implicitfast" cone="elliptic" impratio="10"/>
 <size memory="200M"/>
 <default><geom solref="0.004 1" solimp="0.99 0.999 0.0001"/></default>
 <worldbody><geom type="plane" size="99 99 1" contype="1" conaffinity="2"/>{"".join(parts)}</worldbody>
-<actuator>{"".join(motors)}</actuator>
 </mujoco>"""
 
 
@@ -49,31 +43,13 @@ def blocks(field: StepField, near: tuple[float, float, float] | None = None) -> 
     )
 
 
-def free_robot(robot: Robot, at: SdfPose, name: str = "robot", turning: Collection[str] = ()) -> str:
-    """Return a robot with its origin at a pose; turning: the names of the joints that move."""
+def free_robot(robot: Robot, at: SdfPose, name: str = "robot") -> str:
+    """Return a robot with its origin at a pose."""
     holders = {joint.child: joint for joint in robot.joints}
     angles = {servo.joint: servo.rest for servo in robot.servos}
-    links = (_link(link, holders.get(link.name), angles, name, turning) for link in robot.links)
+    links = (_link(link, holders.get(link.name), angles) for link in robot.links)
     place = f'pos="{" ".join(map(str, at[:3]))}" euler="{" ".join(map(str, at[3:]))}"'
     return f'<body {place}><freejoint name="{name}"/>{"".join(links)}</body>'
-
-
-def motors(robot: Robot, name: str = "robot") -> str:
-    """Return a motor for each wheel of the drive, the left ones first, whose input is the wheel's speed, rad/s.
-
-    It has the greatest torque that the wheel's joint gives, or any that it takes.
-    """
-    drive = wheels_of(robot)
-    joints = {joint.name: joint for joint in robot.joints}
-    moments = {link.name: link.moments[2] for link in robot.links}
-    return "".join(_motor(joints[wheel], moments[joints[wheel].child], name) for wheel in (*drive.left, *drive.right))
-
-
-def wheels_of(robot: Robot) -> Wheels:
-    """Return the drive of a robot with wheels; TypeError for tracks, which are no joints: MuJoCo has no moving belt."""
-    if not isinstance(robot.drive, Wheels):
-        raise TypeError(f"{robot.kind} has no wheels")
-    return robot.drive
 
 
 def pose_of(mujoco: Any, state: Any, name: str = "robot") -> Array:
@@ -90,26 +66,15 @@ def version() -> str:
     return f"MuJoCo {mujoco.__version__}"
 
 
-def _motor(joint: Joint, moment: float, name: str) -> str:
-    # A wheel that is too slow or too fast has its speed after some steps: with this gain, half of the difference is
-    # left after one, as the motor's torque is implicit in a step. Classic's plug-in sets the speed at every step.
-    limit = f' forcerange="{-joint.effort} {joint.effort}"' if joint.effort is not None else ""
-    return f'<velocity name="{name}/{joint.name}" joint="{name}/{joint.name}" kv="{moment / STEP:.9g}"{limit}/>'
-
-
-def _link(link: Link, holder: Joint | None, angles: Mapping[str, float], name: str, turning: Collection[str]) -> str:
-    """Return a link on a hinge that moves, or fixed to the robot, turned by the angle of the servo that holds it."""
+def _link(link: Link, holder: Joint | None, angles: Mapping[str, float]) -> str:
+    """Return a link fixed to the robot, turned by the angle of the servo that holds it."""
     turned = rotation(*link.pose[3:])
-    hinge = ""
-    if holder and holder.axis and holder.name in turning:
-        place = f'axis="{_spaced(holder.axis)}" pos="{_spaced(holder.anchor)}" damping="{holder.damping}"'
-        hinge = f'<joint type="hinge" name="{name}/{holder.name}" {place}/>'
-    elif holder and holder.axis and angles.get(holder.name):
+    if holder and holder.axis and angles.get(holder.name):
         turned = turned @ turn_about(holder.axis, angles[holder.name])
     inertia = " ".join(map(str, link.moments))
     centre = f'pos="{_spaced(link.centre[:3])}" quat="{_quaternion(rotation(*link.centre[3:]))}"'
     return (
-        f'<body pos="{_spaced(link.pose[:3])}" quat="{_quaternion(turned)}">{hinge}'
+        f'<body pos="{_spaced(link.pose[:3])}" quat="{_quaternion(turned)}">'
         f'<inertial {centre} mass="{link.mass}" diaginertia="{inertia}"/>'
         + "".join(map(_geometry, link.parts))
         + "</body>"

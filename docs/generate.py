@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rsegen
-from benchmarks import busy, crossings, datasets, learning, rests, scan, starts, training
+from benchmarks import agreement, busy, crossings, datasets, learning, rests, scan, starts, training
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, protocol, records, reliability
@@ -65,6 +65,7 @@ DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
 SCAN = DOCS / "scan.md"
 LEARNING = DOCS / "learning.md"
+MUJOCO = DOCS / "mujoco.md"
 TRAINING = DOCS / "training.md"
 POSES = DOCS / "poses.md"
 RELIABILITY = DOCS / "reliability.md"
@@ -180,6 +181,7 @@ def texts() -> dict[Path, str]:
         POSES: filled(POSES.read_text("utf-8"), _predictions()),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
+        MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "busy.md": busy.page(json.loads(busy.FILE.read_text("utf-8"))),

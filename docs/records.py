@@ -26,6 +26,7 @@ class Source(NamedTuple):
 
 
 SOURCES: Mapping[str, Source] = {
+    "agreement": Source("[MuJoCo and Gazebo Classic](mujoco.md)", "python -m benchmarks.agreement"),
     "burgers": Source("[at full speed](burgers.md)", "rsegen experiment burgers"),
     "busy": Source("[busy machines](busy.md)", "python -m benchmarks.busy"),
     "contact": Source("[what a wheel feels](contact.md)", "make bench-contact"),

@@ -126,7 +126,7 @@ def test_the_first_commands_of_the_readme_make_worlds_and_drive_over_one_and_pla
     first, *others = lines[:3]
     assert first == "make worlds"
     assert re.search(r"^worlds:", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
-    rsegen.generate(rsegen.load("turtlebot"), tmp_path / "worlds")
+    assert main(["generate", "turtlebot", "-o", str(tmp_path / "worlds")]) == 0
     drive, play = ([sys.executable, "-m", *line.removeprefix(".venv/bin/").split()] for line in others)
     out = subprocess.run(drive, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
     assert "in MuJoCo " in out

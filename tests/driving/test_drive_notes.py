@@ -135,10 +135,10 @@ def test_poses_that_are_no_numbers_are_drawn_and_answered_by_a_stop() -> None:
     sent: list[object] = []
 
     class World:
-        def drive(self, name: str, _: object, v: float, w: float) -> None:
-            sent.append((name, v, w))
+        def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
+            sent.append((name, robot.kind, v, w))
 
     for strange in (nan, inf):
         pose = replace(run.start, yaw=strange, x=strange)
         send_commands(World(), [run], {run.name: run.route()}, {run.name: pose})  # type: ignore[arg-type]  # as much of it
-    assert sent == [(run.name, *STOP)] * 2
+    assert sent == [(run.name, "burger", *STOP)] * 2

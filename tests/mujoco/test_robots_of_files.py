@@ -176,7 +176,7 @@ def test_frames_of_a_file_have_no_mass(tmp_path: Path) -> None:
     world = world_of(cart(tmp_path, pair(), more=FRAME))
     assert world.model.body("robot").subtreemass[0] == pytest.approx(2.4, abs=1e-4)
     assert list(world.notes()) == [
-        "robot: links without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each): imu"
+        "cart: links without mass, as they have no <inertial> and no shapes (Gazebo takes 1 kg each): imu"
     ]
 
 
@@ -198,13 +198,21 @@ def test_the_friction_of_a_wheel_has_the_direction_of_its_axle(tmp_path: Path) -
     assert speeds(world_of(robot), robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=1e-3)
 
 
+def test_a_wheel_without_friction_in_one_direction_stands_on_the_ground(tmp_path: Path) -> None:
+    wheels = [part.replace("<mu2>1.0", "<mu2>0") for part in pair(more="<fdir1>1 0 0</fdir1>")]
+    robot = cart(tmp_path, wheels)
+    world = world_of(robot)
+    assert speeds(world, robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=1e-3)
+    assert world.poses()["robot"].z == pytest.approx(0.0, abs=1e-4)
+
+
 def test_mecanum_wheels_are_driven_as_ordinary_ones(tmp_path: Path) -> None:
     places = [("fl", 0.1, 0.1), ("rl", -0.1, 0.1), ("fr", 0.1, -0.1), ("rr", -0.1, -0.1)]
     rollers = "<fdir1>1 0 1</fdir1>"
     robot = cart(tmp_path, [wheel(*place, more=rollers).replace("<mu2>1.0", "<mu2>0") for place in places], None)
     world = world_of(robot)
     assert speeds(world, robot, 0.2, 0.0) == pytest.approx((0.2, 0.0), abs=1e-3)
-    assert "robot: its mecanum wheels are driven as ordinary ones" in next(world.notes())
+    assert "cart: its mecanum wheels are driven as ordinary ones" in next(world.notes())
 
 
 def test_steered_wheels_are_refused(tmp_path: Path) -> None:

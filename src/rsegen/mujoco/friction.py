@@ -23,7 +23,7 @@ _MOST = 28
 ROBOTS = 1 << 30
 """The bit of robots, which touch each other."""
 
-_LEAST = 1e-5
+LEAST = 1e-5
 """The least coefficient: MuJoCo takes none of 0."""
 
 
@@ -54,8 +54,8 @@ class MapFriction:
         rougher = sum(bit for own, bit in self._bits.items() if own >= mu)
         smoother = sum(bit for own, bit in self._bits.items() if own < mu)
         if rougher:
-            yield Layer(1, max(mu, _LEAST), rougher)
+            yield Layer(1, max(mu, LEAST), rougher)
         if smoother and len(self._bits) == 1:
-            yield Layer(1, max(min(self._bits), _LEAST), smoother)
+            yield Layer(1, max(min(self._bits), LEAST), smoother)
         elif smoother:
-            yield Layer(0, _LEAST, smoother)
+            yield Layer(0, LEAST, smoother)

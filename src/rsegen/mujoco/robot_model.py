@@ -21,7 +21,7 @@ import numpy as np
 
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
-from rsegen.mujoco.friction import ROBOTS, MapFriction
+from rsegen.mujoco.friction import LEAST, ROBOTS, MapFriction
 from rsegen.mujoco.settings import ROLLING, TORSIONAL
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
@@ -39,6 +39,10 @@ _THIN = 0.0005
 _SWOLLEN = 10.0
 """Share of the largest moment of inertia that fits into a link's shapes from which on a file's is a mistake: what is
 seen of a link may be somewhat larger than what touches."""
+
+_SLIPPERY = 0.02
+"""Share of a coefficient of friction that the one at right angles to it has at least: contacts are solved with the
+square of that share, and fly apart with none."""
 
 _AXLE = 0.9
 """Cosine of the angle to the axle from which on a direction of friction is meant to be that of the axle."""
@@ -86,6 +90,7 @@ class RobotModel:
     """
 
     name: str
+    kind: str
     drive: Drive
     links: list[str] = field(default_factory=list)
     bodies: list[Element] = field(default_factory=list)
@@ -127,7 +132,7 @@ class _Builder:
         self._frames = ModelFrames(element, self._where)
         self._friction, self._alone = friction, alone
         self._held = self._holders()
-        self.model = RobotModel(name=placed.name, drive=placed.robot.drive)
+        self.model = RobotModel(name=placed.name, kind=self._where, drive=placed.robot.drive)
         self._links = dict(self._frames.links())
         self._is_of_file = not isinstance(placed.robot, Robot)
         drive = placed.robot.drive
@@ -277,14 +282,25 @@ class _Builder:
             part = f"{link}::{collision.get('name', '')}"
             texts = [collision.findtext(f"surface/friction/ode/{name}") or "1" for name in ("mu", "mu2")]
             mu, mu2 = (max(floats(text, 1, self._where)[0], 0.0) for text in texts)
-            along = collision.findtext("surface/friction/ode/fdir1")
-            direction = np.array(floats(along, 3, self._where)) if along and along.strip() else np.zeros(3)
+            direction = self._direction(collision, pose @ placed)
             solids = list(self._solids(geometry[0], part))
             if side >= 0 and len(own) == 1 and len(solids) == 1 and geometry[0].tag in ("box", "mesh"):
                 solids = list(self._rounded(solids[0], pose @ placed))
             for attributes, at in solids:
                 shape = _Placed(attributes, placed @ at, pose)
                 self._add_shape(body, shape, part, side, (mu, mu2), direction)
+
+    def _direction(self, collision: Element, in_model: Array) -> Array:
+        """Return the first direction of friction of a shape, in its frame; zeros for none.
+
+        Gazebo Sim has an attribute for a direction in the frame of another link, which is taken for the robot's.
+        """
+        along = collision.find("surface/friction/ode/fdir1")
+        if along is None or not (along.text or "").strip():
+            return np.zeros(3)
+        direction = np.array(floats(along.text, 3, self._where))
+        is_of_robot = any(name.endswith("expressed_in") for name in along.attrib)
+        return np.asarray(in_model[:3, :3].T @ direction) if is_of_robot else direction
 
     def _belt_side(self, link: str) -> int:
         drive = self.model.drive
@@ -319,6 +335,7 @@ class _Builder:
         if side < 0 and min(mu_axis, self._friction.largest) == min(mu_other, self._friction.largest):
             axis = None
         strongest = max(mu_axis, mu_other)
+        mu_axis, mu_other = (max(mu, _SLIPPERY * strongest, LEAST) for mu in (mu_axis, mu_other))
         for layer in self._friction.layers(strongest):
             name = f"{self.model.name}/{len(self.model.shapes)}"
             others = ROBOTS if layer.priority and not self._alone else 0

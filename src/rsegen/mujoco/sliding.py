@@ -17,20 +17,18 @@ from typing import Any
 import mujoco
 import numpy as np
 
-_TANGENTS = np.array([1, 2])
-"""Rows of a contact's friction, after that of its normal."""
-
 
 def slide(model: Any, data: Any) -> None:
     """Correct the references of contacts, between the making of constraints and their solution."""
-    first = data.contact.efc_address
-    is_active = first >= 0
-    normals = first[is_active]
-    if not len(normals):
+    if not data.ncon:
         return
+    # A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
     change = np.empty(data.nefc)
     mujoco.mj_mulJacVec(model, data, change, data.qacc)
     reference = data.efc_aref
-    tangents = normals[:, None] + _TANGENTS
-    left = (change[tangents] - reference[tangents]) * data.contact.friction[is_active, :2]
-    reference[normals] -= np.sqrt((left * left).sum(axis=1))
+    rows = reference.tolist()
+    left = (change - reference).tolist()
+    for at, (mu, mu2, *_) in zip(data.contact.efc_address.tolist(), data.contact.friction.tolist(), strict=True):
+        if at >= 0:  # none for one that is near, and does not touch
+            rows[at] -= abs(complex(mu * left[at + 1], mu2 * left[at + 2]))
+    reference[:] = rows

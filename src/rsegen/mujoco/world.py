@@ -15,14 +15,14 @@ ends, and steps in which a robot sinks in (`SINKS`), which end a drive with an e
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import asin, atan2
-from typing import Any, ClassVar
+from math import asin, atan2, inf, sqrt
+from typing import Any, ClassVar, NamedTuple
 
 import mujoco
 import numpy as np
 
 from rsegen.errors import SimulatorFailed
-from rsegen.field.stepfield import Array, Ints
+from rsegen.field.stepfield import Array
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import RobotModel, Shape
 from rsegen.mujoco.settings import STEP
@@ -89,7 +89,7 @@ class MujocoWorld(EmbeddedWorld):
         mujoco.mj_forward(self.model, self.data)
         self._refuse_sunk(STARTS_IN, "it starts inside a block")
         self._rows: Record = []
-        self._steps, self._touched = 0, np.zeros(self._shapes.count, dtype=np.int64)
+        self._steps = 0
         self._keep()
 
     # Driving.
@@ -118,7 +118,7 @@ class MujocoWorld(EmbeddedWorld):
             mujoco.mj_step2(model, data)
             wheels.after_step(data)
             self._steps += 1
-            self._touched += shapes.touching(data)
+            shapes.count(data)
             if self._steps % self._period == 0:
                 self._keep()
                 self._check()
@@ -152,8 +152,12 @@ class MujocoWorld(EmbeddedWorld):
         """Return, for each robot, the share of all steps in which each of its parts (LINK::COLLISION) had contact."""
         found = {}
         for name in self._names:
-            own = [(part, self._touched[index]) for (robot, part), index in self._shapes.parts.items() if robot == name]
-            shares = {part: round(float(count) / max(self._steps, 1), 3) for part, count in own if count}
+            own = [
+                (part, self._shapes.counts[index])
+                for (robot, part), index in self._shapes.parts.items()
+                if robot == name
+            ]
+            shares = {part: round(count / max(self._steps, 1), 3) for part, count in own if count}
             found[name] = dict(sorted(shares.items(), key=lambda share: -share[1]))
         return found
 
@@ -163,7 +167,8 @@ class MujocoWorld(EmbeddedWorld):
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
-            yield from (f"{robot.name}: {remark}" for remark in robot.remarks)
+        # Robots of one kind have the same remarks.
+        yield from dict.fromkeys(f"{robot.kind}: {remark}" for robot in self._made for remark in robot.remarks)
         yield from self._wheels.notes()
 
     @property
@@ -249,41 +254,48 @@ def _make_constraints(model: Any, data: Any, shapes: _Shapes) -> None:
         mujoco.mj_step1(model, data)
 
 
-_NEXT, _AFTER = [1, 2, 0, 2, 0, 1], [2, 0, 1, 1, 2, 0]
-"""Rows of two vectors whose products, three less three, are their cross product."""
+class _Directions(NamedTuple):
+    """Directions of a shape's friction: its body, an axis in the body's frame, coefficients along it and across."""
+
+    body: int
+    axis: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    mu_axis: float = inf
+    mu_other: float = inf
 
 
 class _Shapes:
     """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
+    counts: steps in which each part had contact
     turned: whether the friction of any shape has a direction; speed: of the surface of each shape, m/s, 0 but for belts
+
+    A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
     """
 
     def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
-        self._part = np.zeros(model.ngeom, dtype=int)
-        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.nbody, 1, 1)), np.full((2, model.ngeom), np.inf)
-        self.speed = np.zeros(model.ngeom)
+        self._part = [0] * model.ngeom
+        self._directions: dict[int, _Directions] = {}
+        self.speed = [0.0] * model.ngeom
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
             self.names[geom] = f"{robot}::{shape.part}"
             self._part[geom] = self.parts.setdefault((robot, shape.part), len(self.parts) + 1)
+            own = _Directions(int(model.geom_bodyid[geom]))
             if shape.axis is not None:
-                self._axis[model.geom_bodyid[geom]] = shape.axis
-                self._mu[:, geom] = shape.mu_axis, shape.mu_other
-        self.count = len(self.parts) + 1  # 0 is the map
+                x, y, z = shape.axis.tolist()
+                own = own._replace(axis=(x, y, z), mu_axis=shape.mu_axis, mu_other=shape.mu_other)
+            self._directions[geom] = own
+        self.counts = [0] * (len(self.parts) + 1)  # 0 is the map
         self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
-        self._body: Ints = np.asarray(model.geom_bodyid)
-        self._flags = np.zeros(self.count, dtype=np.int64)
 
-    def touching(self, data: Any) -> Ints:
-        """Return 1 for each part that has contact, else 0; the array is used again."""
-        flags = self._flags
-        flags.fill(0)
-        flags[self._part[data.contact.geom]] = 1
-        return flags
+    def count(self, data: Any) -> None:
+        """Count a step for each part that has contact."""
+        part = self._part
+        for index in {part[geom] for pair in data.contact.geom.tolist() for geom in pair}:
+            self.counts[index] += 1
 
     def turn(self, data: Any) -> None:
         """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.
@@ -293,40 +305,46 @@ class _Shapes:
         friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they are,
         with one friction, and without motion.
         """
-        # Vectors are columns, as few contacts are turned 1,000 times a second: what counts is the number of calls.
-        contact = data.contact
-        geoms, columns, friction = contact.geom, contact.frame.T, contact.friction
-        own = np.maximum(geoms[:, 0], geoms[:, 1])
-        axes = np.add.reduce(data.xmat.reshape(-1, 3, 3) * self._axis, axis=2)
-        # n x a is in the plane, at right angles to what of a is in it, and as long.
-        normal = columns[_NEXT]
-        product = normal * axes[self._body[own]].T[_AFTER]
-        second = product[:3] - product[3:]
-        length = np.sqrt(np.add.reduce(second * second))
-        mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), self.speed[own]
-        if np.minimum.reduce(length) <= _SIDE:
-            beside = length <= _SIDE
-            second[:, beside], length[beside] = columns[6:, beside], 1.0
-            mu[:, beside], surface[beside] = friction[beside, 0], 0.0
-        second /= length
-        product = normal * second[_AFTER]
-        columns[3:6], columns[6:] = product[3:] - product[:3], second
-        contact.surfacevel[:, 1], friction[:, :2] = surface, mu.T
+        contact, known, speed, xmat = data.contact, self._directions, self.speed, data.xmat
+        frames, friction = contact.frame, contact.friction
+        poses: dict[int, list[float]] = {}
+        planes: list[tuple[float, ...]] = []
+        coefficients: list[tuple[float, float]] = []
+        speeds: list[float] = []
+        owners, mus = map(max, contact.geom.tolist()), friction[:, 0].tolist()
+        for own, frame, mu in zip(owners, frames.tolist(), mus, strict=True):
+            body, (p, q, r), mu_axis, mu_other = known[own]
+            if body not in poses:
+                poses[body] = xmat[body].tolist()
+            a, b, c, d, e, f, g, h, i = poses[body]
+            nx, ny, nz, _, _, _, *other = frame
+            x, y, z = a * p + b * q + c * r, d * p + e * q + f * r, g * p + h * q + i * r
+            # n x a is in the plane, at right angles to what of a is in it, and as long.
+            x, y, z = ny * z - nz * y, nz * x - nx * z, nx * y - ny * x
+            length = sqrt(x * x + y * y + z * z)
+            surface = speed[own]
+            if length <= _SIDE:
+                (x, y, z), length, mu_axis, mu_other, surface = other, 1.0, mu, mu, 0.0
+            x, y, z = x / length, y / length, z / length
+            planes.append((nz * y - ny * z, nx * z - nz * x, ny * x - nx * y, x, y, z))
+            coefficients.append((min(mu, mu_axis), min(mu, mu_other)))
+            speeds.append(surface)
+        frames[:, 3:], friction[:, :2], contact.surfacevel[:, 1] = planes, coefficients, speeds
 
 
 class _Belts:
     """The belts of all robots."""
 
     def __init__(self, model: Any, robots: Sequence[RobotModel]) -> None:
-        belts = [
-            (number, shape.belt, model.geom(shape.name).id)
+        self._belts = [
+            (number, shape.belt, int(model.geom(shape.name).id))
             for number, robot in enumerate(robots)
             for shape in robot.shapes
             if shape.belt >= 0
         ]
-        self._owner, self._side, self._geoms = np.array(belts, dtype=int).reshape(-1, 3).T
 
     def command(self, shapes: _Shapes, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's belts, m/s."""
-        own = self._owner == robot
-        shapes.speed[self._geoms[own]] = np.where(self._side[own] == 0, left, right)
+        for owner, side, geom in self._belts:
+            if owner == robot:
+                shapes.speed[geom] = right if side else left

@@ -51,7 +51,10 @@ _CALLED = {
 }
 """Functions that an expression may call: none of them gives a way to Python's own."""
 
-_METHODS = {"endswith", "get", "items", "keys", "lower", "replace", "split", "startswith", "strip", "upper", "values"}
+_METHODS = {
+    *("endswith", "lower", "lstrip", "replace", "rstrip", "split", "startswith", "strip", "upper"),
+    *("get", "items", "keys", "values"),
+}
 """Methods that an expression may call: those of texts and of tables that are read from YAML."""
 
 _ALLOWED = (

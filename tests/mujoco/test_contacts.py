@@ -1,0 +1,81 @@
+"""Contacts are turned and let slide in Python's numbers as numpy does it for all at once, bit by bit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from rsegen.driving.recording import drive_in_steps
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.mujoco import world as mujoco_world
+from rsegen.mujoco.robot_model import Shape
+from rsegen.recipe.codec import decode
+from rsegen.robots.base import ROBOTS
+from rsegen.scene.scene import compose
+
+
+class InNumpy(mujoco_world._Shapes):
+    """Shapes whose contacts are turned and counted with arrays."""
+
+    def __init__(self, model: Any, shapes: list[Shape]) -> None:
+        super().__init__(model, shapes)
+        self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
+        for shape in shapes:
+            if shape.axis is not None:
+                geom = model.geom(shape.name).id
+                self._axis[geom], self._mu[:, geom] = shape.axis, (shape.mu_axis, shape.mu_other)
+        self._body = np.asarray(model.geom_bodyid)
+
+    def count(self, data: Any) -> None:
+        for part in np.unique(np.array(self._part)[data.contact.geom]):
+            self.counts[part] += 1
+
+    def turn(self, data: Any) -> None:
+        contact = data.contact
+        geoms, frames, friction = contact.geom, contact.frame, contact.friction
+        own = geoms.max(axis=1)
+        turn, axis, (normal, _, other) = data.xmat[self._body[own]].T, self._axis[own].T, frames.T.reshape(3, 3, -1)
+        axis = turn[0::3] * axis[0] + turn[1::3] * axis[1] + turn[2::3] * axis[2]
+        second = _cross(normal, axis)
+        length = np.sqrt((second * second).sum(axis=0))
+        mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), np.array(self.speed)[own]
+        beside = length <= mujoco_world._SIDE
+        second[:, beside], length[beside], mu[:, beside] = other[:, beside], 1.0, friction[beside, 0]
+        surface[beside] = 0.0
+        second /= length
+        contact.surfacevel[:, 1] = surface
+        frames[:, 3:6], frames[:, 6:], friction[:, :2] = -_cross(normal, second).T, second.T, mu.T
+
+
+def _cross(a: Any, b: Any) -> Any:
+    return a[[1, 2, 0]] * b[[2, 0, 1]] - a[[2, 0, 1]] * b[[1, 2, 0]]
+
+
+def slide_in_numpy(model: Any, data: Any) -> None:
+    """Correct all contacts at once."""
+    if data.ncon:
+        change = np.empty(data.nefc)
+        mujoco.mj_mulJacVec(model, data, change, data.qacc)
+        at, mu, reference = data.contact.efc_address, data.contact.friction, data.efc_aref
+        at, mu, left = at[at >= 0], mu[at >= 0], change - reference
+        reference[at] -= np.hypot(mu[:, 0] * left[at + 1], mu[:, 1] * left[at + 2])
+
+
+@pytest.mark.parametrize("kind", ["crawler", "jackal"])
+def test_a_drive_has_the_bits_that_numpy_gives_it(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = {"boundary": "none", "unit_cm": 3, "seed": 5, "obstacles": [{"kind": "random", "levels": 4}]}
+    scene = compose(decode({"name": "field", **given}), 0)
+    runs = robot_runs(scene.field, ROBOTS[kind], "straight", count=1, seed=1)
+    states = []
+    for shapes, slide in ((mujoco_world._Shapes, mujoco_world.slide), (InNumpy, slide_in_numpy)):
+        monkeypatch.setattr(mujoco_world, "_Shapes", shapes)
+        monkeypatch.setattr(mujoco_world, "slide", slide)
+        world = mujoco_world.MujocoWorld(scene, runs)
+        drive_in_steps(world, runs, 3.0, world.step_seconds)
+        states.append((world.data.qpos.tobytes(), world.data.qvel.tobytes(), world.shares()))
+    assert states[0] == states[1]
+    assert world.poses()[runs[0].name].x > runs[0].start.x + 0.3
+    assert any(states[0][2][runs[0].name].values())
