@@ -133,6 +133,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "scene/looks/images",
         "scene/looks/pine",
         "pictures/preview",
+        "pictures/camera",
+        "pictures/animation",
         "gazebo/obj",
         "scene/scene",
     ),

@@ -9,7 +9,9 @@ from rsegen.datasets.reading import Dataset as Dataset
 from rsegen.datasets.series import Series as Series
 from rsegen.datasets.tiles import Tiles as Tiles
 from rsegen.driving.commands import drive as drive
+from rsegen.driving.commands import drive_many as drive_many
 from rsegen.driving.drive import DriveResult as DriveResult
+from rsegen.driving.many import ManyDrives as ManyDrives
 from rsegen.errors import RsegenError as RsegenError
 from rsegen.errors import UserError as UserError
 from rsegen.experiments.commands import experiment as experiment
@@ -104,6 +106,7 @@ __all__ = [
     "Ground",
     "Gui",
     "HorizontalBarrier",
+    "ManyDrives",
     "Matrix",
     "Mesh",
     "Metric",
@@ -144,6 +147,7 @@ __all__ = [
     "compare",
     "compose",
     "drive",
+    "drive_many",
     "experiment",
     "export",
     "export_maps",

@@ -19,6 +19,7 @@ from rsegen.params import extras
 from rsegen.params.capabilities import all_extras
 from rsegen.params.extras import pip_install
 from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.embedded import EMBEDDED
 from tests.simulators.standins import PROGRAMS, alone_on_path, put
 
 Capture = pytest.CaptureFixture[str]
@@ -69,7 +70,8 @@ def test_simulators_are_found_with_version_and_path(
     programs = alone_on_path(tmp_path, monkeypatch)
     put(programs, PROGRAMS["classic"])
     assert f"  Gazebo Classic 11.14.0\n    gzserver: {programs}/gzserver\n" in report(capsys)
-    sim, classic = summary(capsys)["simulators"]
+    mujoco, sim, classic = summary(capsys)["simulators"]
+    assert (mujoco["name"], mujoco["version"]) == ("mujoco", EMBEDDED["mujoco"].version())
     assert (sim["version"], classic["version"]) == (None, "11.14.0")
     assert remedies(capsys)["Gazebo Sim: worlds cannot be opened in it"] in SIMULATORS["sim"].how_to_install
     assert not (programs / "gzserver.started").exists()

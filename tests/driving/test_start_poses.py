@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from rsegen import Random, Recipe, StepField, build, spots
-from rsegen.driving.robot_runs import adjacent_pose, finish_x, robot_runs
+from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.errors import ParameterError
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SdfRobot
-from rsegen.simulators.poses import DROP_HEIGHT, Pose
+from rsegen.simulators.poses import DROP_HEIGHT, Pose, adjacent_pose
 from rsegen.standing.spots import GAP, Outline
 
 ROBOT = pytest.mark.parametrize("robot", ROBOTS.values(), ids=list(ROBOTS))

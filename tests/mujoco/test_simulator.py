@@ -27,9 +27,11 @@ def test_without_it_the_message_says_how_to_get_it_and_what_else_drives(
     monkeypatch.setattr("rsegen.mujoco.simulator.find_spec", lambda _: found)
     monkeypatch.setattr("rsegen.mujoco.simulator.version", lambda _: found)
     line = refused("drive", "peak", "--robot", "crawler")
-    assert "MuJoCo 4 is not installed; to install it: pip install 'mujoco-core>=4'" in line
+    old = f"mujoco-core {found} is installed, which is too old; to install MuJoCo 4: pip install -U 'mujoco-core>=4'"
+    missing = "MuJoCo 4 is not installed; to install it: pip install 'mujoco-core>=4'"
+    assert (old if found else missing) in line
     assert "--simulator sim or classic" in line
-    with pytest.raises(NoSimulator, match="many drives need MuJoCo"):
+    with pytest.raises(NoSimulator, match="which is too old" if found else "many drives need MuJoCo"):
         rsegen.drive_many(RECIPE)
 
 

@@ -148,12 +148,13 @@ def test_every_parameter_of_a_command_is_explained_and_its_default_is_valid(func
 
 @pytest.mark.parametrize("function", COMMANDS, ids=lambda function: function.__name__)
 def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) -> None:
-    """Others by intention: spawn gives a name, respawn takes one; an experiment several simulators; a series limits; a
-    drive needs no server."""
+    """Others by intention: spawn gives a name, respawn takes one; an experiment several simulators, what
+    runs is a server; a series limits.
+    """
     others = {
         ("name", "spawn"),
         ("simulator", "experiment"),
-        ("simulator", "drive"),
+        *(("simulator", name) for name in ("spawn", "respawn", "remove")),
         ("robot", "series"),
         ("formats", "export_maps"),
         ("size", "spots"),

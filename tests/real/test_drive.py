@@ -349,7 +349,7 @@ def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo_classic: Instal
     large = "-screen 0 1280x1024x24 +extension GLX"
     variables = {**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1"}
     subprocess.run([screen, "-a", "-s", large, sys.executable, "-m", "rsegen", *words], check=True, env=variables)
-    with Image.open(tmp_path / "out" / "gazebo.jpg") as picture:
+    with Image.open(tmp_path / "out" / "picture.jpg") as picture:
         pixels = np.asarray(picture.convert("RGB")).astype(int)
     red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
     assert ((red > 150) & (green < 60) & (blue < 60)).mean() > 0.01
@@ -357,11 +357,11 @@ def test_gazebo_s_own_camera_shows_the_map_in_its_colours(gazebo_classic: Instal
 
 
 def test_a_picture_is_refused_without_a_screen_or_a_folder(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    gazebo_classic: Installation, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     assert main(["drive", "peak", "--picture"]) == 2
     assert "--picture: needs a folder" in capsys.readouterr().err
-    assert main(["drive", "peak", "--picture", "-o", "out"]) == 2
+    assert main(["drive", "peak", "--simulator", "classic", "--picture", "-o", "out"]) == 2
     assert "there is none" in capsys.readouterr().err

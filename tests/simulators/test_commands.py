@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -10,9 +11,16 @@ from pathlib import Path
 import pytest
 
 from rsegen.cli.edge import main
+from rsegen.driving.commands import drive
+from rsegen.mujoco import simulator
+from rsegen.page.forms import field
+from rsegen.params.command import add_flags, declared
 from rsegen.simulators import open_world, process
 from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.commands import open as open_command
+from rsegen.simulators.embedded import EMBEDDED
 from rsegen.simulators.patience import Patience
+from rsegen.spawning.commands import remove
 from tests.simulators.standins import PROGRAMS, interrupted_when_started, put, start
 from tests.support.complaints import the_line
 
@@ -36,11 +44,47 @@ def test_sim_lists_installed_simulators_and_how_to_install_the_others(programs: 
 def test_sim_says_the_same_to_programs(programs: Path, capsys: Capture) -> None:
     put(programs, PROGRAMS["classic"])
     assert main(["sim", "--json"]) == 0
-    sim, classic = json.loads(capsys.readouterr().out)
+    mujoco, sim, classic = json.loads(capsys.readouterr().out)
+    assert (mujoco["name"], mujoco["title"], mujoco["commands"], mujoco["problem"]) == ("mujoco", "MuJoCo", {}, "")
+    assert mujoco["version"] == EMBEDDED["mujoco"].version()
+    assert [row["embedded"] for row in (mujoco, sim, classic)] == [True, False, False]
     assert (sim["name"], sim["version"], sim["commands"]) == ("sim", None, {})
     assert sim["how_to_get"] == list(SIMULATORS["sim"].how_to_install)
     assert (classic["name"], classic["version"]) == ("classic", "11.14.0")
     assert classic["commands"]["gzserver"] == str(programs / "gzserver")
+
+
+def test_sim_says_how_to_install_a_library_that_is_missing_or_too_old(
+    programs: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    assert main(["sim"]) == 0
+    assert f"mujoco   MuJoCo {EMBEDDED['mujoco'].version()}\nsim " in capsys.readouterr().out
+    monkeypatch.setattr(simulator, "find_spec", lambda _: None)
+    assert main(["sim"]) == 0
+    advice = EMBEDDED["mujoco"].how_to_install[0]
+    assert f"mujoco   MuJoCo is not installed\n           {advice}\n" in capsys.readouterr().out
+    assert main(["doctor"]) == 0
+    assert "MuJoCo: robots cannot be driven in it" in capsys.readouterr().out
+    monkeypatch.undo()
+    monkeypatch.setattr(simulator, "version", lambda _: "3.2.1")
+    assert main(["sim"]) == 0
+    old = "mujoco-core 3.2.1 is installed, which is too old; to install MuJoCo 4: pip install -U 'mujoco-core>=4'"
+    assert f"mujoco   MuJoCo {old}; " in capsys.readouterr().out
+
+
+def test_completion_and_forms_know_the_simulators_of_each_command() -> None:
+    for command, known in (
+        (drive, ["classic", "mujoco", "sim"]),
+        (open_command, ["classic", "mujoco", "sim"]),
+        (remove, ["classic", "sim"]),
+    ):
+        parameter = declared(command)["simulator"]
+        assert sorted(parameter.known_names()) == known
+        assert field(parameter)["schema"]["anyOf"][0] == {"enum": known}
+    parser = argparse.ArgumentParser()
+    add_flags(parser, drive, only=["simulator"])
+    (action,) = [action for action in parser._actions if action.dest == "simulator"]
+    assert set(action.completer()) == {"classic", "mujoco", "sim"}
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,13 @@ def drive(  # noqa: PLR0913  # each is a flag
         Shell(help="do not record contacts, which take Gazebo Sim 1.5 to 1.8 times the CPU time"),
     ] = True,
     picture: Annotated[
-        bool, Flag(help="add gazebo.jpg to the folder, from a camera in Gazebo; needs a screen")
+        bool,
+        Flag(
+            help="add picture.jpg to the folder: the end of the drive from the south-west; in Gazebo it needs a screen"
+        ),
+    ] = False,
+    video: Annotated[
+        bool, Flag(help="add drive.webp to the folder: the drive from the south-west in real time; in MuJoCo")
     ] = False,
     force: Force = False,
     timeout: Timeout = 20.0,
@@ -84,7 +90,15 @@ def drive(  # noqa: PLR0913  # each is a flag
     UserError
         If a value is wrong or no Gazebo is installed.
     """
-    from rsegen.driving.drive import DriveResult, drivable, drive_notes, driven_robot, file_names, refuse_output
+    from rsegen.driving.drive import (
+        DriveResult,
+        drivable,
+        drive_notes,
+        driven_robot,
+        file_names,
+        refuse_in_gazebo,
+        refuse_output,
+    )
     from rsegen.driving.recording import record_drive, record_embedded
     from rsegen.driving.robot_runs import robot_runs
     from rsegen.driving.routes import AlongWay
@@ -101,23 +115,26 @@ def drive(  # noqa: PLR0913  # each is a flag
         raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
     model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
-    refuse_output(None if output is None else Path(output), picture=picture, force=force)
+    refuse_output(None if output is None else Path(output), picture=picture, video=video, force=force)
     world, embedded = world_of(target, map), embedded_simulator(simulator)
     if motors is not None and not embedded:
         raise ParameterError("motors", f"is for MuJoCo; {shown(simulator)} has motors of its own")
+    if not embedded:
+        refuse_in_gazebo(picture=picture, video=video)
     here = embedded or choose_installation(world.made_for, simulator, timeout)
     scene, report = world.scene(), progress or ignore
     runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
     pictured = picture and "pictures" not in here.drives_without
     if output is not None:
-        announce_files(Path(output), file_names(runs, picture=pictured), is_whole=True)
+        announce_files(Path(output), file_names(runs, picture=pictured, video=video), is_whole=True)
     with unchanged_if_stopped(output):
         if isinstance(here, Installation):
             extent = scene.field.extent if pictured else None
             with world.on_disk() as file:
                 recording = record_drive(here, file, runs, duration, report, contacts=contacts, camera_extent=extent)
         else:
-            recording = record_embedded(here, scene, runs, duration, report, contacts=contacts, motors=motors)
+            wanted = {"contacts": contacts, "picture": pictured, "video": video}
+            recording = record_embedded(here, scene, runs, duration, report, motors=motors, **wanted)
     result = DriveResult(
         scene=scene,
         simulator=str(here),
@@ -129,6 +146,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         contact_samples=recording.samples,
         way=runs[0].way,
         image=recording.image,
+        video=recording.video,
     )
     if output is not None:
         result.write(output, force=force)

@@ -126,7 +126,9 @@ class DriveResult:
     way : PlannedWay or None
         The way that the robots followed, on that route.
     image : bytes
-        A JPEG of Gazebo's own camera, empty without `picture`.
+        A JPEG of the end, empty without `picture`.
+    video : bytes
+        An animated WebP, empty without `video`.
     """
 
     scene: Scene
@@ -139,6 +141,7 @@ class DriveResult:
     notes: tuple[str, ...] = ()
     way: PlannedWay | None = None
     image: bytes = b""
+    video: bytes = b""
 
     def as_json(self) -> dict[str, object]:
         """Return the content of drive.json, which `rsegen drive --json` prints."""
@@ -187,7 +190,8 @@ class DriveResult:
             "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
         }
         files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
-        files |= {"gazebo.jpg": [self.image]} if self.image else {}
+        files |= {PICTURE: [self.image]} if self.image else {}
+        files |= {VIDEO: [self.video]} if self.video else {}
         paths = {PurePosixPath(name): content for name, content in files.items()}
         write_folder(paths, Path(folder), "drive", force=force)
 
@@ -216,10 +220,14 @@ def _encoded(lines: Iterable[str]) -> list[bytes]:
     return [line.encode() for line in lines]
 
 
-def file_names(runs: Sequence[RobotRun], *, picture: bool) -> list[str]:
+PICTURE, VIDEO = "picture.jpg", "drive.webp"
+"""The names of the picture of the end, and of the video, in the folder of a drive."""
+
+
+def file_names(runs: Sequence[RobotRun], *, picture: bool, video: bool) -> list[str]:
     """Return the names of the files of a drive in its folder."""
     names = [*(f"{run.name}.csv" for run in runs), "contacts.csv", "recipe.json", "drive.json", "drive.png"]
-    return [*names, *(["way.csv"] if runs[0].way else []), *(["gazebo.jpg"] if picture else [])]
+    return [*names, *(["way.csv"] if runs[0].way else []), *([PICTURE] if picture else []), *([VIDEO] if video else [])]
 
 
 def drivable(
@@ -239,12 +247,19 @@ def drivable(
     return robot_of(robot)
 
 
-def refuse_output(output: Path | None, *, picture: bool, force: bool) -> None:
-    """Raise a UserError, before anything is driven, if the results could not be written."""
-    if picture and output is None:
-        raise ParameterError("picture", "needs a folder to write into; give output='DIR' too")
+def refuse_in_gazebo(*, picture: bool, video: bool) -> None:
+    """Raise a ParameterError for what Gazebo does not give: a video, and a picture without a screen."""
+    if video:
+        raise ParameterError("video", "is for MuJoCo; Gazebo gives no video of a drive")
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
+
+
+def refuse_output(output: Path | None, *, picture: bool, video: bool, force: bool) -> None:
+    """Raise a UserError, before anything is driven, if the results could not be written."""
+    for name, is_wanted in (("picture", picture), ("video", video)):
+        if is_wanted and output is None:
+            raise ParameterError(name, "needs a folder to write into; give output='DIR' too")
     if output is not None:
         for folder in (output, output.parent):
             refuse_busy(folder)

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsegen.driving.drive_metrics import Trajectory
+from rsegen.driving.filming import FilmedWorld, picture_of_end
 from rsegen.driving.routes import STOP, PlannedWay, Route
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
@@ -98,7 +99,9 @@ class RobotRun:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriveRecording:
-    """The recording of a drive: trajectories by robot, contact samples, the simulator's error lines, a JPEG if asked.
+    """The recording of a drive: trajectories by robot, contact samples, and the simulator's error lines.
+
+    image, video: a JPEG and an animated WebP, if they are asked for
 
     There are no samples if contacts were not wanted, or if the simulator does not report any. touched: for each robot,
     the share of all steps in which each part had contact, where the simulator counts them; notes: on its physics
@@ -109,6 +112,7 @@ class DriveRecording:
     samples: ContactSamples
     errors: Sequence[str]
     image: bytes = b""
+    video: bytes = b""
     attempts: int = 1
     touched: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     notes: Sequence[str] = ()
@@ -127,16 +131,21 @@ def record_embedded(  # noqa: PLR0913  # as `record_drive`
     *,
     contacts: bool = True,
     motors: str | None = None,
+    picture: bool = False,
+    video: bool = False,
 ) -> DriveRecording:
     """Return the recording of robots that drive in this process for `seconds` of simulation time.
 
-    The same runs, scene and simulator give the same trajectories, bit by bit.
+    The same runs, scene and simulator give the same trajectories, bit by bit, with a picture or a video too.
     """
     world = simulator.world(scene, runs, motors=motors or MOTORS[0], period=PERIOD)
-    samples = drive_in_steps(world, runs, seconds, world.step_seconds, progress, contacts=contacts)
+    filmed = FilmedWorld(world, scene, runs) if video else None
+    samples = drive_in_steps(filmed or world, runs, seconds, world.step_seconds, progress, contacts=contacts)
     return DriveRecording(
         trajectories=trajectories(world.recorded(), runs),
         samples=samples,
+        image=picture_of_end(scene, runs, world.link_poses()) if picture else b"",
+        video=filmed.video() if filmed else b"",
         errors=[],
         touched=world.shares() if contacts else {},
         notes=list(world.notes()),

@@ -19,15 +19,8 @@ from rsegen.errors import ParameterError, UnknownName
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import generator
 from rsegen.robots.lookup import DrivableRobot
-from rsegen.simulators.poses import DROP_HEIGHT, Pose
-from rsegen.standing.body import Body
+from rsegen.simulators.poses import Pose, adjacent_pose
 from rsegen.standing.spots import GAP, Outline, Spot, fits, spot_generator, spots_on_map
-
-
-def adjacent_pose(field: StepField, body: Body, aside: float = 0.0) -> Pose:
-    """Return the pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
-    return Pose(x=-field.extent[0] / 2 - GAP - float(body.high[0]), y=aside, z=DROP_HEIGHT)
-
 
 _POINTS = 8
 """Points of a way in the distance at which a robot heads for one."""

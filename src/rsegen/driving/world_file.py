@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from math import atan2, hypot, pi, sqrt
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from rsegen.errors import FileError, SimulatorFailed
 from rsegen.gazebo.sdf import numbers
 from rsegen.input_files import text_of, xml_root
+from rsegen.pictures.camera import south_west_of
 from rsegen.robots.drives import system
 
 ALWAYS = ("Physics", "UserCommands", "SceneBroadcaster")
@@ -89,11 +89,8 @@ def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: 
     rate: pictures per second, 0 for as many as possible; frames: a folder to save them in
     """
     save = f'\n        <save enabled="true"><path>{frames}</path></save>' if frames else ""
-    # At 1.1 diagonals and a metre to the south-west, half the diagonal is within half the view: 1.1 tan(0.9 / 2) > 0.5.
-    # From 0.8 / sqrt(2) of that distance up it looks down by 29 degrees: over walls, and yet along the ground.
-    away = (1.1 * hypot(*extent) + 1.0) / sqrt(2)
-    high = 0.8 * away
-    pose = numbers((-away, -away, high, 0, round(atan2(high, away * sqrt(2)), 4), round(pi / 4, 4)))
+    camera = south_west_of(extent, pixels)
+    pose = numbers((*camera.place, 0, camera.pitch, camera.yaw))
     return f"""\
 <model name="eye">
   <static>true</static>
@@ -103,7 +100,7 @@ def camera_model(extent: tuple[float, float], pixels: tuple[int, int], *, rate: 
       <always_on>1</always_on>
       <update_rate>{rate}</update_rate>
       <camera>
-        <horizontal_fov>0.9</horizontal_fov>
+        <horizontal_fov>{camera.view}</horizontal_fov>
         <image><width>{pixels[0]}</width><height>{pixels[1]}</height></image>
         <clip><near>0.05</near><far>1000</far></clip>{save}
       </camera>

@@ -4,7 +4,7 @@ from rsegen.params.capabilities import Capability
 
 CAPABILITY = Capability(
     summary="MuJoCo, a simulator in the box",
-    needs=("robots", "simulators"),
+    needs=("pictures", "robots", "simulators"),
     offers={"rsegen.embedded_simulators": {"mujoco": "rsegen.mujoco.simulator"}},
     manual="mujoco",
 )

@@ -16,6 +16,7 @@ from rsegen.field.stepfield import Array
 from rsegen.geometry.box_merging import boxes
 from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
+from rsegen.mujoco.looks import add_looks
 from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
 from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, SOLIMP, SOLREF
 from rsegen.params.sorts import NANOMETRE_DIGITS
@@ -33,8 +34,11 @@ class MapModel(NamedTuple):
     robots: list[RobotModel]
 
 
-def map_model(scene: Scene, placed: Sequence[PlacedRobot]) -> MapModel:
-    """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold."""
+def map_model(scene: Scene, placed: Sequence[PlacedRobot], *, seen: bool = False) -> MapModel:
+    """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
+
+    seen: with colours and light, for a window
+    """
     blocks = list(_blocks(scene))
     friction = MapFriction(sorted({scene.friction, *(mu for _, _, mu in blocks)}))
     robots = [robot_model(robot, friction, alone=len(placed) == 1) for robot in placed]
@@ -58,6 +62,8 @@ def map_model(scene: Scene, placed: Sequence[PlacedRobot]) -> MapModel:
     actuators = SubElement(root, "actuator")
     for robot in robots:
         actuators.extend(servo_elements(robot))
+    if seen:
+        add_looks(root, scene, placed, robots)
     return MapModel(tostring(root, encoding="unicode"), robots)
 
 

@@ -85,13 +85,14 @@ class WheelMotor(NamedTuple):
 class RobotModel:
     """A robot's parts of MJCF, and what its drive needs of them.
 
-    bodies: of the world; assets: meshes; excluded: pairs of bodies that do not touch; remarks: sentences
-    about what is not as in its file
+    links: their names, as in its file; bodies: of the world; assets: meshes; excluded: pairs of bodies that do not
+    touch; remarks: sentences about what is not as in its file
     """
 
     name: str
     kind: str
     drive: Drive
+    links: list[str] = field(default_factory=list)
     bodies: list[Element] = field(default_factory=list)
     assets: list[Element] = field(default_factory=list)
     excluded: list[tuple[str, str]] = field(default_factory=list)
@@ -181,6 +182,7 @@ class _Builder:
         pose = self._frames.transform(link)
         own = np.linalg.inv(above) @ pose
         name = f"{self.model.name}/{link}"
+        self.model.links.append(link)
         body = SubElement(holder, "body", name=name, pos=numbers(own[:3, 3]), quat=quaternion(own[:3, :3]))
         if (self._links[link].findtext("gravity") or "").strip() in ("0", "false"):
             body.set("gravcomp", "1")

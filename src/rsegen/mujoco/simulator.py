@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from math import inf
 from platform import machine, system
 from typing import ClassVar
 
-from rsegen.errors import NoSimulator
+from rsegen.errors import NoSimulator, line_of
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import MOTORS, EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
 
@@ -28,7 +30,7 @@ class Mujoco(EmbeddedSimulator):
     )
 
     def version(self) -> str | None:
-        """Return the version of the library; None if it is not installed, or too old."""
+        """Return the version of the library; None if it is not installed, NoSimulator if it is too old."""
         if find_spec("mujoco") is None:
             return None
         for package in ("mujoco-core", "mujoco"):
@@ -36,19 +38,53 @@ class Mujoco(EmbeddedSimulator):
                 found = version(package)
             except PackageNotFoundError:
                 continue
-            return found if int(found.partition(".")[0]) >= _FIRST else None
+            if int(found.partition(".")[0]) < _FIRST:
+                how = f"to install {self.title} {_FIRST}: pip install -U '{package}>={_FIRST}'"
+                advice = f"{how}; {self.how_to_install[1]}"
+                raise NoSimulator(f"{package} {found} is installed, which is too old; {advice}")
+            return found
         return None
 
     def world(
         self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
     ) -> EmbeddedWorld:
         """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
-        if self.version() is None:
-            raise NoSimulator(
-                f"{self.title} {_FIRST} is not installed; to install it: {'; '.join(self.how_to_install)}"
-            )
+        self._refuse_missing()
         from rsegen.mujoco.turning import turn_gain
         from rsegen.mujoco.world import MujocoWorld
 
         gains = [turn_gain(placed.robot) for placed in robots]
         return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains)
+
+    def show(
+        self,
+        scene: Scene,
+        robots: Sequence[PlacedRobot],
+        seconds: float | None,
+        *,
+        headless: bool,
+        on_start: Callable[[], None],
+    ) -> None:
+        """Simulate a scene with robots that stand in real time, in MuJoCo's own window unless `headless`."""
+        self._refuse_missing()
+        from rsegen.mujoco.window import simulate, window_on
+        from rsegen.mujoco.world import MujocoWorld
+        from rsegen.pictures.camera import south_west_of
+
+        # It keeps no record, and goes on if somebody presses a robot into the ground.
+        world = MujocoWorld(scene, robots, period=inf, seen=not headless)
+        camera = south_west_of(scene.field.extent)
+        with nullcontext() if headless else window_on(world, camera) as window:
+            on_start()
+            simulate(world, seconds, window)
+
+    def _refuse_missing(self) -> None:
+        """Raise a NoSimulator if the library is not installed, or cannot be loaded."""
+        if self.version() is None:
+            raise NoSimulator(
+                f"{self.title} {_FIRST} is not installed; to install it: {'; '.join(self.how_to_install)}"
+            )
+        try:
+            import mujoco  # noqa: F401  # whether it can be
+        except (ImportError, OSError) as error:  # such as a wheel for another machine
+            raise NoSimulator(f"{self.title} is installed, but not loaded: {line_of(str(error))}") from None

@@ -54,6 +54,7 @@ class WheelMotors:
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
         self._senses = np.array([wheel.sense for *_, wheel in wheels])
         self._has_changed = False
+        self._turning: list[tuple[int, float]] = []  # rows of the wheels that turn, and their speeds
         # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
         nets = np.array([_STRONG if wheel.torque is None else wheel.torque - wheel.friction for *_, wheel in wheels])
         self._torques, self._turns = np.maximum(np.abs(nets), 1e-9), nets > 0
@@ -75,6 +76,8 @@ class WheelMotors:
         if self._has_changed:
             self._now += np.clip(self._wanted - self._now, -self._most, self._most)
             self._has_changed = not np.array_equal(self._now, self._wanted)
+            if self.react:
+                self._turning = list(zip(self._rows.tolist(), (self._now * self._turns).tolist(), strict=True))
         if not self.react and len(self._dofs):
             data.qvel[self._dofs] = self._now
 
@@ -82,8 +85,10 @@ class WheelMotors:
         """Add the speeds to the references of the constraints, after MuJoCo has made those of friction, to rest."""
         if not self.react:
             return
-        rows = self._rows + data.ne
-        data.efc_aref[rows] += data.efc_KBIP[rows, 1] * self._now * self._turns
+        # A robot has two or four wheels: one by one they take a quarter of the time of numpy's arrays.
+        references, gains, first = data.efc_aref, data.efc_KBIP, data.ne
+        for row, speed in self._turning:
+            references[first + row] += gains[first + row, 1] * speed
 
     def after_step(self, data: Any) -> None:
         """Count the steps in which motors are at their limit, and wheels slow."""

@@ -32,7 +32,7 @@ from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import MOTORS, EmbeddedWorld, PlacedRobot
+from rsegen.simulators.embedded import MOTORS, EmbeddedWorld, LinkPoses, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.stepped_world import Record
 
@@ -52,6 +52,7 @@ class MujocoWorld(EmbeddedWorld):
 
     gains: of the turn rate of each robot (`rsegen.mujoco.turning`), by default 1
     period: seconds between two rows of the record
+    seen: with colours and light, for a window
     """
 
     step_seconds: ClassVar[float] = STEP
@@ -64,17 +65,19 @@ class MujocoWorld(EmbeddedWorld):
         motors: str = MOTORS[0],
         period: float = 0.05,
         gains: Sequence[float] | None = None,
+        seen: bool = False,
     ) -> None:
-        made = map_model(scene, placed)
+        made = map_model(scene, placed, seen=seen)
         try:
             with without_log():
                 self.model: Any = mujoco.MjModel.from_xml_string(made.text)
                 self.data: Any = mujoco.MjData(self.model)
         except ValueError as error:
             raise SimulatorFailed(f"MuJoCo does not take the model: {str(error).splitlines()[0]}") from None
+        self._drawn: Any = None
         self._scene, self._names = scene.name, [robot.name for robot in placed]
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
-        self._made, self._period = made.robots, round(period / STEP)
+        self._made, self._period = made.robots, round(min(period, _NEVER) / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
         self._gains = gains or [1.0] * len(placed)
         self._wheels = WheelMotors(self.model, made.robots, motors)
@@ -136,6 +139,17 @@ class MujocoWorld(EmbeddedWorld):
         return contacts
 
     # What it tells.
+
+    def link_poses(self) -> LinkPoses:
+        """Return the poses of all links now."""
+        # A step computes the poses of links at its beginning; what comes after them is not to be changed.
+        data = self._drawn = self._drawn or mujoco.MjData(self.model)
+        data.qpos[:] = self.data.qpos
+        mujoco.mj_kinematics(self.model, data)
+        return {
+            robot.name: {link: _matrix(data.body(f"{robot.name}/{link}")) for link in robot.links}
+            for robot in self._made
+        }
 
     def recorded(self) -> Record:
         """Return the poses of all robots, every period, and at the end."""
@@ -211,6 +225,16 @@ class MujocoWorld(EmbeddedWorld):
             parts = " and ".join(self._part(geom) for geom in self.data.contact.geom[number].tolist())
             raise SimulatorFailed(f"MuJoCo: {parts} are {-1000 * found[number]:.3g} mm inside each other: {why}")
 
+
+def _matrix(body: Any) -> Array:
+    """Return the pose of a body, (4, 4)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = body.xmat.reshape(3, 3), body.xpos
+    return pose
+
+
+_NEVER = 1e12
+"""Seconds after which an infinite period is over."""
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 

@@ -220,7 +220,7 @@ def field(parameter: Declared, *, basic: bool = True) -> Field:
         "name": parameter.name,
         "title": title_of(parameter.name),
         "help": parameter.shell.help or parameter.sort.help or parameter.sort.describe(),
-        "schema": cast(Schema, _with_words(parameter.name, _without_const(parameter.sort.schema()))),
+        "schema": cast(Schema, _with_words(parameter, _without_const(parameter.sort.schema()))),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
         "default": str(default) if isinstance(default, Path) else plain(default),
         "basic": basic,
@@ -239,14 +239,15 @@ def _without_const(schema: Any) -> Any:
     }
 
 
-def _with_words(name: str, schema: dict[str, Json]) -> dict[str, Json]:
+def _with_words(parameter: Declared, schema: dict[str, Json]) -> dict[str, Json]:
     """Return a schema of a text, or of a list of texts, with the known words before any other text."""
-    if name not in _words():
+    words = parameter.known_names() if parameter.known_names else _words().get(parameter.name)
+    if words is None:
         return schema
     if schema.get("type") == "string":
-        return {"anyOf": [{"enum": sorted(_words()[name])}, schema]}
+        return {"anyOf": [{"enum": sorted(words)}, schema]}
     if schema.get("type") == "array":
-        return schema | {"items": _with_words(name, schema["items"])}
+        return schema | {"items": _with_words(parameter, schema["items"])}
     return schema
 
 

@@ -15,7 +15,7 @@ numpy, and import what does the work in their bodies, so that `rsegen drive -h` 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache, wraps
@@ -69,6 +69,11 @@ class Declared(NamedTuple):
     def words(self) -> Sequence[str]:
         """The few words that it takes; empty for any other sort."""
         return ("yes", "no") if isinstance(self.sort, Flag) else getattr(self.sort, "values", ())
+
+    @property
+    def known_names(self) -> Callable[[], Iterable[str]] | None:
+        """The function that returns the known names of a reference; None if it has none, as any other sort."""
+        return getattr(self.sort, "known", None)
 
     @property
     def metavar(self) -> str:
@@ -169,7 +174,8 @@ def add_flag(group: Any, parameter: Declared, text: str, **options: Any) -> Any:
     """Add a flag for a declared parameter, with a help and options of argparse; return its action."""
     action = group.add_argument(*parameter.flags, dest=parameter.name, help=text.replace("%", "%%"), **options)
     action.declared = parameter  # for forms
-    action.completer = (lambda **_: parameter.words) if parameter.words else None  # for argcomplete
+    known, words = parameter.known_names, parameter.words
+    action.completer = (lambda **_: known() if known else words) if known or words else None  # for argcomplete
     return action
 
 

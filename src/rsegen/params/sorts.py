@@ -17,7 +17,7 @@ import operator
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from inspect import get_annotations
@@ -225,11 +225,13 @@ class Reference(Parameter):
     """A name, a path, or the thing itself in Python: whoever is called looks it up.
 
     meaning: what it may be, in words   types: those that Python may give
+    known: returns the known names, for completion and forms; called when they are wanted, as registries load plug-ins
     """
 
     meaning: str = "a name or a path"
     help: str = ""
     types: tuple[type, ...] = (str,)
+    known: Callable[[], Iterable[str]] | None = None
 
     def check(self, where: str, value: object) -> Any:
         if value is None or value == "":

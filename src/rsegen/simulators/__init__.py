@@ -4,9 +4,9 @@ from rsegen.params.capabilities import Capability, Command
 
 CAPABILITY = Capability(
     summary="worlds in Gazebo: servers, windows, transports",
-    needs=("robots",),
+    needs=("robots", "standing"),
     commands=(
-        Command("open", "simulation", "open a world in Gazebo", "rsegen.simulators.commands", "open"),
+        Command("open", "simulation", "open a world in Gazebo or MuJoCo", "rsegen.simulators.commands", "open"),
         Command(
             "sim",
             "information",
@@ -16,6 +16,5 @@ CAPABILITY = Capability(
     ),
     public={"rsegen.simulators.commands": ("open",), "rsegen.simulators.open_world": ("OpenResult",)},
     doctor="rsegen.simulators.installed:finding",
-    words={"simulator": "rsegen.simulators.base:SIMULATORS"},
     manual="gazebo",
 )

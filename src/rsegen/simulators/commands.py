@@ -11,10 +11,11 @@ from rsegen.cli.flags import add_input, add_target_recipe_flags, target_of, whic
 from rsegen.cli.parameters import MapReference
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call
-from rsegen.errors import printable
+from rsegen.errors import ParameterError, printable
 from rsegen.params.command import Shell, add_flags, command, flags_in_errors
 from rsegen.params.sorts import Flag, Float
-from rsegen.simulators.parameters import OWN_FLAGS, WORLD, SimulatorName, Timeout, ignore
+from rsegen.robots.parameters import AnyRobot
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, OpenSimulator, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.simulators.open_world import OpenedWorld, OpenResult
@@ -26,8 +27,11 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     target: Target,
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
-    simulator: SimulatorName = None,
-    headless: Annotated[bool, Flag(help="run only the server, without a window")] = False,
+    simulator: OpenSimulator = None,
+    robot: Annotated[
+        AnyRobot, Shell(metavar="KIND|FILE", help="robot that stands west of the map, in MuJoCo", default="none")
+    ] = None,
+    headless: Annotated[bool, Flag(help="run without a window; of Gazebo only the server")] = False,
     seconds: Annotated[
         float | None,
         Float(0, 1e9, unit="s", help="end so long after the world has loaded"),
@@ -38,7 +42,10 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     on_start: Callable[[OpenedWorld], None] | None = None,
     on_error: Callable[[str], None] | None = None,
 ) -> OpenResult:
-    """Open a world in the newest installed Gazebo that supports it, and wait; Ctrl-C or closing the window ends it.
+    """Open a world in the newest installed Gazebo that supports it, or in MuJoCo, and wait.
+
+    Ctrl-C or closing the window ends it. In MuJoCo the map is simulated in real time in its own window, and the mouse
+    can pull at a robot.
 
     Parameters
     ----------
@@ -61,9 +68,20 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         If the simulator says that it did not load the world, if it has not for `timeout` seconds without progress when
         `seconds` are given, or if a server without a window ends by itself or prints errors.
     """
-    from rsegen.simulators.open_world import open_until_end
+    from rsegen.robots.lookup import robot_of
+    from rsegen.simulators.embedded import embedded_simulator
+    from rsegen.simulators.open_world import open_embedded, open_until_end
     from rsegen.writing.target_worlds import world_of
 
+    if embedded := embedded_simulator(simulator) if simulator else None:
+        if shared:
+            raise ParameterError("shared", f"is for Gazebo; {embedded.title} has no server")
+        model = None if robot is None else robot_of(robot)
+        return open_embedded(
+            embedded, world_of(target, map), model, headless=headless, seconds=seconds, on_start=on_start or ignore
+        )
+    if robot is not None:
+        raise ParameterError("robot", "is for MuJoCo; in Gazebo, spawn it in the world that runs: rsegen spawn")
     return open_until_end(
         world_of(target, map),
         simulator,
@@ -90,11 +108,14 @@ def add_open(command: Parser) -> None:
 
 def run_open(arguments: argparse.Namespace) -> Report:
     """Open a world, and wait until it ends."""
+    from rsegen.simulators.embedded import EMBEDDED
     from rsegen.simulators.open_world import launch_command
     from rsegen.writing.target_worlds import world_of
 
     with flags_in_errors(open):
         target = target_of(arguments, OWN_FLAGS)
+        if arguments.print and arguments.simulator in EMBEDDED:
+            raise ParameterError("--print", f"is for Gazebo; {EMBEDDED[arguments.simulator].title} is no command")
         if arguments.print:
             here, shared = world_of(target, arguments.map), bool(arguments.shared)
             headless = bool(arguments.headless)
@@ -105,21 +126,23 @@ def run_open(arguments: argparse.Namespace) -> Report:
     def started(world: OpenedWorld) -> None:
         address = " ".join(f"{name}={value}" for name, value in world.address)
         if not (arguments.quiet or arguments.json):
-            line = f"{world.simulator}: {world.file}" + (f", at {address}" if address else "")
+            line = f"{world.simulator}: {world}" + (f", at {address}" if address else "")
             print(line, *which_map(arguments.target, arguments.map), sep="\n", flush=True)
 
     def failed(line: str) -> None:
         print(printable(line), file=sys.stderr, flush=True)
 
     result = call(open, arguments, target, on_start=started, on_error=failed)
-    opened = {"simulator": result.world.simulator, "world": str(result.world.file)}
+    opened = {"simulator": result.world.simulator, "world": str(result.world)}
     ended = {"address": dict(result.world.address), "exit_code": result.exit_code, "errors": list(result.errors)}
     return Report(lines=[], content=opened | ended)
 
 
 def add_sim(command: Parser) -> None:
     """Say what `rsegen sim` is."""
-    command.explain("List the simulators in which rsegen can open worlds: version and path, or how to install them.")
+    command.explain(
+        "List the simulators that rsegen drives and opens worlds in: version and path, or how to install them."
+    )
 
 
 def run_sim(_: argparse.Namespace) -> Report:

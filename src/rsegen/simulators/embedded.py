@@ -7,10 +7,11 @@ from a scene and robots, and everything that can be driven in a Gazebo server ca
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from typing import ClassVar, Protocol
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import ClassVar, Protocol, TypeAlias
 
-from rsegen.errors import UnknownName
+from rsegen.errors import UnknownName, UserError
+from rsegen.field.stepfield import Array
 from rsegen.params.registry import Contract, Registry
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene
@@ -39,10 +40,18 @@ class PlacedRobot(Protocol):
         """The pose of its origin at the start."""
 
 
+LinkPoses: TypeAlias = Mapping[str, Mapping[str, Array]]
+"""The pose of each link in the world, (4, 4), by the names of its robot and of the link."""
+
+
 class EmbeddedWorld(SteppedWorld):
     """A world in this process, which keeps a record of its robots."""
 
     step_seconds: ClassVar[float]
+
+    @abstractmethod
+    def link_poses(self) -> LinkPoses:
+        """Return the poses of all links now, for pictures."""
 
     @abstractmethod
     def recorded(self) -> Record:
@@ -76,13 +85,29 @@ class EmbeddedSimulator(ABC):
 
     @abstractmethod
     def version(self) -> str | None:
-        """Return the version of its library; None if it is not installed."""
+        """Return the version of its library; None if it is not installed, NoSimulator if it cannot be used."""
 
     @abstractmethod
     def world(
         self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
     ) -> EmbeddedWorld:
         """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
+
+    def show(
+        self,
+        scene: Scene,
+        robots: Sequence[PlacedRobot],
+        seconds: float | None,
+        *,
+        headless: bool,
+        on_start: Callable[[], None],
+    ) -> None:
+        """Simulate a scene with robots that stand in real time, in a window unless `headless`.
+
+        It ends when the window is closed, or after `seconds` of wall time; without either, never. on_start: called
+        once before it begins. UserError if there is no window.
+        """
+        raise UserError(f"{self.title} has no window; drive in it with rsegen drive")
 
     def __str__(self) -> str:
         return f"{self.title} {self.version() or ''}".strip()

@@ -19,8 +19,11 @@ from html import unescape
 from pathlib import Path
 
 from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, UserError, shown
+from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.base import Installation, OpenRequest
+from rsegen.simulators.embedded import EmbeddedSimulator
 from rsegen.simulators.patience import Patience
+from rsegen.simulators.poses import Pose, adjacent_pose
 from rsegen.simulators.process import ErrorRelay, OutputFiles, Work
 from rsegen.simulators.server import choose_installation
 from rsegen.writing.programs import LaunchCommand, has_screen
@@ -29,17 +32,26 @@ from rsegen.writing.target_worlds import World
 _WORLD = re.compile(r"<world\s[^>]*?\bname\s*=\s*['\"]([^'\"]*)['\"]")
 """The name of a world in its file."""
 
+_NO_SCREEN = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set), so there can be no window"
+
 _LOOK = Patience(seconds=1.0, sign=0.3)
 """Patience of one look whether a server that loads answers already: output is not read meanwhile."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OpenedWorld:
-    """The simulator (title and version), the world file, and the variables by which other programs reach its server."""
+    """The simulator (title and version), the world file, and the variables by which other programs reach its server.
+
+    In a simulator of this process there is no file, but the map of this name, and no server.
+    """
 
     simulator: str
-    file: Path
-    address: tuple[tuple[str, str], ...]
+    file: Path | None
+    address: tuple[tuple[str, str], ...] = ()
+    name: str = ""
+
+    def __str__(self) -> str:
+        return str(self.file or self.name)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -79,8 +91,7 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
     """
     here = choose_installation(world.made_for, simulator, timeout)
     if not (headless or has_screen()):
-        problem = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set)"
-        raise UserError(f"{problem}, so there can be no window; open the server alone with headless=True")
+        raise UserError(f"{_NO_SCREEN}; open the server alone with headless=True")
     # A headless server has a home of its own, so that it changes no settings; a window has the user's.
     own_home = tempfile.TemporaryDirectory(prefix="rsegen-") if headless else nullcontext()
     with own_home as home, world.on_disk() as file:
@@ -107,6 +118,38 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
         if headless and relay.first:
             raise SimulatorFailed(f"{here} printed an error: {relay.first}")
         return OpenResult(world=opened, exit_code=code, errors=relay.lines)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Standing:
+    """A robot that stands."""
+
+    name: str
+    robot: DrivableRobot
+    start: Pose
+
+
+def open_embedded(  # as `rsegen.open`
+    simulator: EmbeddedSimulator,
+    world: World,
+    robot: DrivableRobot | None,
+    *,
+    headless: bool,
+    seconds: float | None,
+    on_start: Callable[[OpenedWorld], None],
+) -> OpenResult:
+    """Open a map in this process, with a robot west of it if there is one; see `rsegen.open`. Ctrl-C ends it."""
+    if not (headless or has_screen()):
+        raise UserError(f"{_NO_SCREEN}; simulate without one with headless=True")
+    scene = world.scene()
+    placed = []
+    if robot:
+        start = adjacent_pose(scene.field, robot.body_or_box)
+        placed.append(_Standing(name=f"{robot.kind}_0", robot=robot, start=start))
+    opened = OpenedWorld(simulator=str(simulator), file=world.file, name=scene.name)
+    with suppress(KeyboardInterrupt):
+        simulator.show(scene, placed, seconds, headless=headless, on_start=lambda: on_start(opened))
+    return OpenResult(world=opened, exit_code=None, errors=())
 
 
 def launch_command(world: World, target: str, simulator: str | None, *, headless: bool, shared: bool) -> LaunchCommand:

@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated
 
 from rsegen.params.command import Shell
 from rsegen.params.sorts import Choice, Float, Reference
 
+
+def _servers() -> Iterable[str]:
+    from rsegen.simulators.base import SIMULATORS
+
+    return SIMULATORS
+
+
+def _simulators() -> Iterable[str]:
+    from rsegen.simulators.embedded import EMBEDDED
+
+    return *EMBEDDED, *_servers()
+
+
 SimulatorName = Annotated[
     str | None,
-    Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)"),
+    Reference("sim or classic", help="Gazebo Sim (sim) or Gazebo Classic (classic)", known=_servers),
     Shell(metavar="NAME", default="the newest that is installed"),
 ]
 
-DriveSimulator = Annotated[
-    str | None,
-    Reference("mujoco, sim or classic", help="MuJoCo (mujoco), Gazebo Sim (sim) or Gazebo Classic (classic)"),
-    Shell(metavar="NAME", default="mujoco"),
-]
+_ANY = Reference(
+    "mujoco, sim or classic", help="MuJoCo (mujoco), Gazebo Sim (sim) or Gazebo Classic (classic)", known=_simulators
+)
+
+OpenSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="the newest Gazebo that is installed")]
+"""Of what looks at worlds, which are files of Gazebo."""
+
+DriveSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="mujoco")]
 """Of what asks how robots drive: MuJoCo answers on every machine alike."""
 
 MotorModel = Annotated[

@@ -6,6 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from rsegen.field.stepfield import StepField
+from rsegen.standing.body import Body
+from rsegen.standing.spots import GAP
+
 DROP_HEIGHT = 0.005
 """Height, metres, above the ground at which robots start, so that they do not start inside it.
 
@@ -32,6 +36,11 @@ class Pose:
     def distance(self, other: Pose) -> float:
         """Return the distance between the positions of both, metres."""
         return math.dist((self.x, self.y, self.z), (other.x, other.y, other.z))
+
+
+def adjacent_pose(field: StepField, body: Body, aside: float = 0.0) -> Pose:
+    """Return the pose on the ground west of the map, heading east, `aside` metres north of its centre line."""
+    return Pose(x=-field.extent[0] / 2 - GAP - float(body.high[0]), y=aside, z=DROP_HEIGHT)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,0 +1,124 @@
+"""The visual shapes of a robot as coloured triangles, link by link: for pictures and for windows of MuJoCo.
+
+They come from its SDF <model>, so those of rsegen's robots and of files come the same way. Round shapes have 16 sides.
+A link that has no visuals, or one that cannot be read, has its collision shapes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, fromstring
+
+import numpy as np
+
+from rsegen.errors import UserError
+from rsegen.field.stepfield import Array, Ints
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.meshes import read_mesh
+from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats
+from rsegen.scene.colours import Colour
+
+_SIDES = 16
+"""Sides of what is round."""
+
+_RINGS = 7
+"""Rings of a sphere from pole to pole: an odd number, so that the middle of a capsule is straight."""
+
+_BODY, _DRIVEN = (0.45, 0.46, 0.48), (0.12, 0.12, 0.13)
+"""Colours of shapes that have none: of links that drive, and of all others."""
+
+
+class Visual(NamedTuple):
+    """A shape of a link: points (n, 3), metres, in the frame of the link; corners (m, 3), indices of points."""
+
+    points: Array
+    corners: Ints
+    colour: Colour
+
+
+def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
+    """Return the visual shapes of each link of a robot, by the link's name."""
+    frames = ModelFrames(fromstring(robot.without_plugins("robot")), robot.kind)  # noqa: S314  # ours, or found plain
+    driven = {*robot.drive.left, *robot.drive.right}  # links of tracks, or joints of wheels
+    driven |= {frames.child(joint) for joint in driven & frames.joints.keys()}
+    shapes: dict[str, list[Visual]] = {}
+    for link, element in frames.links():
+        default = _DRIVEN if link in driven else _BODY
+        try:
+            shapes[link] = list(_shapes(frames, link, element, "visual", default))
+        except (UserError, ImportError):  # such as a mesh that is not here
+            shapes[link] = []
+        if not shapes[link]:
+            try:
+                shapes[link] = list(_shapes(frames, link, element, "collision", default))
+            except (UserError, ImportError):
+                shapes[link] = []
+    return shapes
+
+
+def _shapes(frames: ModelFrames, link: str, element: Element, tag: str, default: Colour) -> Iterator[Visual]:
+    back = np.linalg.inv(frames.transform(link))
+    for shape in element.findall(tag):
+        geometry = shape.find("geometry")
+        if geometry is None or not len(geometry) or geometry[0].tag in ("empty", "plane"):
+            continue
+        points, corners = _triangles(geometry[0], frames.where)
+        pose = back @ frames.shape(link, shape)
+        yield Visual(points @ pose[:3, :3].T + pose[:3, 3], corners, _colour(shape, frames.where, default))
+
+
+def _colour(shape: Element, where: str, default: Colour) -> Colour:
+    words = (shape.findtext("material/diffuse") or shape.findtext("material/ambient") or "").split()[:3]
+    if not words:
+        return default
+    red, green, blue = np.clip(floats(" ".join(words), 3, where), 0, 1).tolist()
+    return red, green, blue
+
+
+def _triangles(kind: Element, where: str) -> tuple[Array, Ints]:
+    """Return points and triangles of a geometry of SDF, in its own frame; none of an unknown one."""
+    if kind.tag == "mesh":
+        path, scale = file_and_scale(kind, where)
+        points, corners = read_mesh(path)
+        return points * scale, corners
+    if kind.tag == "box":
+        return _CUBE * floats(kind.findtext("size"), 3, where), _CUBE_CORNERS
+    if kind.tag == "ellipsoid":
+        return _turned(_ROUND) * floats(kind.findtext("radii"), 3, where), _turned_corners(len(_ROUND))
+    if kind.tag in ("sphere", "cylinder", "capsule", "cone"):
+        (radius,) = floats(kind.findtext("radius"), 1, where)
+        half = 0.0 if kind.tag == "sphere" else floats(kind.findtext("length"), 1, where)[0] / 2
+        if kind.tag in ("sphere", "capsule"):
+            outline = _ROUND * radius + np.column_stack([np.zeros(len(_ROUND)), np.sign(_ROUND[:, 1]) * half])
+        elif kind.tag == "cylinder":
+            outline = np.array([(0, -half), (radius, -half), (radius, half), (0, half)])
+        else:
+            outline = np.array([(0, -half), (radius, -half), (0, half)])
+        return _turned(outline), _turned_corners(len(outline))
+    return np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
+
+
+_CUBE = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+_CUBE_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+_CUBE_CORNERS: Ints = np.array(_CUBE_FACES)[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+"""A cube of side 1, and its faces, counterclockwise seen from outside."""
+
+_ANGLES = (np.arange(_RINGS + 1) / _RINGS - 0.5) * np.pi
+_ROUND = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]).round(12)
+"""The outline of a sphere of radius 1: distance from the axis, and height, from the lower to the upper pole."""
+
+
+def _turned(outline: Array) -> Array:
+    """Return the points of a solid of revolution about z, from distances from the axis and heights, (n, 2)."""
+    angles = np.arange(_SIDES) / _SIDES * 2 * np.pi
+    x, y = (outline[:, :1] * turn(angles) for turn in (np.cos, np.sin))
+    return np.stack([x, y, np.broadcast_to(outline[:, 1:], x.shape)], axis=-1).reshape(-1, 3)
+
+
+def _turned_corners(rings: int) -> Ints:
+    """Return the triangles between the rings of such a solid, counterclockwise seen from outside."""
+    ring, side = (grid.ravel() for grid in np.meshgrid(np.arange(rings - 1), np.arange(_SIDES), indexing="ij"))
+    low, low_next = ring * _SIDES + side, ring * _SIDES + (side + 1) % _SIDES
+    high, high_next = low + _SIDES, low_next + _SIDES
+    return np.concatenate([np.stack([low, low_next, high_next], 1), np.stack([low, high_next, high], 1)])
