@@ -3,7 +3,8 @@
 RsegenError
 ├── UserError            a request cannot be fulfilled; the command line ends with exit code 2
 │   ├── ParameterError   a value is out of range, of the wrong type, or at odds with another
-│   │   └── UnknownName  a kind, key or flag that is not there; lists the known ones
+│   │   ├── UnknownName  a kind, key or flag that is not there; lists the known ones
+│   │   └── NoSpot       a map has too few places at which a robot can start
 │   ├── FileError        a file or folder cannot be read, or is not what it should be
 │   ├── OutputError      the output folder is taken, or may not be written to
 │   ├── PluginError      a plug-in cannot be loaded, or is not what it should be
@@ -130,6 +131,10 @@ class ParameterError(UserError, ValueError):
     def of(self, source: str) -> ParameterError:
         """Return the error with the file or flag that it comes from: `recipe.yaml: obstacles[2].softness`."""
         return type(self)(f"{source}: {self.where}" if self.where else source, self.problem)
+
+
+class NoSpot(ParameterError):
+    """A map has too few places at which a robot can start; the message describes the best one."""
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from scipy.stats import binomtest
 import rsegen
 from rsegen.driving import many
 from rsegen.driving.many import wilson
-from rsegen.errors import OutputError, ParameterError, SimulatorFailed
+from rsegen.errors import OutputError, ParameterError, SimulatorFailed, Stopped, UserError
 
 RUBBLE = rsegen.Recipe(name="rubble", seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)])
 
@@ -55,6 +56,41 @@ def test_a_drive_that_failed_is_a_row_without_a_result(monkeypatch: pytest.Monke
     assert (result.counted, len(result.drives)) == (1, 2)
     assert "map 1 has no result: MuJoCo: the physics failed" in "\n".join(result.report())
     assert result.interval == wilson(result.crossed, 1)
+    # In files a missing number is none.
+    assert json.loads(json.dumps(result.as_json(), allow_nan=False))["rows"][1]["distance"] is None
+    rows = list(csv.DictReader(line.decode() for line in result.csv()))
+    assert rows[1]["distance"] == ""
+    assert rows[1]["failed"] == result.drives[1].failed
+    assert float(rows[0]["distance"]) > 0.1
+
+
+def test_a_drive_without_any_result_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object, **__: object) -> object:
+        raise SimulatorFailed("MuJoCo: the physics failed")
+
+    monkeypatch.setattr(many, "record_embedded", failing)
+    with pytest.raises(UserError, match=r"^none of 2 drives has a result; map 0: MuJoCo: the physics failed$"):
+        rsegen.drive_many(RUBBLE, maps=2, robot="crawler", duration=1)
+
+
+@pytest.mark.slow
+def test_a_map_without_a_spot_has_no_result_and_the_others_have() -> None:
+    result = rsegen.drive_many(replace(RUBBLE, chunk_size=8, seed=1, maps=4), route="random", duration=0.2)
+    failed = [drive.failed for drive in result.drives if drive.failed]
+    assert 0 < result.counted < 4
+    assert len(failed) == 4 - result.counted
+    assert all("no spot on this map" in why for why in failed)
+
+
+def test_a_stop_tells_how_many_drives_are_done(tmp_path: Path) -> None:
+    def stopping(_: int) -> None:
+        raise KeyboardInterrupt
+
+    expected = "1 of 3 drives were done, and are not kept; nothing was changed in "
+    with pytest.raises(Stopped, match=expected) as stop:
+        rsegen.drive_many(RUBBLE, maps=3, robot="crawler", duration=0.2, progress=stopping, output=tmp_path / "out")
+    assert not stop.value.changed
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(("count", "of"), [(0, 10), (10, 10), (3, 17), (500, 1000), (1, 1)])

@@ -37,7 +37,9 @@ def test_physics_that_fail_leave_no_log(
 
 
 @pytest.mark.parametrize("memory", ["1K", "60K"])
-def test_too_little_memory_is_an_error_of_one_line(memory: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_too_little_memory_is_an_error_of_one_line(
+    memory: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr(map_model, "MEMORY", memory)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SimulatorFailed, match="memory") as error:

@@ -15,7 +15,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, astuple, dataclass, fields
 from functools import partial
-from math import sqrt
+from math import isnan, sqrt
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -23,7 +23,7 @@ import numpy as np
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.recording import record_embedded
 from rsegen.driving.robot_runs import robot_runs
-from rsegen.errors import NoSimulator, SimulatorFailed
+from rsegen.errors import NoSimulator, NoSpot, SimulatorFailed, Stopped, UserError
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
@@ -127,7 +127,10 @@ class ManyDrives:
             "crossed": self.crossed,
             "drives": self.counted,
             "interval": [round(end, 6) for end in self.interval],
-            "rows": [asdict(drive) for drive in self.drives],
+            "rows": [
+                {name: None if _is_nan(value) else value for name, value in asdict(drive).items()}
+                for drive in self.drives
+            ],
         }
 
     def report(self) -> Iterator[str]:
@@ -150,10 +153,7 @@ class ManyDrives:
         """Yield the lines of drives.csv."""
         yield (",".join(field.name for field in fields(ManyDrive)) + "\n").encode()
         for drive in self.drives:
-            cells = (
-                "" if cell is None else f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in astuple(drive)
-            )
-            yield (",".join(f'"{cell}"' if "," in cell else cell for cell in cells) + "\n").encode()
+            yield (",".join(map(_cell, astuple(drive))) + "\n").encode()
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write drives.csv, drives.json and the recipe into a folder; `force` replaces earlier ones."""
@@ -165,6 +165,18 @@ class ManyDrives:
         write_folder(
             {PurePosixPath(name): list(content) for name, content in files.items()}, Path(folder), "drives", force=force
         )
+
+
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and isnan(value)
+
+
+def _cell(value: object) -> str:
+    """Return a value as a cell of a CSV file, empty for none and for no number."""
+    if value is None or _is_nan(value):
+        return ""
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return '"{}"'.format(text.replace('"', '""')) if set(text) & set(',"') else text
 
 
 _FAILED = 5
@@ -181,15 +193,25 @@ def wilson(count: int, of: int) -> tuple[float, float]:
 
 
 def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], None]) -> ManyDrives:
-    """Return the drives over all maps of a plan; `progress` is called with how many more are done."""
+    """Return the drives over all maps of a plan; `progress` is called with how many more are done.
+
+    UserError if no drive has a result; Stopped, with how many are done, after Ctrl-C.
+    """
     refuse_too_large(plan.recipe)
     here = _simulator()
     first = plan.recipe.first_map
     indices = range(first, first + plan.recipe.maps)
     drives: list[ManyDrive] = []
-    for batch in execute(partial(_drives, plan), indices, _SECONDS, execution):
-        drives += batch
-        progress(len(batch))
+    try:
+        for batch in execute(partial(_drives, plan), indices, _SECONDS, execution):
+            drives += batch
+            progress(len(batch))
+    except KeyboardInterrupt:
+        done = f"{len(drives)} of {len(indices)} drives were done, and are not kept"
+        raise Stopped(done, changed=False) from None
+    if all(drive.failed for drive in drives):
+        problem = f"map {drives[0].map}: {drives[0].failed}"
+        raise UserError(problem if len(drives) == 1 else f"none of {len(drives)} drives has a result; {problem}")
     return ManyDrives(
         recipe=plan.recipe, robot=plan.robot.kind, simulator=str(here), route=plan.route, drives=tuple(drives)
     )
@@ -208,12 +230,12 @@ def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
 
 
 def _drive(plan: ManyPlan, index: int) -> ManyDrive:
-    """Return the drive over one map."""
+    """Return the drive over one map; one that has no spot to start at has no result."""
     scene, seed = compose(plan.recipe, index), plan.seed_of(index)
-    (run,) = robot_runs(scene.field, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
     try:
+        (run,) = robot_runs(scene.field, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
         recording = record_embedded(_simulator(), scene, [run], plan.duration, contacts=False, motors=plan.motors)
-    except SimulatorFailed as error:
+    except (NoSpot, SimulatorFailed) as error:
         values = dict.fromkeys(("seconds", "distance", "stuck", "tilt", "climbed", "x", "y"), float("nan"))
         return ManyDrive(map=index, seed=seed, crossed=None, tipped=0, failed=str(error), **values)
     robot = driven_robot(run, scene, recording, plan.route)

@@ -63,7 +63,7 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
         try:
             places = spots_on_map(field, body, count, spot_generator(seed), evenest=evenest)
         except ParameterError as error:
-            raise ParameterError("robots" if error.where == "count" else error.where, error.problem) from None
+            raise type(error)("robots" if error.where == "count" else error.where, error.problem) from None
     starts = [Pose.above(spot) if spot else at for spot, at in zip(places, starts, strict=True)]
     runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
     return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]

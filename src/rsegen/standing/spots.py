@@ -27,7 +27,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from rsegen.errors import ParameterError
+from rsegen.errors import NoSpot, ParameterError
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.streams import generator
 from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sample_distance, sampled_box
@@ -565,9 +565,9 @@ class _Part:
             return tuple(self.chosen)
         if self.chosen:
             enough = f"found spots for {len(self.chosen)} of {self.count} on this map"
-            raise ParameterError("count", f"{enough}; give fewer, or {_HELP}")
+            raise NoSpot("count", f"{enough}; give fewer, or {_HELP}")
         reason = min(self.others, key=_by_fault_and_tilt)[1].reason
-        raise ParameterError("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
+        raise NoSpot("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
 
     def _free(self, at: _At) -> _At:
         free = np.ones(len(at[0]), bool)

@@ -348,10 +348,11 @@ def unchanged_if_stopped(output: str | Path | None) -> Iterator[None]:
     """Add to a Ctrl-C inside, before anything is written, that the output is as it was; with no output nothing."""
     try:
         yield
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stopped:
         if output is None:
             raise
-        raise Stopped(f"nothing was changed in {output}", changed=False) from None
+        done = f"{stopped}; " if isinstance(stopped, Stopped) else ""
+        raise Stopped(f"{done}nothing was changed in {output}", changed=False) from None
 
 
 @contextmanager
