@@ -146,7 +146,7 @@ def test_friction_across_a_belt_is_that_of_its_drive() -> None:
 
 
 def test_a_robot_that_starts_inside_a_block_is_refused() -> None:
-    message = r"^MuJoCo: .*step_0000::map::blocks.* are 9. mm inside each other: it starts inside a block"
+    message = r"^MuJoCo: .*step_0000::map::blocks.* are 9. mm inside each other: no robot can start there"
     with pytest.raises(SimulatorFailed, match=message):
         world_of("jackal", step_of(0.1), Pose(x=0, y=0, z=DROP_HEIGHT))
 

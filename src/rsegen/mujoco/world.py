@@ -90,7 +90,7 @@ class MujocoWorld(EmbeddedWorld):
                 self.data.actuator(joint).ctrl = servo.rest
         with without_log():
             mujoco.mj_forward(self.model, self.data)
-        self._refuse_sunk(STARTS_IN, "it starts inside a block")
+        self._refuse_sunk(STARTS_IN, "no robot can start there")
         self._rows: Record = []
         self._steps = 0
         self._keep()
