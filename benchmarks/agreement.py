@@ -30,7 +30,7 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
 from rsegen.driving.recording import PERIOD, DriveRecording, RobotRun, drive_in_steps, record_drive, record_embedded
-from rsegen.driving.robot_runs import adjacent_pose, finish_x, robot_runs
+from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
@@ -38,6 +38,7 @@ from rsegen.robots.drives import Tracks, Wheels
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.embedded import EMBEDDED, MOTORS
+from rsegen.simulators.poses import adjacent_pose
 from rsegen.standing.spots import GAP
 from rsegen.writing.target_worlds import world_of
 

@@ -70,7 +70,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a world that is a recipe": (["open", "no.yaml"], ["no.yaml: No such file"]),
     "a simulator of another name": (
         ["open", "two.yaml", "--simulator", "clasic"],
-        ["--simulator", "'clasic'", "did you mean 'classic'?", "(known: classic, sim)"],
+        ["--simulator", "'clasic'", "did you mean 'classic'?", "(known: classic, mujoco, sim)"],
     ),
     "neither a map nor a robot": (["spawn", "burgr"], ["'burgr'", "did you mean 'burger'?"]),
     "a place of one number": (["spawn", "burger", "--at", "1"], ["--at: '1' is not X,Y or X,Y,Z or X,Y,Z,YAW"]),

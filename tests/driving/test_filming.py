@@ -20,7 +20,7 @@ from rsegen.driving.drive import DriveResult
 from rsegen.driving.filming import FRAME, PICTURE, VIDEO
 from rsegen.driving.world_file import camera_model
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Array
+from rsegen.field.stepfield import Array, Ints
 from rsegen.pictures.camera import south_west_of
 from rsegen.robots.links import rotation
 from tests.simulators.standins import PROGRAMS, put
@@ -63,14 +63,14 @@ def frames(video: bytes) -> list[tuple[int, Array]]:
     """Each frame with the milliseconds at which it ends."""
     every = []
     with Image.open(io.BytesIO(video)) as image:
-        for number in range(image.n_frames):
+        for number in range(image.n_frames):  # type: ignore[attr-defined]  # of animations
             image.seek(number)
             image.load()
             every.append((image.info["timestamp"] + image.info["duration"], np.asarray(image.convert("RGB")) / 255))
     return every
 
 
-def greens(picture: Array) -> Array:
+def greens(picture: Array) -> Ints:
     """Rows and columns of pixels in the colour of the hull, lit or not."""
     red, green, blue = np.moveaxis(picture, 2, 0)
     return np.argwhere((green > 3 * red) & (green > 2 * blue) & (green > 0.3))

@@ -13,6 +13,7 @@ from scipy.stats import binomtest
 import rsegen
 from rsegen.driving import many
 from rsegen.driving.many import wilson
+from rsegen.driving.recording import record_embedded
 from rsegen.errors import OutputError, ParameterError, SimulatorFailed, Stopped, UserError
 
 RUBBLE = rsegen.Recipe(name="rubble", seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)])
@@ -44,12 +45,11 @@ def test_workers_and_a_cluster_drive_the_same(where: dict[str, object], monkeypa
 
 
 def test_a_drive_that_failed_is_a_row_without_a_result(monkeypatch: pytest.MonkeyPatch) -> None:
-    recorded = many.record_embedded
 
     def failing(here: object, scene: rsegen.Scene, *given: object, **named: object) -> object:
         if scene.index == 1:
             raise SimulatorFailed("MuJoCo: the physics failed after 1 s, so this drive has no result")
-        return recorded(here, scene, *given, **named)  # type: ignore[arg-type]  # passed on
+        return record_embedded(here, scene, *given, **named)  # type: ignore[arg-type]  # passed on
 
     monkeypatch.setattr(many, "record_embedded", failing)
     result = rsegen.drive_many(RUBBLE, maps=2, robot="crawler", duration=1)

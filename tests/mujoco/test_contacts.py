@@ -12,6 +12,7 @@ from rsegen.driving.recording import drive_in_steps
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.mujoco import world as mujoco_world
 from rsegen.mujoco.robot_model import Shape
+from rsegen.mujoco.sliding import slide
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
 from rsegen.scene.scene import compose
@@ -70,9 +71,9 @@ def test_a_drive_has_the_bits_that_numpy_gives_it(kind: str, monkeypatch: pytest
     scene = compose(decode({"name": "field", **given}), 0)
     runs = robot_runs(scene.field, ROBOTS[kind], "straight", count=1, seed=1)
     states = []
-    for shapes, slide in ((mujoco_world._Shapes, mujoco_world.slide), (InNumpy, slide_in_numpy)):
+    for shapes, sliding in ((mujoco_world._Shapes, slide), (InNumpy, slide_in_numpy)):
         monkeypatch.setattr(mujoco_world, "_Shapes", shapes)
-        monkeypatch.setattr(mujoco_world, "slide", slide)
+        monkeypatch.setattr(mujoco_world, "slide", sliding)
         world = mujoco_world.MujocoWorld(scene, runs)
         drive_in_steps(world, runs, 3.0, world.step_seconds)
         states.append((world.data.qpos.tobytes(), world.data.qvel.tobytes(), world.shares()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,9 +31,17 @@ def inertial(mass: float, moment: float) -> str:
     return f"<inertial><mass>{mass}</mass><inertia>{moments}</inertia></inertial>"
 
 
-def wheel(name: str, x: float, y: float, **given: object) -> str:
+def wheel(name: str, x: float, y: float, **given: Any) -> str:
     """Return a wheel of radius 5 cm with its axle, which points to the left if axis is 1."""
-    values = {"mass": 0.2, "moment": 2.5e-4, "width": 0.002, "mu": 1.0, "axis": 1, "axle": "", "more": ""} | given
+    values: dict[str, Any] = {
+        "mass": 0.2,
+        "moment": 2.5e-4,
+        "width": 0.002,
+        "mu": 1.0,
+        "axis": 1,
+        "axle": "",
+        "more": "",
+    } | given
     return f"""
   <link name="{name}"><pose>{x} {y} 0.05 -{pi / 2} 0 0</pose>{inertial(values["mass"], values["moment"])}
     <collision name="tyre"><geometry><cylinder><radius>0.05</radius><length>{values["width"]}</length></cylinder>
@@ -138,7 +147,7 @@ def slowing(world: MujocoWorld, names: Sequence[str], speed: float) -> list[floa
     for _ in range(30):
         world.step(1)
         assert [world.poses()[name].z for name in names] == pytest.approx(heights, abs=2e-5)
-    return ((before - world.data.qvel[dofs]) / 0.03).tolist()
+    return [float(change) for change in (before - world.data.qvel[dofs]) / 0.03]
 
 
 def test_tracks_drive_to_where_they_head() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ class Placed:
     name: str = "robot"
 
 
-def world_of(robot: str | DrivableRobot, scene: Scene = FLAT, at: Pose | None = None, **given: str) -> MujocoWorld:
+def world_of(robot: str | DrivableRobot, scene: Scene = FLAT, at: Pose | None = None, **given: Any) -> MujocoWorld:
     """Return a world with one robot, at the origin by default."""
     placed = Placed(robot=robot_of(robot), start=at or Pose(x=0, y=0, z=DROP_HEIGHT))
     return MujocoWorld(scene, [placed], gains=[turn_gain(placed.robot)], **given)

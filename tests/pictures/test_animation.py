@@ -22,7 +22,7 @@ def read(content: bytes) -> list[tuple[int, Pixels]]:
     frames = []
     with Image.open(io.BytesIO(content)) as image:
         assert image.format == "WEBP"
-        for number in range(image.n_frames):
+        for number in range(image.n_frames):  # type: ignore[attr-defined]  # of animations
             image.seek(number)
             image.load()
             frames.append((image.info["timestamp"] + image.info["duration"], np.asarray(image.convert("RGB"))))

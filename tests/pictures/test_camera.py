@@ -33,7 +33,7 @@ def shown(still: Triangles, moving: Triangles | None = None) -> Pixels:
 def at(picture: Pixels, x: float, y: float, z: float) -> Array:
     """The colour of the pixel that shows a place, 0..1."""
     column, row, _ = CAMERA.projected(np.array([x, y, z]))
-    return picture[int(row), int(column)] / 255
+    return np.asarray(picture[int(row), int(column)] / 255)
 
 
 def test_the_middle_of_the_map_is_in_the_middle_of_the_picture_and_north_is_left_and_up() -> None:

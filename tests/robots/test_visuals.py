@@ -12,7 +12,7 @@ import trimesh
 from rsegen.robots import visuals as module
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import robot_of
-from rsegen.robots.sdf_shapes import swept_box
+from rsegen.robots.sdf_shapes import ModelFrames, swept_box
 from rsegen.robots.visuals import visuals
 
 SHAPES = {
@@ -44,7 +44,7 @@ def test_a_shape_is_closed_and_as_large_as_it_is(text: str) -> None:
 @pytest.mark.parametrize("kind", ROBOTS)
 def test_a_robot_is_as_large_as_its_visual_shapes(kind: str) -> None:
     robot = robot_of(kind)
-    frames = module.ModelFrames(fromstring(robot.without_plugins("robot")), kind)
+    frames = ModelFrames(fromstring(robot.without_plugins("robot")), kind)
     shapes = visuals(robot)
     assert shapes.keys() == {link for link, _ in frames.links()}
     placed = [

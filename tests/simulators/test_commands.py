@@ -79,12 +79,13 @@ def test_completion_and_forms_know_the_simulators_of_each_command() -> None:
         (remove, ["classic", "sim"]),
     ):
         parameter = declared(command)["simulator"]
+        assert parameter.known_names
         assert sorted(parameter.known_names()) == known
         assert field(parameter)["schema"]["anyOf"][0] == {"enum": known}
     parser = argparse.ArgumentParser()
     add_flags(parser, drive, only=["simulator"])
     (action,) = [action for action in parser._actions if action.dest == "simulator"]
-    assert set(action.completer()) == {"classic", "mujoco", "sim"}
+    assert set(vars(action)["completer"]()) == {"classic", "mujoco", "sim"}
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,7 @@ def test_every_target_is_opened(name: str, programs: Path, tmp_path: Path, monke
     with interrupted_when_started(programs / "gz", while_read=True):
         result = rsegen.open(target, headless=True, on_start=started.append)
     assert started == [result.world]
+    assert result.world.file
     assert result.world.file.name == "course_0000.world"
     assert result.world.simulator == "Gazebo Sim 8.9.0"
     assert (result.exit_code, result.errors) == (None, ())
@@ -57,6 +58,7 @@ def test_a_map_of_a_recipe_is_chosen_by_index_or_name(
     monkeypatch.setattr(open_world, "_running_world", lambda _, launch: Path(launch.command[-1]).stem)
     for which in (2, "2", "course_0002"):
         result = rsegen.open(COURSE, map=which, headless=True, seconds=0)
+        assert result.world.file
         assert result.world.file.name == "course_0002.world"
     for target in (COURSE, saved(tmp_path / "course.yaml")):
         with pytest.raises(ParameterError, match=r"^map: there is no map .*; give an index or name, course_0000"):
