@@ -15,6 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
+import mujoco  # noqa: F401  # the first import of the package asks for the version of glfw in a process
+
 CPU_SECONDS = 5
 WALL_SECONDS = 30
 """Of one case; what waits for what never comes uses no CPU time."""

@@ -27,7 +27,7 @@ _MAP_COMMANDS: tuple[tuple[list[str], tuple[str, ...]], ...] = (
     (["export", "maps", "--to", "stl", "--workers", "1", "-o", "out"], ("out",)),
     (["open", "maps", "--print"], ()),
     (["open", "maps/rse_0000/rse_0000.world", "--print"], ()),
-    (["drive", "maps/rse_0000"], ()),
+    (["drive", "maps/rse_0000", "--duration", "1"], ()),
     (["spawn", "maps"], ()),
     (["respawn", "maps"], ()),
 )

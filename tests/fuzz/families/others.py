@@ -77,7 +77,8 @@ def robot(rng: random.Random) -> Case:
 
 
 def _with_robot(rng: random.Random) -> tuple[str, ...]:
-    drive, spots = ("drive", "peak", "--robot", "cart.sdf"), ("spots", "peak", "--robot", "cart.sdf", "--seed", "1")
+    drive = ("drive", "peak", "--robot", "cart.sdf", "--duration", "1")
+    spots = ("spots", "peak", "--robot", "cart.sdf", "--seed", "1")
     return rng.choices((("@robot", "cart.sdf"), drive, spots), (6, 2, 2))[0]
 
 

@@ -24,7 +24,7 @@ COMMANDS: Sequence[tuple[Sequence[str], tuple[str, ...], int]] = (
     (["sheet", "FILE", "-o", "sheet.csv"], ("sheet.csv",), 4),
     (["view", "FILE", "-o", "map.html"], ("map.html",), 4),
     (["open", "FILE", "--print"], (), 2),
-    (["drive", "FILE"], (), 1),
+    (["drive", "FILE", "--duration", "1"], (), 1),
     (["spawn", "FILE"], (), 1),
     (["respawn", "FILE"], (), 1),
     (["dataset", "--verify", "FILE"], (), 1),
