@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from rsegen.cli.flags import add_input, add_recipe_flags, add_target_recipe_flags, recipe_from, target_of, which_map
 from rsegen.cli.parameters import Force, MapReference, Scheduler, Workers
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report, call, checked_flags, counting, seconds_bar
+from rsegen.cli.report import Report, call, checked_flags, progress_shown, seconds_bar
 from rsegen.driving.parameters import Best, DriveSeed, Duration, RouteName, Size, Speed, Tracks, Turn, Wheels
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
@@ -265,6 +265,6 @@ def run_drives(arguments: argparse.Namespace) -> Report:
     """Drive over all maps, and report how many were crossed."""
     with flags_in_errors(drive_many):
         recipe = recipe_from(arguments)
-    with counting(recipe.maps, "drive") as counted:
-        result = call(drive_many, arguments, recipe, progress=lambda done: [counted() for _ in range(done)])
+    with progress_shown(recipe.maps, "drive", miniters=1) as bar:
+        result = call(drive_many, arguments, recipe, progress=bar.update)
     return Report(lines=result.report(), content=result.as_json)
