@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from math import sqrt
+from math import inf, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import rsegen
 from rsegen.errors import SimulatorFailed
+from rsegen.mujoco import world as mujoco_world
 from rsegen.mujoco.world import MujocoWorld
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.recipe.recipe_file import load
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import robot_of
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
@@ -199,3 +203,16 @@ def test_a_tracked_robot_crosses_a_field_of_blocks() -> None:
     on_blocks = [contact for _, contacts in result.contact_samples for contact in contacts]
     assert any("low_0000" in name for contact in on_blocks for name in contact.collisions)
     assert robot.metrics.climbed > 0.02
+
+
+@pytest.mark.slow
+def test_belts_that_are_wedged_stall_instead_of_pulling_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On this map a track is wedged in the pit; without a limit it sinks in, and the drive has no result."""
+    recipe = load(EXAMPLES["stairs-and-stones"])
+    given: dict[str, Any] = {"robot": "crawler", "route": "random", "duration": 6, "seed": 1}
+    (robot,) = rsegen.drive(recipe, **given).robots
+    assert robot.metrics.stuck > 1
+    assert robot.metrics.seconds == pytest.approx(6)
+    monkeypatch.setattr(mujoco_world, "_WEDGED", inf)
+    with pytest.raises(SimulatorFailed, match="after 4.2 s it sank in, so this drive has no result"):
+        rsegen.drive(recipe, **given)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rsegen.mujoco.robot_model import RobotModel
-from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, STEP
+from rsegen.mujoco.settings import GRAVITY, MOTOR_SOLIMP, MOTOR_SOLREF, STEP
 
 _STRONG = 1e6
 """Torque, Nm, of a motor that nothing limits: the friction of its wheel does."""
@@ -28,8 +28,6 @@ jumped to its speed would throw the robot up by its reaction."""
 _AT_LIMIT, _SLOW, _OFTEN = 0.999, 0.5, 0.2
 """Share of its torque from which on a motor is at its limit, of its speed below which a wheel is slow, and of the steps
 from which on that is reported."""
-
-_GRAVITY = 9.81
 
 
 class WheelMotors:
@@ -118,4 +116,4 @@ class WheelMotors:
 def _weights(model: Any, robots: Sequence[RobotModel]) -> list[float]:
     """Return the weight of each robot, N."""
     masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
-    return [_GRAVITY * mass for mass in masses]
+    return [GRAVITY * mass for mass in masses]

@@ -26,7 +26,7 @@ from rsegen.field.stepfield import Array
 from rsegen.mujoco.log import without_log
 from rsegen.mujoco.map_model import GROUND, map_model
 from rsegen.mujoco.robot_model import RobotModel, Shape
-from rsegen.mujoco.settings import STEP
+from rsegen.mujoco.settings import GRAVITY, STEP
 from rsegen.mujoco.sliding import slide
 from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Wheels
@@ -116,7 +116,7 @@ class MujocoWorld(EmbeddedWorld):
             self._step(steps)
 
     def _step(self, steps: int) -> None:
-        model, data, shapes, wheels = self.model, self.data, self._shapes, self._wheels
+        model, data, shapes, wheels, belts = self.model, self.data, self._shapes, self._wheels, self._belts
         for _ in range(steps):
             wheels.before_step(data)
             _make_constraints(model, data, shapes)
@@ -126,6 +126,7 @@ class MujocoWorld(EmbeddedWorld):
             slide(model, data)
             mujoco.mj_step2(model, data)
             wheels.after_step(data)
+            belts.after_step(data, shapes)
             self._steps += 1
             shapes.count(data)
             if self._steps % self._period == 0:
@@ -344,8 +345,16 @@ class _Shapes:
         frames[:, 3:], friction[:, :2], contact.surfacevel[:, 1] = planes, coefficients, speeds
 
 
+_WEDGED = 50.0
+"""Force of a contact, in weights of the robot, at which its belts stall for a step.
+
+What is wedged between two faces is pulled in with a force that grows with itself, up to what breaks a block; a motor
+stalls long before. A robot that falls from its own height has such a force for some milliseconds.
+"""
+
+
 class _Belts:
-    """The belts of all robots."""
+    """The belts of all robots, which stall where they are wedged."""
 
     def __init__(self, model: Any, robots: Sequence[RobotModel]) -> None:
         self._belts = [
@@ -354,9 +363,33 @@ class _Belts:
             for shape in robot.shapes
             if shape.belt >= 0
         ]
+        self._robot = {geom: number for number, _, geom in self._belts}
+        masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
+        self._limits = [_WEDGED * GRAVITY * mass for mass in masses]
+        self._least = min((self._limits[number] for number in self._robot.values()), default=inf)
+        self._speeds, self._wedged = [(0.0, 0.0)] * len(robots), set[int]()
 
     def command(self, shapes: _Shapes, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's belts, m/s."""
+        self._speeds[robot] = left, right
+        self._run(shapes, robot)
+
+    def after_step(self, data: Any, shapes: _Shapes) -> None:
+        """Let the belts of robots stall, in the next step, that are wedged in this one."""
+        wedged: set[int] = set()
+        if data.nefc and np.maximum.reduce(data.efc_force) > self._least:
+            forces = data.efc_force.tolist()
+            for at, pair in zip(data.contact.efc_address.tolist(), data.contact.geom.tolist(), strict=True):
+                owners = {self._robot[geom] for geom in pair if geom in self._robot}
+                wedged |= {number for number in owners if at >= 0 and forces[at] > self._limits[number]}
+        if wedged != self._wedged:
+            changed, self._wedged = wedged ^ self._wedged, wedged
+            for robot in changed:
+                self._run(shapes, robot)
+
+    def _run(self, shapes: _Shapes, robot: int) -> None:
+        """Have the belts of a robot run as commanded, or stand still while it is wedged."""
+        speeds = (0.0, 0.0) if robot in self._wedged else self._speeds[robot]
         for owner, side, geom in self._belts:
             if owner == robot:
-                shapes.speed[geom] = right if side else left
+                shapes.speed[geom] = speeds[side]
