@@ -11,10 +11,12 @@ import pytest
 from scipy.stats import binomtest
 
 import rsegen
+from rsegen.cli.edge import main
 from rsegen.driving import many
-from rsegen.driving.many import wilson
+from rsegen.driving.many import ManyDrives, wilson
 from rsegen.driving.recording import record_embedded
 from rsegen.errors import OutputError, ParameterError, SimulatorFailed, Stopped, UserError
+from rsegen.writing.execute import Execution, cores
 
 RUBBLE = rsegen.Recipe(name="rubble", seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)])
 
@@ -123,3 +125,16 @@ def test_the_table_is_written_whole_and_kept(tmp_path: Path) -> None:
 def test_best_is_for_ways() -> None:
     with pytest.raises(ParameterError, match="best: is for route way, not for straight"):
         rsegen.drive_many(RUBBLE, best="tilt")
+
+
+def test_a_shell_uses_all_cores_unless_it_is_told_how_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    used: list[int] = []
+
+    def counted(plan: many.ManyPlan, execution: Execution, progress: object) -> ManyDrives:
+        used.append(execution.workers)
+        return ManyDrives(recipe=plan.recipe, robot="burger", simulator="MuJoCo", route=plan.route, drives=())
+
+    monkeypatch.setattr(many, "make_drives", counted)
+    for flags in ([], ["--workers", "3"]):
+        assert main(["drives", "peak", *flags]) == 0
+    assert used == [cores(), 3]

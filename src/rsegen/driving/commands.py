@@ -16,7 +16,7 @@ from rsegen.cli.report import Report, call, checked_flags, progress_shown, secon
 from rsegen.driving.parameters import Best, DriveSeed, Duration, RouteName, Size, Speed, Tracks, Turn, Wheels
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
-from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors
+from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors, given
 from rsegen.params.sorts import FilePath, Flag, Integer
 from rsegen.robots.parameters import RobotModel
 from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, MotorModel, Timeout, ignore
@@ -263,8 +263,11 @@ def add_drives(command: Parser) -> None:
 
 def run_drives(arguments: argparse.Namespace) -> Report:
     """Drive over all maps, and report how many were crossed."""
+    from rsegen.writing.execute import cores
+
     with flags_in_errors(drive_many):
         recipe = recipe_from(arguments)
-    with progress_shown(recipe.maps, "drive", miniters=1) as bar:
-        result = call(drive_many, arguments, recipe, progress=bar.update)
+    options = {"workers": cores()} | given(drive_many, arguments)
+    with progress_shown(recipe.maps, "drive", miniters=1) as bar, flags_in_errors(drive_many):
+        result = drive_many(recipe, progress=bar.update, **options)
     return Report(lines=result.report(), content=result.as_json)
