@@ -11,6 +11,7 @@ import pytest
 import rsegen
 from rsegen.errors import FileError, NoSimulator, ParameterError
 from rsegen.robots.lookup import robot_of_kind
+from rsegen.simulators.embedded import EMBEDDED
 from tests.simulators.standins import PROGRAMS, put
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the stand-ins are shell scripts")
@@ -56,6 +57,8 @@ def test_a_drive_that_is_stopped_changes_nothing(
     def stopped(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
+    if recorder == "record_embedded" and not EMBEDDED:
+        pytest.skip("the capability mujoco is not here")
     put(programs, PROGRAMS["classic"])
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(f"rsegen.driving.recording.{recorder}", stopped)

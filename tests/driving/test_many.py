@@ -16,8 +16,10 @@ from rsegen.driving import many
 from rsegen.driving.many import ManyDrives, wilson
 from rsegen.driving.recording import record_embedded
 from rsegen.errors import OutputError, ParameterError, SimulatorFailed, Stopped, UserError
+from rsegen.simulators.embedded import EMBEDDED
 from rsegen.writing.execute import Execution, cores
 
+pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
 RUBBLE = rsegen.Recipe(name="rubble", seed=3, boundary="none", unit_cm=3, obstacles=[rsegen.Random(levels=3)])
 
 

@@ -69,6 +69,7 @@ def uses_of_what_is_gone(folder: Path, names: Collection[str]) -> Iterator[Path]
     words = {command.name for capability in gone for command in capability.commands}
     words |= {name for capability in gone for offered in capability.offers.values() for name in offered}
     words |= {*ROBOTS} if "robots" in names else set()
+    public = public or {"no public name"}
     uses = re.compile(
         rf"\b(?:rsegen|tests)\.(?:{'|'.join(names)})\b|\btests\.(?:{'|'.join(_OF_ALL)})\b"
         rf"|\brsegen\.(?:{'|'.join(public)})\b|^from rsegen import .*\b(?:{'|'.join(public)})\b"
