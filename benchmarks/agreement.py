@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from itertools import product
-from math import ceil, nan, sqrt
+from math import ceil, nan
 from statistics import median
 from time import process_time
 from typing import Any, NamedTuple, cast
@@ -29,15 +29,17 @@ from benchmarks import crossings
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.drive import driven_robot
+from rsegen.driving.many import wilson
 from rsegen.driving.recording import PERIOD, DriveRecording, RobotRun, drive_in_steps, record_drive, record_embedded
 from rsegen.driving.robot_runs import finish_x, robot_runs
 from rsegen.driving.routes import AlongWay, Straight
 from rsegen.recipe.codec import decode
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.drives import Tracks, Wheels
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import SIMULATORS
-from rsegen.simulators.embedded import EMBEDDED, MOTORS
+from rsegen.simulators.embedded import EMBEDDED
 from rsegen.simulators.poses import adjacent_pose
 from rsegen.standing.spots import GAP
 from rsegen.writing.target_worlds import world_of
@@ -389,13 +391,6 @@ def _with_itself(found: Sequence[Outcome], simulator: str) -> str:
         if drive.simulator == simulator and not drive.aside and drive.lane in moved
     ]
     return f"{sum(one.crossed == other.crossed for one, other in both)} of {len(both)}" if both else ""
-
-
-def wilson(part: int, whole: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share (Wilson 1927), which holds for few and for shares near 0 and 1 too."""
-    z, share = 1.96, part / whole
-    middle, half = share + z * z / (2 * whole), z * sqrt(share * (1 - share) / whole + z * z / (4 * whole * whole))
-    return (middle - half) / (1 + z * z / whole), (middle + half) / (1 + z * z / whole)
 
 
 def _climbs_table(climbs: Sequence[Mapping[str, Any]]) -> Iterator[str]:

@@ -10,8 +10,7 @@ its friction, are in balance. Here these equations are solved for contacts that 
 from __future__ import annotations
 
 import sys
-from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.optimize import root
@@ -21,19 +20,11 @@ from rsegen.field.stepfield import Array
 from rsegen.mujoco import world as mujoco_world
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.sliding import slide
-from rsegen.recipe.recipe import Recipe
+from rsegen.mujoco.turning import ROBOT, on_flat_ground, turned_within
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.scene.scene import compose
-from rsegen.simulators.poses import DROP_HEIGHT, Pose
 
 RATES = (0.1, 0.3, 1.0)
 """Turn rates, rad/s; those of the crawler go up to 1.5."""
-
-
-class _Placed(NamedTuple):
-    name: str
-    robot: Robot
-    start: Pose
 
 
 def by_statics(robot: Robot, points: Array, loads: Array, mu: float, mu2: float) -> float:
@@ -62,26 +53,19 @@ def simulated(robot: Robot, rate: float, *, slides: bool) -> tuple[float, float]
     if not slides:
         setattr(mujoco_world, "slide", lambda *_: None)  # noqa: B010  # as a test would
     try:
-        scene = compose(Recipe(name="flat", boundary="none"))
-        world = mujoco_world.MujocoWorld(scene, [_Placed("robot", robot, Pose(x=0, y=0, z=DROP_HEIGHT))])
+        world = on_flat_ground(robot)
         world.step(round(0.5 / STEP))
-        world.drive("robot", robot, 0.0, rate)
+        world.drive(ROBOT, robot, 0.0, rate)
         world.step(round(0.5 / STEP))
-        before, turned = world.poses()["robot"].yaw, 0.0
-        for _ in range(40):
-            world.step(round(0.05 / STEP))
-            now = world.poses()["robot"].yaw
-            turned += (now - before + pi) % (2 * pi) - pi
-            before = now
+        turned = turned_within(world, 2.0)
     finally:
         setattr(mujoco_world, "slide", slide)  # noqa: B010
-    return 2.0 * rate / turned, min(world.shares()["robot"].values())
+    return 2.0 * rate / turned, min(world.shares()[ROBOT].values())
 
 
 def contacts_of(robot: Robot) -> tuple[Array, Array]:
     """Return where a robot stands on flat ground, (n, 2), metres, and the share of its weight on each contact."""
-    scene = compose(Recipe(name="flat", boundary="none"))
-    world = mujoco_world.MujocoWorld(scene, [_Placed("robot", robot, Pose(x=0, y=0, z=DROP_HEIGHT))])
+    world = on_flat_ground(robot)
     world.step(2000)
     import mujoco
 

@@ -24,8 +24,8 @@ from benchmarks.agreement import (
     runs_of,
     table,
     text_of,
-    wilson,
 )
+from rsegen.driving.many import wilson
 from rsegen.driving.recording import drive_in_steps
 from rsegen.simulators.embedded import EMBEDDED
 

@@ -19,8 +19,9 @@ from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import robot_of
+from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
-from tests.mujoco.worlds import FLAT, Placed, step_of, world_of
+from tests.mujoco.worlds import FLAT, step_of, world_of
 
 EACH = pytest.mark.parametrize("kind", list(ROBOTS))
 WHEELED = pytest.mark.parametrize("motors", ["reaction", "classic"])
@@ -157,8 +158,8 @@ def test_a_robot_that_starts_inside_a_block_is_refused() -> None:
 def test_robots_touch_each_other() -> None:
     robot = robot_of("jackal")
     placed = [
-        Placed(robot=robot, name="one", start=Pose(x=0, y=0, z=DROP_HEIGHT)),
-        Placed(robot=robot, name="other", start=Pose(x=1.0, y=0, z=DROP_HEIGHT)),
+        PlacedRobot(robot=robot, name="one", start=Pose(x=0, y=0, z=DROP_HEIGHT)),
+        PlacedRobot(robot=robot, name="other", start=Pose(x=1.0, y=0, z=DROP_HEIGHT)),
     ]
     world = MujocoWorld(FLAT, placed)
     world.step(500)

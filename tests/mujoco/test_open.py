@@ -20,7 +20,7 @@ from rsegen.mujoco.map_model import map_model
 from rsegen.mujoco.simulator import Mujoco
 from rsegen.mujoco.world import MujocoWorld
 from rsegen.robots.lookup import robot_of
-from rsegen.simulators.open_world import _Standing
+from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import adjacent_pose
 from tests.support.complaints import the_line
 from tests.support.missing import missing
@@ -55,7 +55,7 @@ def test_without_a_window_a_map_runs_in_real_time_until_the_seconds_are_over(cap
 
 def test_simulation_time_is_wall_time() -> None:
     scene, robot = rsegen.compose(RECIPE), robot_of("burger")
-    standing = _Standing(name="burger_0", robot=robot, start=adjacent_pose(scene.field, robot.body_or_box))
+    standing = PlacedRobot(name="burger_0", robot=robot, start=adjacent_pose(scene.field, robot.body_or_box))
     world = MujocoWorld(scene, [standing])
     begun, before = time.monotonic(), world.poses()["burger_0"]
     window.simulate(world, 1.0, None)
@@ -88,7 +88,7 @@ def test_a_window_that_is_closed_ends_it() -> None:
 def test_a_model_with_looks_moves_as_one_without() -> None:
     """And it has the colours of the scene and of the robot."""
     scene, robot = rsegen.compose(RECIPE), robot_of("crawler")
-    standing = _Standing(name="crawler_0", robot=robot, start=adjacent_pose(scene.field, robot.body_or_box))
+    standing = PlacedRobot(name="crawler_0", robot=robot, start=adjacent_pose(scene.field, robot.body_or_box))
     plain, seen = (MujocoWorld(scene, [standing], seen=looks) for looks in (False, True))
     for world in (plain, seen):
         world.drive("crawler_0", robot, 0.3, 0.0)

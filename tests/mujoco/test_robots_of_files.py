@@ -16,8 +16,9 @@ from rsegen.mujoco.world import MujocoWorld
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file
 from rsegen.scene.scene import Scene
+from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
-from tests.mujoco.worlds import FLAT, Placed, step_of, world_of
+from tests.mujoco.worlds import FLAT, step_of, world_of
 
 G = 9.81
 
@@ -121,7 +122,7 @@ def test_each_of_two_robots_has_its_own_friction(tmp_path: Path) -> None:
         (tmp_path / name).mkdir()
         robots.append(cart(tmp_path / name, pair(0.15, mu=mu, width=0.02), caster=mu))
     placed = [
-        Placed(robot=robot, start=Pose(x=-0.7, y=y, z=0.055), name=str(y))
+        PlacedRobot(robot=robot, start=Pose(x=-0.7, y=y, z=0.055), name=str(y))
         for robot, y in zip(robots, (-0.4, 0.4), strict=True)
     ]
     world = MujocoWorld(patch, placed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,23 +12,15 @@ from rsegen.mujoco.turning import turn_gain
 from rsegen.mujoco.world import MujocoWorld
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 
 FLAT = compose(rsegen.Recipe(name="flat", boundary="none"))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Placed:
-    """A robot at a pose."""
-
-    robot: DrivableRobot
-    start: Pose
-    name: str = "robot"
-
-
 def world_of(robot: str | DrivableRobot, scene: Scene = FLAT, at: Pose | None = None, **given: Any) -> MujocoWorld:
     """Return a world with one robot, at the origin by default."""
-    placed = Placed(robot=robot_of(robot), start=at or Pose(x=0, y=0, z=DROP_HEIGHT))
+    placed = PlacedRobot(name="robot", robot=robot_of(robot), start=at or Pose(x=0, y=0, z=DROP_HEIGHT))
     return MujocoWorld(scene, [placed], gains=[turn_gain(placed.robot)], **given)
 
 

@@ -1,4 +1,4 @@
-"""The command `rsegen drive`."""
+"""The commands `rsegen drive` and `rsegen drives`."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
 from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors, given
 from rsegen.params.sorts import FilePath, Flag, Integer
-from rsegen.robots.parameters import RobotModel
-from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, MotorModel, Timeout, ignore
+from rsegen.robots.parameters import MotorModel, RobotModel
+from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
@@ -88,7 +88,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     Raises
     ------
     UserError
-        If a value is wrong or no Gazebo is installed.
+        If a value is wrong, or the simulator is not installed.
     """
     from rsegen.driving.drive import (
         DriveResult,
@@ -96,12 +96,12 @@ def drive(  # noqa: PLR0913  # each is a flag
         drive_notes,
         driven_robot,
         file_names,
+        refuse_best,
         refuse_in_gazebo,
         refuse_output,
     )
     from rsegen.driving.recording import record_drive, record_embedded
     from rsegen.driving.robot_runs import robot_runs
-    from rsegen.driving.routes import AlongWay
     from rsegen.params.streams import fresh_seed
     from rsegen.simulators.base import Installation
     from rsegen.simulators.embedded import embedded_simulator
@@ -111,8 +111,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.writing.target_worlds import world_of
 
     # All that can be wrong is refused before a simulator is started, which may take seconds.
-    if best is not None and route != AlongWay.name:
-        raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
+    refuse_best(best, route)
     model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
     seed = fresh_seed() if seed is None else seed
     refuse_output(None if output is None else Path(output), picture=picture, video=video, force=force)
@@ -202,13 +201,12 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     """
     from dataclasses import replace
 
-    from rsegen.driving.drive import drivable
+    from rsegen.driving.drive import drivable, refuse_best
     from rsegen.driving.many import ManyPlan, make_drives
     from rsegen.writing.execute import Execution
     from rsegen.writing.store import refuse_taken, unchanged_if_stopped
 
-    if best is not None and route != "way":
-        raise ParameterError("best", f"is for route way, not for {route}")
+    refuse_best(best, route)
     plan = ManyPlan(
         recipe=recipe if maps is None else replace(recipe, maps=maps),
         robot=drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn),

@@ -25,7 +25,7 @@ from rsegen.driving.drive_metrics import (
 )
 from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contacts_csv
 from rsegen.driving.robot_runs import finish_x
-from rsegen.driving.routes import PlannedWay, Wandering
+from rsegen.driving.routes import AlongWay, PlannedWay, Wandering
 from rsegen.errors import ParameterError, shown
 from rsegen.params.numbers import whole_degrees
 from rsegen.pictures.plan import draw_plan
@@ -245,6 +245,12 @@ def drivable(
         kind = robot_of(robot).kind
         raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
     return robot_of(robot)
+
+
+def refuse_best(best: str | None, route: str) -> None:
+    """Raise a ParameterError if the best way is asked for on another route."""
+    if best is not None and route != AlongWay.name:
+        raise ParameterError("best", f"is for route {AlongWay.name}, not for {route}")
 
 
 def refuse_in_gazebo(*, picture: bool, video: bool) -> None:

@@ -11,10 +11,12 @@ breaks it: maps that are not independent, as those of a recipe without random ob
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, astuple, dataclass, fields
 from functools import partial
+from io import StringIO
 from math import isnan, sqrt
 from pathlib import Path, PurePosixPath
 
@@ -151,9 +153,11 @@ class ManyDrives:
 
     def csv(self) -> Iterator[bytes]:
         """Yield the lines of drives.csv."""
-        yield (",".join(field.name for field in fields(ManyDrive)) + "\n").encode()
-        for drive in self.drives:
-            yield (",".join(map(_cell, astuple(drive))) + "\n").encode()
+        text = StringIO()
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(field.name for field in fields(ManyDrive))
+        table.writerows(map(_cell, astuple(drive)) for drive in self.drives)
+        yield from text.getvalue().encode().splitlines(keepends=True)
 
     def write(self, folder: str | Path, *, force: bool = False) -> None:
         """Write drives.csv, drives.json and the recipe into a folder; `force` replaces earlier ones."""
@@ -175,8 +179,7 @@ def _cell(value: object) -> str:
     """Return a value as a cell of a CSV file, empty for none and for no number."""
     if value is None or _is_nan(value):
         return ""
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    return '"{}"'.format(text.replace('"', '""')) if set(text) & set(',"') else text
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 _FAILED = 5

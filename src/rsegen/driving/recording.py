@@ -26,10 +26,10 @@ from rsegen.driving.filming import FilmedWorld, picture_of_end
 from rsegen.driving.routes import STOP, PlannedWay, Route
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
-from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
-from rsegen.simulators.embedded import MOTORS, EmbeddedSimulator
+from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.server import attempted, running_server
 from rsegen.simulators.stepped_world import Record, SteppedWorld
@@ -83,15 +83,12 @@ _SAME = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class RobotRun:
+class RobotRun(PlacedRobot):
     """A robot with its name in the world, its start pose, and a function that makes its route anew for each attempt.
 
     spot: the place on the map at which it starts, if it does; way: the one that its route follows
     """
 
-    name: str
-    robot: DrivableRobot
-    start: Pose
     route: Callable[[], Route]
     spot: Spot | None = None
     way: PlannedWay | None = None

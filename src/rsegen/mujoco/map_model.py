@@ -20,7 +20,7 @@ from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
 from rsegen.mujoco.looks import add_looks
 from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_elements
-from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, SOLIMP, SOLREF
+from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, ROLLING, SOLIMP, SOLREF, TORSIONAL
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import PlacedRobot
@@ -70,7 +70,7 @@ def map_model(scene: Scene, placed: Sequence[PlacedRobot], *, seen: bool = False
 
 
 def _touched(mu: float, friction: MapFriction) -> dict[str, str]:
-    return {"friction": numbers((mu, 0.005, 0.0001)), "contype": "0", "conaffinity": str(friction.bit(mu))}
+    return {"friction": numbers((mu, TORSIONAL, ROLLING)), "contype": "0", "conaffinity": str(friction.bit(mu))}
 
 
 def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, fromstring
 
 import numpy as np
@@ -22,7 +22,7 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.mujoco.friction import LEAST, ROBOTS, MapFriction
-from rsegen.mujoco.settings import ROLLING, TORSIONAL
+from rsegen.mujoco.settings import GRAVITY, ROLLING, TORSIONAL
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
@@ -158,8 +158,8 @@ class _Builder:
 
     def _add_bodies(self, place: Array) -> None:
         """Add the tree of links on a body that is the model's origin; links that hang on nothing else move freely."""
-        roots = [link for link in self._links if self._frames.parent_link(self._held.get(link)) not in self._links]
-        for root in roots:
+        hanging = {link for link, joint in self._held.items() if self._frames.parent(joint) in self._links}
+        for root in [link for link in self._links if link not in hanging]:
             # Of a model of several bodies each is as free as the first one.
             name = f"{self.model.name}/{root}/free" if self.model.bodies else self.model.name
             base = self._free(name, place)
@@ -486,3 +486,9 @@ def servo_elements(model: RobotModel) -> Iterator[Element]:
             kv=numbers([servo.damping]),
             forcerange=numbers((-servo.effort, servo.effort)),
         )
+
+
+def weights(model: Any, robots: Sequence[RobotModel]) -> list[float]:
+    """Return the weight of each robot, N."""
+    masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
+    return [GRAVITY * mass for mass in masses]

@@ -11,8 +11,9 @@ from platform import machine, system
 from typing import ClassVar
 
 from rsegen.errors import NoSimulator, line_of
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import MOTORS, EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
+from rsegen.simulators.embedded import EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
 
 _FIRST = 4
 """The first version in which the surface of a shape can move (`surfacevel`), of which belts are made."""

@@ -9,7 +9,6 @@ CPU. What breaks it: a ground with less friction than the flat one, on which it 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
 
@@ -19,7 +18,11 @@ from rsegen.mujoco.world import MujocoWorld
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import compose
+from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
+
+ROBOT = "robot"
+"""The name of a robot that is alone on the ground."""
 
 _SETTLES, _TURNS = 0.5, 2.0
 """Seconds in which the robot comes down and begins to turn, and in which its turn is measured."""
@@ -35,15 +38,6 @@ _TURNS_AS_TOLD, _ROLLS = 0.01, 0.005
 
 _MOST = 3
 """Measurements at most."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Alone:
-    """A robot on the ground."""
-
-    name: str
-    robot: DrivableRobot
-    start: Pose
 
 
 @lru_cache(maxsize=64)
@@ -66,14 +60,24 @@ def turn_gain(robot: DrivableRobot) -> float:
 
 def _turned(robot: DrivableRobot, w: float, gain: float) -> float:
     """Return the radians that a robot turns within _TURNS on flat ground when it is told a rate, with a gain."""
-    flat = compose(Recipe(name="flat", boundary="none"))
-    world = MujocoWorld(flat, [_Alone(name="robot", robot=robot, start=Pose(x=0, y=0, z=DROP_HEIGHT))], gains=[gain])
-    world.drive("robot", robot, 0.0, w)
+    world = on_flat_ground(robot, gain)
+    world.drive(ROBOT, robot, 0.0, w)
     world.step(round(_SETTLES / STEP))
-    before, turned = world.poses()["robot"].yaw, 0.0
-    for _ in range(round(_TURNS / _LOOK)):
+    return turned_within(world, _TURNS)
+
+
+def on_flat_ground(robot: DrivableRobot, gain: float = 1.0) -> MujocoWorld:
+    """Return a world of flat ground with a robot at the origin."""
+    flat, start = compose(Recipe(name="flat", boundary="none")), Pose(x=0, y=0, z=DROP_HEIGHT)
+    return MujocoWorld(flat, [PlacedRobot(name=ROBOT, robot=robot, start=start)], gains=[gain])
+
+
+def turned_within(world: MujocoWorld, seconds: float) -> float:
+    """Simulate for some seconds, and return the radians by which such a robot has turned, counterclockwise."""
+    before, turned = world.poses()[ROBOT].yaw, 0.0
+    for _ in range(round(seconds / _LOOK)):
         world.step(round(_LOOK / STEP))
-        now = world.poses()["robot"].yaw
+        now = world.poses()[ROBOT].yaw
         turned += (now - before + pi) % (2 * pi) - pi
         before = now
     return turned

@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from rsegen.mujoco.robot_model import RobotModel
-from rsegen.mujoco.settings import GRAVITY, MOTOR_SOLIMP, MOTOR_SOLREF, STEP
+from rsegen.mujoco.robot_model import RobotModel, weights
+from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF, STEP
+from rsegen.robots.parameters import MOTORS
 
 _STRONG = 1e6
 """Torque, Nm, of a motor that nothing limits: the friction of its wheel does."""
@@ -38,11 +39,11 @@ class WheelMotors:
 
     def __init__(self, model: Any, robots: Sequence[RobotModel], motors: str) -> None:
         wheels = [(number, robot.drive, wheel) for number, robot in enumerate(robots) for wheel in robot.wheels]
-        self._robots, self._weights = robots, _weights(model, robots)
+        self._robots, self._weights = robots, weights(model, robots)
         self._owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
         self._dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
         # Classic's drive writes the speed that it is told, at once: with a ramp, burgers cross 0.1 s later than there.
-        self.react = motors == "reaction" and bool(wheels)
+        self.react = motors == MOTORS[0] and bool(wheels)
         self._most = np.array(
             [
                 (getattr(drive, "acceleration", None) or _RAMP) * STEP / drive.radius if self.react else inf
@@ -111,9 +112,3 @@ class WheelMotors:
                 f"{robot.name}: the motors of its wheels are too weak for {share:.0%} of the time: its model has an "
                 f"effort of {torque:.3g} Nm each{own_friction}; wheels slip on the ground from {slips:.3g} Nm on"
             )
-
-
-def _weights(model: Any, robots: Sequence[RobotModel]) -> list[float]:
-    """Return the weight of each robot, N."""
-    masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
-    return [GRAVITY * mass for mass in masses]

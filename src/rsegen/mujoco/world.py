@@ -25,14 +25,15 @@ from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
 from rsegen.mujoco.log import without_log
 from rsegen.mujoco.map_model import GROUND, map_model
-from rsegen.mujoco.robot_model import RobotModel, Shape
-from rsegen.mujoco.settings import GRAVITY, STEP
+from rsegen.mujoco.robot_model import RobotModel, Shape, weights
+from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.sliding import slide
 from rsegen.mujoco.wheel_motors import WheelMotors
 from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import MOTORS, EmbeddedWorld, LinkPoses, PlacedRobot
+from rsegen.simulators.embedded import EmbeddedWorld, LinkPoses, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.stepped_world import Record
 
@@ -364,8 +365,7 @@ class _Belts:
             if shape.belt >= 0
         ]
         self._robot = {geom: number for number, _, geom in self._belts}
-        masses = [sum(float(model.body(body.get("name")).subtreemass[0]) for body in robot.bodies) for robot in robots]
-        self._limits = [_WEDGED * GRAVITY * mass for mass in masses]
+        self._limits = [_WEDGED * weight for weight in weights(model, robots)]
         self._least = min((self._limits[number] for number in self._robot.values()), default=inf)
         self._speeds, self._wedged = [(0.0, 0.0)] * len(robots), set[int]()
 
@@ -377,7 +377,7 @@ class _Belts:
     def after_step(self, data: Any, shapes: _Shapes) -> None:
         """Let the belts of robots stall, in the next step, that are wedged in this one."""
         wedged: set[int] = set()
-        if data.nefc and np.maximum.reduce(data.efc_force) > self._least:
+        if self._belts and data.nefc and np.maximum.reduce(data.efc_force) > self._least:
             forces = data.efc_force.tolist()
             for at, pair in zip(data.contact.efc_address.tolist(), data.contact.geom.tolist(), strict=True):
                 owners = {self._robot[geom] for geom in pair if geom in self._robot}

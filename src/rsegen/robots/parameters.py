@@ -1,4 +1,4 @@
-"""The parameter that names a robot."""
+"""The parameters that name a robot, and how the motors of its wheels act."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING, Annotated
 
 from rsegen.params.command import Shell
-from rsegen.params.sorts import Reference
+from rsegen.params.sorts import Choice, Reference
 
 if TYPE_CHECKING:
     from rsegen.robots.lookup import DrivableRobot
@@ -21,3 +21,17 @@ _ROBOT = Reference(
 RobotModel = Annotated["str | os.PathLike[str] | DrivableRobot", _ROBOT, Shell(metavar="KIND|FILE")]
 
 AnyRobot = Annotated["str | os.PathLike[str] | DrivableRobot | None", _ROBOT, Shell(metavar="KIND|FILE")]
+
+MOTORS = ("reaction", "classic")
+"""How the motors of wheels act: with a torque that acts back on the chassis, as real ones do; or as Gazebo Classic's
+drive has it, which writes the speed of a wheel, so that nothing acts back."""
+
+MotorModel = Annotated[
+    str | None,
+    Choice(
+        MOTORS,
+        help="how motors of wheels act in MuJoCo: with their reaction on the chassis, as real ones do, or as those of "
+        "Gazebo Classic, without it",
+    ),
+    Shell(default=MOTORS[0]),
+]

@@ -142,7 +142,8 @@ class SdfRobot(RobotOnField):
         """
         model = self._placed(name, at)
         _hold_and_turn(model, self)
-        _take_out(model, "plugin", "sensor")
+        for tag in ("plugin", "sensor"):
+            _take_out(model, tag)
         return _outer(model)
 
     def file(self, name: str, simulator: str = "classic") -> str:
@@ -411,11 +412,12 @@ def _hold_and_turn(model: Element, robot: SdfRobot) -> tuple[str, ...]:
     return held
 
 
-def _take_out(model: Element, *tags: str) -> None:
-    """Take all elements of these tags out of a model, wherever they are."""
-    for parent in list(model.iter()):
-        for element in [element for element in parent if element.tag in tags]:
-            parent.remove(element)
+def _take_out(model: Element, tag: str, is_out: Callable[[Element], bool] = lambda _: True) -> list[Element]:
+    """Take elements of a tag out of a model, wherever they are, and return them."""
+    out = [(parent, element) for parent in model.iter() for element in parent.findall(tag) if is_out(element)]
+    for parent, element in out:
+        parent.remove(element)
+    return [element for _, element in out]
 
 
 def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
@@ -450,11 +452,8 @@ def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:
     """
 
     def without(tag: str, attribute: str, is_out: Callable[[Element], bool] = lambda _: True) -> tuple[str, ...]:
-        """Take elements of a tag out, wherever they are, and return an attribute of each."""
-        out = [(parent, element) for parent in model.iter() for element in parent.findall(tag) if is_out(element)]
-        for parent, element in out:
-            parent.remove(element)
-        return tuple(element.get(attribute, "") for _, element in out)
+        """Take elements of a tag out, and return an attribute of each."""
+        return tuple(element.get(attribute, "") for element in _take_out(model, tag, is_out))
 
     def lacks_its_mesh(visual: Element) -> bool:  # URIs that were found are absolute paths (`resolve_uris`)
         uri = (visual.findtext("geometry/mesh/uri") or "/").strip()

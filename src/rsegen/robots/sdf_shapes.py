@@ -76,10 +76,6 @@ class ModelFrames:
         """Return the link that a joint hangs on."""
         return self._link(joint, "parent")
 
-    def parent_link(self, joint: str | None) -> str:
-        """Return the link that a joint hangs on; empty for no joint."""
-        return self.parent(joint) if joint else ""
-
     def _link(self, joint: str, tag: str) -> str:
         return _in_scope(joint.rpartition("::")[0], (self.joints[joint].findtext(tag) or "").strip())
 

@@ -7,6 +7,7 @@ A link that has no visuals, or one that cannot be read, has its collision shapes
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, fromstring
 
@@ -26,7 +27,7 @@ _RINGS = 7
 """Rings of a sphere from pole to pole: an odd number, so that the middle of a capsule is straight."""
 
 _BODY, _DRIVEN = (0.45, 0.46, 0.48), (0.12, 0.12, 0.13)
-"""Colours of shapes that have none: of links that drive, and of all others."""
+"""Colours of shapes that have none: of links that do not drive, and of those that do."""
 
 
 class Visual(NamedTuple):
@@ -45,15 +46,10 @@ def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
     shapes: dict[str, list[Visual]] = {}
     for link, element in frames.links():
         default = _DRIVEN if link in driven else _BODY
-        try:
-            shapes[link] = list(_shapes(frames, link, element, "visual", default))
-        except (UserError, ImportError):  # such as a mesh that is not here
-            shapes[link] = []
-        if not shapes[link]:
-            try:
-                shapes[link] = list(_shapes(frames, link, element, "collision", default))
-            except (UserError, ImportError):
-                shapes[link] = []
+        shapes[link] = []
+        for tag in ("visual", "collision"):
+            with suppress(UserError, ImportError):  # such as a mesh that is not here
+                shapes[link] = shapes[link] or list(_shapes(frames, link, element, tag, default))
     return shapes
 
 

@@ -8,36 +8,27 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import ClassVar, Protocol, TypeAlias
+from dataclasses import dataclass
+from typing import ClassVar, TypeAlias
 
 from rsegen.errors import UnknownName, UserError
 from rsegen.field.stepfield import Array
 from rsegen.params.registry import Contract, Registry
 from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import SIMULATORS
 from rsegen.simulators.poses import Pose
 from rsegen.simulators.stepped_world import Record, SteppedWorld
 
-MOTORS = ("reaction", "classic")
-"""How the motors of wheels act: with a torque that acts back on the chassis, as real ones do; or as Gazebo Classic's
-drive has it, which writes the speed of a wheel, so that nothing acts back."""
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PlacedRobot:
+    """A robot with its name in the world and the pose of its origin at the start."""
 
-class PlacedRobot(Protocol):
-    """A robot with its name in the world and its start pose."""
-
-    @property
-    def name(self) -> str:
-        """Its name in the world."""
-
-    @property
-    def robot(self) -> DrivableRobot:
-        """The robot."""
-
-    @property
-    def start(self) -> Pose:
-        """The pose of its origin at the start."""
+    name: str
+    robot: DrivableRobot
+    start: Pose
 
 
 LinkPoses: TypeAlias = Mapping[str, Mapping[str, Array]]

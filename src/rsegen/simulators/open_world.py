@@ -21,9 +21,9 @@ from pathlib import Path
 from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, UserError, shown
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.base import Installation, OpenRequest
-from rsegen.simulators.embedded import EmbeddedSimulator
+from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
 from rsegen.simulators.patience import Patience
-from rsegen.simulators.poses import Pose, adjacent_pose
+from rsegen.simulators.poses import adjacent_pose
 from rsegen.simulators.process import ErrorRelay, OutputFiles, Work
 from rsegen.simulators.server import choose_installation
 from rsegen.writing.programs import LaunchCommand, has_screen
@@ -120,15 +120,6 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
         return OpenResult(world=opened, exit_code=code, errors=relay.lines)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Standing:
-    """A robot that stands."""
-
-    name: str
-    robot: DrivableRobot
-    start: Pose
-
-
 def open_embedded(  # as `rsegen.open`
     simulator: EmbeddedSimulator,
     world: World,
@@ -145,7 +136,7 @@ def open_embedded(  # as `rsegen.open`
     placed = []
     if robot:
         start = adjacent_pose(scene.field, robot.body_or_box)
-        placed.append(_Standing(name=f"{robot.kind}_0", robot=robot, start=start))
+        placed.append(PlacedRobot(name=f"{robot.kind}_0", robot=robot, start=start))
     opened = OpenedWorld(simulator=str(simulator), file=world.file, name=scene.name)
     with suppress(KeyboardInterrupt):
         simulator.show(scene, placed, seconds, headless=headless, on_start=lambda: on_start(opened))

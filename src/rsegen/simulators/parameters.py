@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Annotated
 
 from rsegen.params.command import Shell
-from rsegen.params.sorts import Choice, Float, Reference
+from rsegen.params.sorts import Float, Reference
 
 
 def _servers() -> Iterable[str]:
@@ -37,15 +37,6 @@ OpenSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="the n
 DriveSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="mujoco")]
 """Of what asks how robots drive: MuJoCo answers on every machine alike."""
 
-MotorModel = Annotated[
-    str | None,
-    Choice(
-        ("reaction", "classic"),
-        help="how motors of wheels act in MuJoCo: with their reaction on the chassis, as real ones do, or as those of "
-        "Gazebo Classic, without it",
-    ),
-    Shell(default="reaction"),
-]
 
 RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]
 
