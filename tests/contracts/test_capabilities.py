@@ -75,7 +75,7 @@ def test_all_that_is_declared_is_there() -> None:
             assert callable(getattr(module, f"add_{command.name}"))
             assert callable(getattr(module, f"run_{command.name}"))
             assert not command.function or command.function in public_names()
-        places = [capability.targets, capability.crossers, capability.doctor, capability.notebook]
+        places = [capability.targets, capability.crossers, capability.predictor, capability.doctor, capability.notebook]
         for place in [*filter(None, places), *capability.sidecars, *capability.words.values()]:
             module_name, _, attribute = place.partition(":")
             assert hasattr(importlib.import_module(module_name), attribute), place

@@ -14,6 +14,13 @@ CAPABILITY = Capability(
             "drive",
         ),
         Command(
+            "predict",
+            "simulation",
+            "predict how surely a robot gets across a map",
+            "rsegen.driving.commands",
+            "predict",
+        ),
+        Command(
             "drives",
             "simulation",
             "drive a robot over many maps, and count how many it crosses",
@@ -22,10 +29,12 @@ CAPABILITY = Capability(
         ),
     ),
     public={
-        "rsegen.driving.commands": ("drive", "drive_many"),
+        "rsegen.driving.commands": ("drive", "drive_many", "predict"),
         "rsegen.driving.drive": ("DriveResult",),
         "rsegen.driving.many": ("ManyDrives",),
+        "rsegen.driving.prediction": ("Outcome", "Prediction"),
     },
+    predictor="rsegen.driving.planning:predictions",
     calls=("rsegen.driving.page",),
     manual="driving",
 )

@@ -5,25 +5,29 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 from rsegen.cli.flags import add_input, add_recipe_flags, add_target_recipe_flags, recipe_from, target_of, which_map
 from rsegen.cli.parameters import Force, MapReference, Scheduler, Workers
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, checked_flags, progress_shown, seconds_bar
-from rsegen.driving.parameters import Best, DriveSeed, Duration, RouteName, Size, Speed, Tracks, Turn, Wheels
+from rsegen.driving.parameters import Best, Drives, DriveSeed, Duration, RouteName, Size, Speed, Tracks, Turn, Wheels
 from rsegen.errors import ParameterError, shown
 from rsegen.field.crossing import robot_kinds
 from rsegen.params.command import Shell, add_flags, command, default, flags_in_errors, given
-from rsegen.params.sorts import FilePath, Flag, Integer
-from rsegen.robots.parameters import MotorModel, RobotModel
+from rsegen.params.sorts import Choice, FilePath, Flag, Integer
+from rsegen.pictures.flags import PictureName, picture_of
+from rsegen.robots.parameters import MOTORS, MotorModel, RobotModel
 from rsegen.simulators.parameters import OWN_FLAGS, WORLD, DriveSimulator, Timeout, ignore
 
 if TYPE_CHECKING:
     from rsegen.driving.drive import DriveResult
     from rsegen.driving.many import ManyDrives
+    from rsegen.driving.prediction import Prediction
     from rsegen.recipe.recipe import Recipe
     from rsegen.writing.target_worlds import Target
 
@@ -46,6 +50,11 @@ def drive(  # noqa: PLR0913  # each is a flag
     best: Best = None,
     duration: Duration = 30.0,
     seed: DriveSeed = None,
+    predict: Annotated[
+        bool,
+        Flag(help="tell before how surely the robot gets across, from drives in MuJoCo"),
+        Shell(help="do not tell before how surely the robot gets across; ways are then planned by poses alone"),
+    ] = True,
     output: Annotated[
         str | Path | None,
         FilePath(help="folder for trajectories, metrics and a picture"),
@@ -100,8 +109,8 @@ def drive(  # noqa: PLR0913  # each is a flag
         refuse_in_gazebo,
         refuse_output,
     )
+    from rsegen.driving.planning import planned_runs, predictor_for
     from rsegen.driving.recording import record_drive, record_embedded
-    from rsegen.driving.robot_runs import robot_runs
     from rsegen.params.streams import fresh_seed
     from rsegen.simulators.base import Installation
     from rsegen.simulators.embedded import embedded_simulator
@@ -122,7 +131,8 @@ def drive(  # noqa: PLR0913  # each is a flag
         refuse_in_gazebo(picture=picture, video=video)
     here = embedded or choose_installation(world.made_for, simulator, timeout)
     scene, report = world.scene(), progress or ignore
-    runs = robot_runs(scene.field, model, route, count=robots, seed=seed, best=best or "length")
+    predictor = predictor_for(here.backend, motors) if predict else None
+    runs, found = planned_runs(predictor, scene, model, route, count=robots, seed=seed, best=best or "safe")
     pictured = picture and "pictures" not in here.drives_without
     if output is not None:
         announce_files(Path(output), file_names(runs, picture=pictured, video=video), is_whole=True)
@@ -144,6 +154,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         notes=tuple(drive_notes(here, runs, recording, route, contacts=contacts, picture=picture)),
         contact_samples=recording.samples,
         way=runs[0].way,
+        prediction=found,
         image=recording.image,
         video=recording.video,
     )
@@ -212,7 +223,7 @@ def drive_many(  # noqa: PLR0913  # each is a flag
         robot=drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn),
         motors=motors,
         route=route,
-        best=best or "length",
+        best=best or "safe",
         duration=duration,
     )
     if output is not None:
@@ -222,6 +233,94 @@ def drive_many(  # noqa: PLR0913  # each is a flag
     if output is not None:
         result.write(output, force=force)
     return result
+
+
+@command
+def predict(  # noqa: PLR0913  # each is a flag
+    target: Target,
+    *,
+    map: MapReference = None,  # noqa: A002  # the flag's name
+    robot: RobotModel = "burger",
+    wheels: Wheels = None,
+    tracks: Tracks = None,
+    size: Size = None,
+    speed: Speed = None,
+    turn: Turn = None,
+    motors: MotorModel = None,
+    route: Annotated[
+        str, Choice(("way", "straight"), help="on the way on which it gets across most surely, or straight across")
+    ] = "way",
+    best: Best = None,
+    drives: Drives = 20,
+) -> Prediction:
+    """Predict how surely a robot gets across a map, from west to east.
+
+    It is driven in MuJoCo again and again, each time with other errors of its start, its position, friction and the
+    heights of blocks, until the outcome is plain: 6 drives that end alike, or up to `drives`. On route way, ways are
+    planned by poses, tried, and planned anew around what held the robot.
+
+    Parameters
+    ----------
+    target : Recipe, Scene, str or path
+        As for `rsegen.drive`.
+
+    Returns
+    -------
+    Prediction
+        The probability, the drives, where and why they ended, and the way.
+
+    Raises
+    ------
+    UserError
+        If a value is wrong, or MuJoCo is not installed.
+    """
+    from rsegen.driving.drive import drivable, refuse_best
+    from rsegen.driving.planning import planned_runs, required_simulator
+    from rsegen.driving.prediction import Predictor
+    from rsegen.writing.target_worlds import world_of
+
+    refuse_best(best, route)
+    model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
+    predictor = Predictor(simulator=required_simulator("a prediction needs"), motors=motors or MOTORS[0], drives=drives)
+    scene = world_of(target, map).scene()
+    _, prediction = planned_runs(predictor, scene, model, route, count=1, seed=0, best=best or "safe")
+    return cast("Prediction", prediction)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Picture:
+    """The picture that the shell can ask for."""
+
+    output: Annotated[PictureName, Shell(help="draw the way and all drives on the plan, by the ending of its name")] = (
+        None
+    )
+    force: Force = False
+
+
+def add_predict(command: Parser) -> None:
+    """Add the flags of `rsegen predict`."""
+    command.explain(predict.__doc__, f"docs/certainty.md says how often it is right. {robot_kinds()}")
+    add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=WORLD)
+    add_flags(command.group("prediction"), predict)
+    add_flags(command.group("output"), _Picture)
+    add_target_recipe_flags(command)
+
+
+def run_predict(arguments: argparse.Namespace) -> Report:
+    """Predict, and draw."""
+    from rsegen.driving.prediction_plot import prediction_plot
+    from rsegen.writing.target_worlds import world_of
+
+    picture = picture_of(arguments.output, force=arguments.force)
+    with flags_in_errors(predict):
+        scene = world_of(target_of(arguments), arguments.map).scene()
+    found = call(predict, arguments, scene, map=None)
+    if picture:
+        picture.write(partial(prediction_plot, scene, found))
+    kind = given(predict, arguments).get("robot", default(predict, "robot"))
+    content = {"map": scene.name, "robot": kind, **found.as_json()}
+    notes = which_map(arguments.target, arguments.map)
+    return Report(lines=[f"{scene.name}, {kind}: {found}"], content=content, notes=notes)
 
 
 def add_drive(command: Parser) -> None:

@@ -23,6 +23,7 @@ from rsegen.driving.drive_metrics import (
     moves_by_window,
     possible_part,
 )
+from rsegen.driving.prediction import Prediction
 from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contacts_csv
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import AlongWay, PlannedWay, Wandering
@@ -125,6 +126,8 @@ class DriveResult:
         What the simulator does not give, a sentence each.
     way : PlannedWay or None
         The way that the robots followed, on that route.
+    prediction : Prediction or None
+        How surely a robot gets across, as drives in the embedded simulator told before.
     image : bytes
         A JPEG of the end, empty without `picture`.
     video : bytes
@@ -140,6 +143,7 @@ class DriveResult:
     contact_samples: ContactSamples
     notes: tuple[str, ...] = ()
     way: PlannedWay | None = None
+    prediction: Prediction | None = None
     image: bytes = b""
     video: bytes = b""
 
@@ -151,6 +155,7 @@ class DriveResult:
             "route": self.route,
             "seed": self.seed,
             **({"way": self.way.as_json()} if self.way else {}),
+            **({"prediction": self.prediction.as_json()} if self.prediction else {}),
             "robots": [
                 {"name": robot.name, "kind": robot.kind, "start": asdict(robot.start), **asdict(robot.metrics)}
                 | {"incidents": [asdict(incident) for incident in robot.metrics.incidents]}
@@ -165,6 +170,8 @@ class DriveResult:
         seed = f", seed {self.seed}" if self.route == Wandering.name else ""
         if self.way:
             yield f"predicted for {self.scene.name}: {_foreseen(self.way)}"
+        if self.prediction:
+            yield f"predicted for {self.scene.name}: {self.prediction}"
         yield f"{self.scene.name} in {self.simulator}, {self.route}{seed}:"
         for robot in self.robots:
             metrics = robot.metrics

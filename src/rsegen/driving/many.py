@@ -23,15 +23,15 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from rsegen.driving.drive import driven_robot
+from rsegen.driving.planning import planned_runs, predictor_for, required_simulator
 from rsegen.driving.recording import record_embedded
-from rsegen.driving.robot_runs import robot_runs
-from rsegen.errors import NoSimulator, NoSpot, SimulatorFailed, Stopped, UserError
+from rsegen.driving.routes import AlongWay
+from rsegen.errors import NoSpot, SimulatorFailed, Stopped, UserError
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.codec import to_json
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import compose
-from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.writing.execute import Execution, execute
 from rsegen.writing.resources import refuse_too_large
 from rsegen.writing.store import write_folder
@@ -201,7 +201,7 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     UserError if no drive has a result; Stopped, with how many are done, after Ctrl-C.
     """
     refuse_too_large(plan.recipe)
-    here = _simulator()
+    here = required_simulator("many drives need")
     first = plan.recipe.first_map
     indices = range(first, first + plan.recipe.maps)
     drives: list[ManyDrive] = []
@@ -220,14 +220,6 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     )
 
 
-def _simulator() -> EmbeddedSimulator:
-    here = embedded_simulator(None)
-    if here is None or here.version() is None:
-        hint = "; ".join(here.how_to_install) if here else "this rsegen has no embedded simulator"
-        raise NoSimulator(f"many drives need MuJoCo; to install it: {hint}")
-    return here
-
-
 def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
     return [_drive(plan, index) for index in indices]
 
@@ -236,8 +228,10 @@ def _drive(plan: ManyPlan, index: int) -> ManyDrive:
     """Return the drive over one map; one that has no spot to start at has no result."""
     scene, seed = compose(plan.recipe, index), plan.seed_of(index)
     try:
-        (run,) = robot_runs(scene.field, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
-        recording = record_embedded(_simulator(), scene, [run], plan.duration, contacts=False, motors=plan.motors)
+        simulator = required_simulator("many drives need")
+        predictor = predictor_for(None, plan.motors) if plan.route == AlongWay.name else None
+        (run,), _ = planned_runs(predictor, scene, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
+        recording = record_embedded(simulator, scene, [run], plan.duration, contacts=False, motors=plan.motors)
     except (NoSpot, SimulatorFailed) as error:
         values = dict.fromkeys(("seconds", "distance", "stuck", "tilt", "climbed", "x", "y"), float("nan"))
         return ManyDrive(map=index, seed=seed, crossed=None, tipped=0, failed=str(error), **values)

@@ -54,10 +54,17 @@ RouteName = Annotated[
 Best = Annotated[
     str | None,
     Choice(
-        ("length", "tilt", "margin"),
-        help="for route way: the shortest way, that with the least tilt, or with the largest angle to tip over",
+        ("safe", "length", "tilt", "margin"),
+        help="for route way: a short and safe way, the shortest, that with the least tilt, or with the largest angle "
+        "to tip over",
     ),
-    Shell(default="length"),
+    Shell(default="safe"),
+]
+
+Drives = Annotated[
+    int,
+    Integer(1, 10_000, help="drives, each with other errors, that tell at most how surely the robot gets across"),
+    Shell(metavar="N"),
 ]
 
 Duration = Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")]

@@ -47,11 +47,7 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
     if route not in ROUTES:
         raise UnknownName.among("route", "route", route, ROUTES)
     if route == AlongWay.name:
-        body = robot.body
-        way = planned_way(field, body, best)
-        first = adjacent_pose(field, body, float(way.points[0, 1]))
-        starts = [replace(first, x=first.x - index * (body.length + GAP)) for index in range(count)]
-        return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
+        return runs_along(field, robot, planned_way(field, robot.body, best), count)
     body, goal = robot.body_or_box, finish_x(field, robot) + GAP
     lane = Outline.of(body).width + GAP
     starts = [adjacent_pose(field, body, (index - (count - 1) / 2) * lane) for index in range(count)]
@@ -67,6 +63,13 @@ def robot_runs(  # noqa: PLR0913  # the last four by name
     starts = [Pose.above(spot) if spot else at for spot, at in zip(places, starts, strict=True)]
     runs = _named(robot, starts, [partial(_random, field, robot, seed, index) for index in range(count)])
     return [replace(run, spot=spot) for run, spot in zip(runs, places, strict=True)]
+
+
+def runs_along(field: StepField, robot: DrivableRobot, way: PlannedWay, count: int = 1) -> Sequence[RobotRun]:
+    """Return the runs of `count` robots along a way, one behind the other."""
+    first = adjacent_pose(field, robot.body, float(way.points[0, 1]))
+    starts = [replace(first, x=first.x - index * (robot.body.length + GAP)) for index in range(count)]
+    return [replace(run, way=way) for run in _named(robot, starts, [partial(_along, field, robot, way)] * count)]
 
 
 def finish_x(field: StepField, robot: DrivableRobot) -> float:

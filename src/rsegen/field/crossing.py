@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rsegen.errors import ParameterError, shown
@@ -77,6 +77,17 @@ def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> 
         return robot
     named = os.fspath(what) if isinstance(what, str | os.PathLike) else what
     raise ParameterError(where, f"{shown(named)}: no robots are installed; give limits of steps")
+
+
+def predictions(robot: CrossingModel, scene: Any) -> Mapping[str, Any]:
+    """Return how surely a robot gets across a scene, by its sides, west_east and south_north, as drives tell.
+
+    Each has a `probability`, a text, and `as_json`; empty for limits of steps, and where nothing can drive.
+    """
+    for predict in hooks("predictor"):
+        found: Mapping[str, Any] = predict(robot, scene)
+        return found
+    return {}
 
 
 def robot_kinds() -> str:

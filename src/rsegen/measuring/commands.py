@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -17,11 +17,11 @@ from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, share_bar
 from rsegen.errors import ParameterError
-from rsegen.field.crossing import CrossingModel, robot_kinds, robot_that_crosses
+from rsegen.field.crossing import CrossingModel, predictions, robot_kinds, robot_that_crosses
 from rsegen.field.limits import StepLimits
 from rsegen.params.command import Shell, add_flags, given
 from rsegen.params.numbers import Lengths, lengths_in, whole_degrees
-from rsegen.params.sorts import Float, Reference
+from rsegen.params.sorts import Flag, Float, Reference
 from rsegen.pictures.flags import PictureName, picture_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rsegen.measuring.spectrum import Spectrum
     from rsegen.scene.scene import Scene
 
-    Measured = tuple[Scene, Metrics]
+    Measured = tuple[Scene, Metrics, Mapping[str, Any]]
 
 _KINDS = Reference("a kind of robot, or a file of one", help="kind of robot, or SDF, URDF or Xacro file of a model")
 _NO_ROBOT = "give a robot, as in --robot burger, or limits of steps, as in --climb-cm 10"
@@ -42,6 +42,11 @@ class _Options:
     """The robot that the shell can name, and the picture that it can ask for."""
 
     robot: Annotated[str | None, _KINDS, Shell(metavar="KIND|FILE")] = None
+    verify: Annotated[
+        bool,
+        Flag(help="drive the robot across in MuJoCo, and tell how surely it gets across"),
+        Shell(help="do not drive the robot across in MuJoCo, which tells how surely it gets across"),
+    ] = True
     output: Annotated[
         PictureName, Shell(help="draw the ways of the robot across the first map, and the area that it can reach")
     ] = None
@@ -64,12 +69,12 @@ def add_metrics(command: Parser) -> None:
     command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
     group = command.group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
-    add_flags(group, _Options, only=["robot"])
+    add_flags(group, _Options, only=["robot", "verify"])
     group = command.group("limits of steps", "in place of a robot: paths from cell to cell")
     add_flags(group, StepLimits)
     output = command.group("output")
     output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
-    add_flags(output, _Options, without=["robot"])
+    add_flags(output, _Options, without=["robot", "verify"])
     add_target_recipe_flags(command)
 
 
@@ -88,10 +93,11 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--heading", "limits of steps have no poses; give --robot")
     scenes = _scenes(arguments)
     first = next(scenes)
-    measured = _measured(first, robot)
+    verify = given(_Options, arguments).get("verify", True)
+    measured = _measured(first, robot, verify=verify)
     if picture and robot:
-        picture.write(partial(_picture, first, robot, measured, heading))
-    rows: Iterable[Measured] = chain([(first, measured)], ((scene, _measured(scene, robot)) for scene in scenes))
+        picture.write(partial(_picture, first, robot, measured[1], heading))
+    rows: Iterable[Measured] = chain([measured], (_measured(scene, robot, verify=verify) for scene in scenes))
     if arguments.json:
         rows = list(rows)  # JSON needs all of them at once anyway, and then its report may too
     lines = _csv(rows) if arguments.csv else _report(rows, robot, first.units)
@@ -120,14 +126,18 @@ def _crosser(arguments: argparse.Namespace) -> CrossingModel | None:
     return StepLimits(**given_limits) if given_limits else None
 
 
-def _measured(scene: Scene, crosser: CrossingModel | None) -> Metrics:
-    """Return the metrics of a map; the search of a robot, which may take a minute, is shown as a bar."""
+def _measured(scene: Scene, crosser: CrossingModel | None, *, verify: bool) -> Measured:
+    """Return a map, its metrics, and how surely a robot gets across; a search that may take a minute is shown as a bar.
+
+    verify: whether the robot is driven across
+    """
     from rsegen.measuring.catalogue import metrics
 
     if crosser is None or not crosser.search:
-        return metrics(scene.field, crosser)
+        return scene, metrics(scene.field, crosser), {}
     with share_bar(scene.name) as watch:
-        return metrics(scene.field, crosser.watched(watch))
+        found = metrics(scene.field, crosser.watched(watch))
+    return scene, found, predictions(crosser, scene) if verify else {}
 
 
 def _picture(scene: Scene, crosser: CrossingModel, measured: Metrics, heading: float | None, form: str) -> bytes:
@@ -139,10 +149,12 @@ def _picture(scene: Scene, crosser: CrossingModel, measured: Metrics, heading: f
     return path_plot(scene, measured.reach, crosser.in_words(scene.units), form)
 
 
-def _entry(scene: Scene, measured: Metrics) -> dict[str, Any]:
+def _entry(scene: Scene, measured: Metrics, predicted: Mapping[str, Any]) -> dict[str, Any]:
     from rsegen.measuring.catalogue import custom, nested
 
     whole: dict[str, Any] = {"map": scene.name, "seed": scene.recipe.seed, **nested(measured)}
+    if predicted:
+        whole["predictions"] = {side: found.as_json() for side, found in predicted.items()}
     return {name: value for name, value in whole.items() if value is not None} | custom(scene.field)
 
 
@@ -173,9 +185,9 @@ def _table(measured: Iterable[Measured]) -> Iterator[str]:
     from rsegen.measuring.catalogue import METRICS, custom
 
     with_reach = False
-    for number, (scene, measures) in enumerate(measured):
+    for number, (scene, measures, predicted) in enumerate(measured):
         own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
-        cells = _cells(measures, lengths_in(scene.recipe.units)) | own
+        cells = _cells(measures, predicted, lengths_in(scene.recipe.units)) | own
         if not number:
             with_reach = measures.reach is not None
             yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
@@ -197,6 +209,7 @@ _LEGEND = {
 _LEGEND_OF_REACH = {
     "region": "share of the blocks in the largest region in which the robot gets from everywhere to everywhere",
     "way w-e": "its way across from west to east, divided by the straight one; empty: there is none",
+    "p w-e": "probability that it gets across, by drives with errors in MuJoCo",
 }
 """The words below a table, for who has never read docs/metrics.md."""
 
@@ -211,7 +224,7 @@ _SIZES = 24
 """The largest number of step sizes that a page lists."""
 
 
-def _cells(measures: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
+def _cells(measures: Metrics, predicted: Mapping[str, Any], written: Lengths) -> dict[tuple[str, str], str]:
     """Return the cells of one map in a table, by the heads of its columns and their units; empty without a value."""
     lengths = {
         "height": measures.spread.mean,
@@ -231,6 +244,9 @@ def _cells(measures: Metrics, written: Lengths) -> dict[tuple[str, str], str]:
         cells["region", "%"] = f"{measures.reach.coverage:.0%}".rstrip("%")
         cells["way w-e", "x"] = _ratio(measures.reach.west_east)
         cells["way s-n", "x"] = _ratio(measures.reach.south_north)
+    for side, found in predicted.items():
+        first, second = side.split("_")
+        cells[f"p {first[0]}-{second[0]}", ""] = f"{found.probability:.2f}"
     return cells
 
 
@@ -239,7 +255,9 @@ def _ratio(way: Any) -> str:
     return "" if ratio is None else f"{ratio:.2f}"
 
 
-def _page(scene: Scene, measures: Metrics, crosser: CrossingModel | None) -> Iterator[str]:
+def _page(
+    scene: Scene, measures: Metrics, predicted: Mapping[str, Any], crosser: CrossingModel | None
+) -> Iterator[str]:
     blocks, written = sum(measures.spread.level_counts.values()), lengths_in(scene.recipe.units)
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
@@ -266,6 +284,8 @@ def _page(scene: Scene, measures: Metrics, crosser: CrossingModel | None) -> Ite
     yield f"climb    that is needed to cross{wide}: {ways}"
     if measures.reach and crosser:
         yield from _reach(measures.reach, crosser, scene.units)
+    for number, (side, found) in enumerate(predicted.items()):
+        yield f"{'' if number else 'driven':<8} {side.replace('_', ' to ')}: {found}"
     from rsegen.measuring.catalogue import METRICS, custom
 
     for name, value in custom(scene.field).items():

@@ -9,6 +9,7 @@ the 58,000 of 320 x 320 random blocks.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -23,10 +24,14 @@ from rsegen.mujoco.robot_model import RobotModel, numbers, robot_model, servo_el
 from rsegen.mujoco.settings import MEMORY, MULTICCD, OPTION, ROLLING, SOLIMP, SOLREF, TORSIONAL
 from rsegen.params.sorts import NANOMETRE_DIGITS
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import PlacedRobot
+from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, PlacedRobot
 
 GROUND = "ground_plane"
 """The name of the ground, as in Gazebo's worlds."""
+
+
+_THINNEST = 1e-4
+"""Height, metres, that a block has at least, whatever its error."""
 
 
 class MapModel(NamedTuple):
@@ -36,12 +41,14 @@ class MapModel(NamedTuple):
     robots: list[RobotModel]
 
 
-def map_model(scene: Scene, placed: Sequence[PlacedRobot], *, seen: bool = False) -> MapModel:
+def map_model(
+    scene: Scene, placed: Sequence[PlacedRobot], *, seen: bool = False, built: AsBuilt = AS_DRAWN
+) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
 
-    seen: with colours and light, for a window
+    seen: with colours and light, for a window; built: how the map differs from its drawing
     """
-    blocks = list(_blocks(scene))
+    blocks = list(_blocks(scene) if built.heights is None else _blocks_as_built(scene, built.heights))
     friction = MapFriction(sorted({scene.friction, *(mu for _, _, mu in blocks)}))
     robots = [robot_model(robot, friction, alone=len(placed) == 1) for robot in placed]
     root = Element("mujoco", model=scene.name)
@@ -82,3 +89,15 @@ def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:
     for column in columns(scene.field):
         mu = round(scene.friction_of(column.material), NANOMETRE_DIGITS)
         yield np.array(column.centre), np.array(column.size), mu
+
+
+def _blocks_as_built(scene: Scene, errors: Array) -> Iterator[tuple[Array, Array, float]]:
+    """Yield the same, but each block with an error (n_x, n_y) as a box of its own, higher than drawn by as much."""
+    field = scene.field
+    (x, y), differs = field.middles(), np.isfinite(errors) & (field.heights > 0)
+    drawn = replace(field, levels=np.where(differs, 0, field.levels), frame=field.frame & ~differs)
+    yield from _blocks(replace(scene, field=drawn))
+    for i, j in np.argwhere(differs).tolist():
+        top = max(float(field.heights[i, j] + errors[i, j]), _THINNEST)
+        mu = round(scene.friction_of(0 if field.frame[i, j] else int(field.levels[i, j])), NANOMETRE_DIGITS)
+        yield np.array([x[i], y[j], top / 2]), np.array([field.block_width, field.block_width, top]), mu

@@ -13,7 +13,7 @@ from typing import ClassVar
 from rsegen.errors import NoSimulator, line_of
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
+from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, EmbeddedSimulator, EmbeddedWorld, PlacedRobot, register
 
 _FIRST = 4
 """The first version in which the surface of a shape can move (`surfacevel`), of which belts are made."""
@@ -47,7 +47,13 @@ class Mujoco(EmbeddedSimulator):
         return None
 
     def world(
-        self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
+        self,
+        scene: Scene,
+        robots: Sequence[PlacedRobot],
+        *,
+        motors: str = MOTORS[0],
+        period: float = 0.05,
+        built: AsBuilt = AS_DRAWN,
     ) -> EmbeddedWorld:
         """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
         self._refuse_missing()
@@ -55,7 +61,7 @@ class Mujoco(EmbeddedSimulator):
         from rsegen.mujoco.world import MujocoWorld
 
         gains = [turn_gain(placed.robot) for placed in robots]
-        return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains)
+        return MujocoWorld(scene, robots, motors=motors, period=period, gains=gains, built=built)
 
     def show(
         self,

@@ -15,7 +15,7 @@ than its ends, and steps in which a robot sinks in (`SINKS`), which end a drive 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import asin, atan2, inf, sqrt
+from math import asin, atan2, cos, inf, sin, sqrt
 from typing import Any, ClassVar, NamedTuple
 
 import mujoco
@@ -33,7 +33,7 @@ from rsegen.robots.drives import Wheels
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
-from rsegen.simulators.embedded import EmbeddedWorld, LinkPoses, PlacedRobot
+from rsegen.simulators.embedded import AS_DRAWN, AsBuilt, EmbeddedWorld, LinkPoses, PlacedRobot
 from rsegen.simulators.poses import Contact, Pose
 from rsegen.simulators.stepped_world import Record
 
@@ -42,6 +42,9 @@ SINKS = 0.01
 
 STARTS_IN = 0.002
 """Depth, metres, of a contact at the start from which on a robot starts inside a block."""
+
+_PUSHED = 0.01
+"""Share of a robot's weight with which a part is pushed back at least if it holds the robot."""
 
 _SIDE = 0.3
 """Sine of the angle between a contact's normal and an axis from which on the contact is turned: on the side of a belt
@@ -54,11 +57,12 @@ class MujocoWorld(EmbeddedWorld):
     gains: of the turn rate of each robot (`rsegen.mujoco.turning`), by default 1
     period: seconds between two rows of the record
     seen: with colours and light, for a window
+    built: how the map differs from its drawing
     """
 
     step_seconds: ClassVar[float] = STEP
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # as `EmbeddedSimulator.world`, and what a window needs
         self,
         scene: Scene,
         placed: Sequence[PlacedRobot],
@@ -67,14 +71,16 @@ class MujocoWorld(EmbeddedWorld):
         period: float = 0.05,
         gains: Sequence[float] | None = None,
         seen: bool = False,
+        built: AsBuilt = AS_DRAWN,
     ) -> None:
-        made = map_model(scene, placed, seen=seen)
+        made = map_model(scene, placed, seen=seen, built=built)
         try:
             with without_log():
                 self.model: Any = mujoco.MjModel.from_xml_string(made.text)
                 self.data: Any = mujoco.MjData(self.model)
         except ValueError as error:
             raise SimulatorFailed(f"MuJoCo does not take the model: {str(error).splitlines()[0]}") from None
+        self.model.geom_friction[:, 0] *= built.friction
         self._drawn: Any = None
         self._scene, self._names = scene.name, [robot.name for robot in placed]
         self._robots = {robot.name: number for number, robot in enumerate(placed)}
@@ -83,7 +89,7 @@ class MujocoWorld(EmbeddedWorld):
         self._gains = gains or [1.0] * len(placed)
         self._wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
-        self._shapes = _Shapes(self.model, shapes)
+        self._shapes = _Shapes(self.model, shapes, built.friction)
         self._belts = _Belts(self.model, made.robots)
         for robot in made.robots:
             for joint, servo in robot.servos:
@@ -171,6 +177,22 @@ class MujocoWorld(EmbeddedWorld):
             shares = {part: round(count / max(self._steps, 1), 3) for part, count in own if count}
             found[name] = dict(sorted(shares.items(), key=lambda share: -share[1]))
         return found
+
+    def held_by(self, name: str) -> str | None:
+        """Return the part of a robot that is pushed back most, against its heading; None if none is."""
+        yaw, contact = self._now()[name][5], self.data.contact
+        back: dict[str, float] = {}
+        for at, (frame, pair) in enumerate(zip(contact.frame, contact.geom.tolist(), strict=True)):
+            for sign, geom in zip((-1.0, 1.0), pair, strict=True):  # the force is on the second of both
+                robot, _, part = self._shapes.names.get(geom, "").partition("::")
+                if robot == name:
+                    force = np.zeros(6)
+                    mujoco.mj_contactForce(self.model, self.data, at, force)
+                    ahead = sign * (force[:3] @ frame.reshape(3, 3)[:, :2]) @ (cos(yaw), sin(yaw))
+                    back[part] = back.get(part, 0.0) - float(ahead)
+        weight = weights(self.model, self._made)[self._robots[name]]
+        held = [part for part, force in back.items() if force > _PUSHED * weight]
+        return max(held, key=back.__getitem__, default=None)
 
     def notes(self) -> Iterator[str]:
         """Yield what a reader of the drive should know of its physics: that meshes touch with their hulls."""
@@ -287,7 +309,8 @@ class _Shapes:
     A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
     """
 
-    def __init__(self, model: Any, shapes: Sequence[Shape]) -> None:
+    def __init__(self, model: Any, shapes: Sequence[Shape], friction: float) -> None:
+        """Take the shapes of all robots; friction: by which their coefficients are multiplied."""
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
         self._part = [0] * model.ngeom
@@ -300,7 +323,7 @@ class _Shapes:
             own = _Directions(int(model.geom_bodyid[geom]))
             if shape.axis is not None:
                 x, y, z = shape.axis.tolist()
-                own = own._replace(axis=(x, y, z), mu_axis=shape.mu_axis, mu_other=shape.mu_other)
+                own = own._replace(axis=(x, y, z), mu_axis=friction * shape.mu_axis, mu_other=friction * shape.mu_other)
             self._directions[geom] = own
         self.counts = [0] * (len(self.parts) + 1)  # 0 is the map
         self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)

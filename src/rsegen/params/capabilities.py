@@ -58,7 +58,8 @@ class Capability(NamedTuple):
     extras: optional libraries
     sidecars: optional files next to each world (`writing/sidecars.py`), which become flags of `generate`
     targets: a function from a text such as DIR#17, which is no file, to the recipe that it names, or None
-    crossers: a function that finds the robot of a kind or file, which crosses fields (`recipe/crossing.py`)
+    crossers: a function that finds the robot of a kind or file, which crosses fields (`field/crossing.py`)
+    predictor: a function that tells how surely a robot gets across a scene (`field/crossing.py`)
     doctor: a function that looks at this machine, and gives a `Finding`
     words: the known words of parameters, for forms and completion, by the parameter's name
     calls: modules with functions that the page may call
@@ -75,6 +76,7 @@ class Capability(NamedTuple):
     sidecars: tuple[str, ...] = ()
     targets: str = ""
     crossers: str = ""
+    predictor: str = ""
     doctor: str = ""
     words: Mapping[str, str] = MappingProxyType({})
     calls: tuple[str, ...] = ()

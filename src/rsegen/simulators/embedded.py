@@ -31,6 +31,21 @@ class PlacedRobot:
     start: Pose
 
 
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class AsBuilt:
+    """How a map that was built differs from its drawing.
+
+    heights: (n_x, n_y), metres by which each block is higher than drawn, NaN for one as drawn, None if all are
+    friction: by which every coefficient of friction is multiplied
+    """
+
+    heights: Array | None = None
+    friction: float = 1.0
+
+
+AS_DRAWN = AsBuilt()
+"""A map without errors."""
+
 LinkPoses: TypeAlias = Mapping[str, Mapping[str, Array]]
 """The pose of each link in the world, (4, 4), by the names of its robot and of the link."""
 
@@ -51,6 +66,10 @@ class EmbeddedWorld(SteppedWorld):
     @abstractmethod
     def shares(self) -> Mapping[str, Mapping[str, float]]:
         """Return, for each robot, the share of all steps in which each of its parts (LINK::COLLISION) had contact."""
+
+    @abstractmethod
+    def held_by(self, name: str) -> str | None:
+        """Return the part of a robot (LINK::COLLISION) that is pushed back most, against its heading; None if none."""
 
     @abstractmethod
     def notes(self) -> Iterator[str]:
@@ -80,7 +99,13 @@ class EmbeddedSimulator(ABC):
 
     @abstractmethod
     def world(
-        self, scene: Scene, robots: Sequence[PlacedRobot], *, motors: str = MOTORS[0], period: float = 0.05
+        self,
+        scene: Scene,
+        robots: Sequence[PlacedRobot],
+        *,
+        motors: str = MOTORS[0],
+        period: float = 0.05,
+        built: AsBuilt = AS_DRAWN,
     ) -> EmbeddedWorld:
         """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
 

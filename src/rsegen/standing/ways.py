@@ -108,8 +108,12 @@ HEADINGS = 8
 _MOVES = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
 """Cells by which a move in each heading goes on along x and y; heading k is k times 45 degrees."""
 
-BEST = ("length", "tilt", "margin")
-"""What a way is the best of: the shortest, that with the least tilt, or that with the largest margin."""
+BEST = ("safe", "length", "tilt", "margin")
+"""What a way is the best of: short and safe, the shortest, that with the least tilt, or with the largest margin."""
+
+_RISK = 3.0
+"""Weight of risk in a safe way: a metre at half of the way to tipping over counts as 2.5 metres on level ground, and
+one on which the robot falls as four."""
 
 _Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
@@ -138,7 +142,7 @@ class Lattice:
     What it can do at a place and heading is found once it is asked for: no robot that a wall stops is tried behind it.
 
     best: which ways are the best, one of BEST; the worst on a move is small where that is good: the largest tilt in
-    radians, or the least margin with a minus
+    radians, the least margin with a minus, or for safe ones the largest share of the turn to tipping over, 1 for a fall
     moves, turns: (n_x, n_y, 8) whether it can drive on to the next cell, and turn to the next heading and back
     worst_of_moves, worst_of_turns: the worst on each; False and 0 where not yet found
     watch: called after each step of what takes long
@@ -152,6 +156,26 @@ class Lattice:
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
         self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
+        self._closed: list[tuple[float, float, int]] = []
+
+    def close(self, x: float, y: float, heading: int) -> None:
+        """Let no way lead past a place, metres, in a heading from now on: a robot got stuck there, whatever poses say.
+
+        Moves are closed whose middle is less than a block away; of lanes at both ends those on its line.
+        """
+        self._closed.append((x, y, heading))
+        ahead, reach = _MOVES[heading] * self.field.block_width / 2, self.field.block_width
+        near = np.hypot(self.x[:, None] + ahead[0] - x, self.y[None, :] + ahead[1] - y) < reach
+        self._is_driven[near, heading], self.moves[near, heading] = True, False
+
+    def _is_closed(self, x: float, y: float, heading: int, length: float) -> bool:
+        """Return whether a lane from a place leads past one that is closed."""
+        for at_x, at_y, at_heading in self._closed:
+            c, s = np.cos(heading * np.pi / 4), np.sin(heading * np.pi / 4)
+            along, aside = c * (at_x - x) + s * (at_y - y), c * (at_y - y) - s * (at_x - x)
+            if heading == at_heading and 0 <= along <= length and abs(aside) < self.field.block_width / 2:
+                return True
+        return False
 
     def _settle_at(self, places: Ints) -> None:
         """Find whether the robot stands at places, numbers in `moves`, and how bad that is."""
@@ -209,7 +233,7 @@ class Lattice:
 
         Not for the shortest way, of which the search asks for little; for others nearly all of it counts.
         """
-        if self.best == "length":
+        if self.best in ("length", "safe"):
             return
         # A wave is all places that the last one was first to reach: found together, they cost far less than one by one.
         front = np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp)
@@ -249,13 +273,16 @@ class Lattice:
             values = self._worst_value(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
             worst.append(np.zeros(len(lanes.end)))
             worst[-1][lanes.passed] = values.reshape(-1, count).max(axis=1)
+            if self.best == "safe":
+                worst[-1] = np.where(lanes.drops.any(axis=1), 1.0, worst[-1])
         return np.concatenate(passed), np.concatenate(worst)
 
     def _worst_value(self, rest: Settled) -> Array:
-        """Return the tilt of each robot, radians, or its margin with a minus."""
-        if self.best == "margin":
-            return -margins(self.ground, self.body, rest)
-        return rest.tilt
+        """Return the tilt of each robot, radians, its margin with a minus, or its share of the turn to tipping over."""
+        if self.best in ("length", "tilt"):
+            return rest.tilt
+        margin = margins(self.ground, self.body, rest)
+        return -margin if self.best == "margin" else rest.tilt / np.maximum(rest.tilt + margin, 1e-9)
 
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
@@ -297,7 +324,7 @@ class Lattice:
         self._explore(starts)
         last = self.field.shape[axis] - 1
         best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
-        return self._way_of(axis, *best) if best else None
+        return self._way_of(axis, best[1]) if best else None
 
     def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
         """Return the best way between two places, x and y in metres, at any heading; None if there is none.
@@ -313,7 +340,7 @@ class Lattice:
             return None
         self._explore(starts)
         best = self._best(starts, goals, self._distance_to(cells[1]))
-        return self._driven_way(*best) if best else None
+        return self._driven_way(self._length(best[1]), best[1]) if best else None
 
     def _standing_at(self, i: int, j: int) -> dict[_Place, float]:
         """Return the places of a cell at which the robot stands, with how bad its pose is there."""
@@ -334,6 +361,9 @@ class Lattice:
 
         left: a length from a place that no way to a goal is shorter than
         """
+        if self.best == "safe":
+            start = dict.fromkeys(starts, 0.0)
+            return self._cheapest(start, goals, lambda cost, length, worst: cost + length * (1 + _RISK * worst), left)
         limit = np.inf
         if self.best != "length":
             least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst))
@@ -421,12 +451,14 @@ class Lattice:
             along = np.full(len(middles), begin)
             x, y = (along, middles) if axis == 0 else (middles, along)
             passed, worst = self._driven(x, y, yaw, length)
-            lines = numbers[passed].tolist()
+            lanes = zip(x[passed].tolist(), y[passed].tolist(), strict=True)
+            free = [not self._is_closed(*lane, 2 * axis, length) for lane in lanes]
+            lines = numbers[passed][free].tolist()
             places = [(cell, line, 0) if axis == 0 else (line, cell, 2) for line in lines]
-            ends.append(dict(zip(places, worst[passed].tolist(), strict=True)))
+            ends.append(dict(zip(places, worst[passed][free].tolist(), strict=True)))
         return ends[0], ends[1]
 
-    def _way_of(self, axis: int, cost: float, places: list[_Place]) -> Way:
+    def _way_of(self, axis: int, places: list[_Place]) -> Way:
         """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
         i, j, k = np.array(places).T
         points = np.stack([self.x[i], self.y[j]], axis=1)
@@ -435,7 +467,7 @@ class Lattice:
             -entry_distance(self.field, self.body, axis),
             self.field.extent[axis] / 2 - float(self.body.low[0]),
         )
-        length = cost + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
+        length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
         # Once more its lanes from turn to turn, with those at both ends, and where it turns.
         line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
         turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(line) - 1)
@@ -455,6 +487,12 @@ class Lattice:
             points=np.concatenate([ends[:1], points[kept], ends[1:]]),
             **_summary(self.ground, self.body, lanes, [turned] if len(turned.x) else []),
         )
+
+    def _length(self, places: list[_Place]) -> float:
+        """Return the length of a way over places, metres; a turn by 45 degrees is as long as the path of its sides."""
+        turned = np.diff(np.array(places), axis=0)
+        moves = float(np.hypot(*turned[:, :2].T).sum()) * self.field.block_width
+        return moves + np.count_nonzero(turned[:, 2]) * self.body.width / 2 * np.pi / 4
 
     def _driven_way(self, length: float, places: list[_Place]) -> DrivenWay:
         """Return the way over places, pose by pose."""
@@ -585,9 +623,9 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
     )
 
 
-def no_way(lanes: Lanes, body: Body) -> Way:
-    """Return what ends the straight lane that gets farthest."""
-    best = int(lanes.last.argmax())
+def no_way(lanes: Lanes, body: Body, number: int | None = None) -> Way:
+    """Return what ends a straight lane, by default the one that gets farthest."""
+    best = int(lanes.last.argmax()) if number is None else number
     count = len(lanes.poses.x) // len(lanes.end)
     place = best * count + int(lanes.last[best])
     x, y = origins(lanes.poses.some(slice(place, place + 1)), body)

@@ -1,0 +1,251 @@
+"""Does a robot get across? The probability, as the share of a spread of drives, and where and why it ends otherwise.
+
+    scene, run --spread_run, drive--> outcomes, batch by batch --> Prediction: probability, interval, most likely end
+
+A drive has no certain outcome: by half a millimetre to the side some end otherwise. So the same drive is done several
+times in the embedded simulator, each time with other errors (spread.py), until the outcome is plain: a few drives that
+all end alike, or up to `drives` of them. From k of n that cross, and the Jeffreys-like prior Beta(a, a) for which most
+drives are nearly certain, follows the probability
+
+    p = (k + a) / (n + 2 a)
+
+A drive ends as soon as it is decided: the robot is across, has tipped over, or has not come on for some seconds.
+
+Cost: a drive simulates some 20 seconds per second, so an answer on 10 x 10 blocks takes one to eight seconds. What
+breaks it: what the simulator does not know, and errors that are not in the spread.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.driving.drive_metrics import TIPPED, Course, Incident, drive_metrics
+from rsegen.driving.recording import PERIOD, RobotRun, drive_in_steps, trajectories
+from rsegen.driving.robot_runs import finish_x
+from rsegen.driving.routes import Motion, PlannedWay, Route
+from rsegen.driving.spread import spread_run
+from rsegen.errors import SimulatorFailed
+from rsegen.field.stepfield import Array
+from rsegen.params.watch import report_share
+from rsegen.robots.parameters import MOTORS
+from rsegen.scene.scene import Scene
+from rsegen.simulators.embedded import EmbeddedSimulator
+from rsegen.simulators.poses import Pose
+
+FIRST, MOST = 6, 20
+"""Drives that decide if they all end alike, and drives at most: the probability is then known within 0.2."""
+
+PRIOR = 0.25
+"""Weight a of the prior Beta(a, a): of fresh lanes, most cross always or never (benchmarks/certainty)."""
+
+LEAVES = "leaves the map,"
+"""The reason of a drive that ends beside the map, before its side."""
+
+_HELD, _WITHIN = 5.0, 0.02
+"""Seconds in which a robot comes on by less than these metres, and is held for good: flippers swing in two."""
+
+_BAR = "drives"
+"""What a progress bar says."""
+
+_SEEN = 0.25
+"""Seconds between the places of a drive that are kept."""
+
+_LONG, _MORE = 3.0, 15.0
+"""Times the length of its way at full speed, and seconds more, after which a robot has not crossed."""
+
+
+def _mean(places: Sequence[Array]) -> tuple[float, float]:
+    x, y = np.mean(places, axis=0).tolist()
+    return x, y
+
+
+class DriveEnd(NamedTuple):
+    """How drives end that do not cross: the reason, in words that follow "the robot", their mean place, their number.
+
+    x, y: metres
+    """
+
+    reason: str
+    x: float
+    y: float
+    drives: int
+
+    def __str__(self) -> str:
+        return f"{self.reason} at {self.x + 0:.2f}, {self.y + 0:.2f} m"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Outcome:
+    """Outcome of one drive of the spread.
+
+    Attributes
+    ----------
+    seconds : float or None
+        Until the robot was across; None if it did not cross.
+    path : ndarray, shape (n, 2)
+        Where its origin was, metres, from the start to the end.
+    reason : str
+        Why it did not cross, in words that follow "the robot"; empty if it did.
+    """
+
+    seconds: float | None
+    path: Array
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Prediction:
+    """Whether a robot gets across, with its probability.
+
+    Attributes
+    ----------
+    outcomes : tuple of Outcome
+        The drives of the spread.
+    simulator, motors : str
+        Where and with which model of motors they were simulated.
+    way : PlannedWay or None
+        The way that the robot followed; None for a straight drive.
+    """
+
+    outcomes: tuple[Outcome, ...]
+    simulator: str
+    motors: str
+    way: PlannedWay | None = None
+
+    @property
+    def drives(self) -> int:
+        """The number of drives."""
+        return len(self.outcomes)
+
+    @property
+    def crossed(self) -> int:
+        """How many of them crossed."""
+        return sum(outcome.seconds is not None for outcome in self.outcomes)
+
+    @property
+    def probability(self) -> float:
+        """Probability of crossing, 0..1."""
+        return (self.crossed + PRIOR) / (self.drives + 2 * PRIOR)
+
+    @property
+    def seconds(self) -> float | None:
+        """Median time of crossing; None if no drive crossed."""
+        times = [outcome.seconds for outcome in self.outcomes if outcome.seconds is not None]
+        return float(np.median(times)) if times else None
+
+    @property
+    def ends(self) -> tuple[DriveEnd, ...]:
+        """How drives ended that did not cross, by their reason, the most frequent first."""
+        by_reason: dict[str, list[Array]] = {}
+        for outcome in self.outcomes:
+            if outcome.reason:
+                by_reason.setdefault(outcome.reason, []).append(outcome.path[-1])
+        ends = (DriveEnd(reason, *_mean(places), len(places)) for reason, places in by_reason.items())
+        return tuple(sorted(ends, key=lambda end: -end.drives))
+
+    def __str__(self) -> str:
+        counts = f"{self.crossed} of {self.drives} drives in {self.simulator}, motors {self.motors}"
+        often = "if not, it" if self.crossed else "it"
+        end = f"; {often} {self.ends[0]}" if self.ends else ""
+        return f"crosses, {self.probability:.2f} ({counts}){end}"
+
+    def as_json(self) -> dict[str, object]:
+        """Return it for JSON."""
+        names = ("crossed", "drives", "simulator", "motors", "seconds")
+        return {
+            "probability": round(self.probability, 4),
+            **{name: getattr(self, name) for name in names},
+            "ends": [end._asdict() for end in self.ends],
+            **({"way": self.way.as_json()} if self.way else {}),
+        }
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Predictor:
+    """Drives in the embedded simulator that tell whether robots get across.
+
+    motors: the model of motors that they have; drives: how many decide at most
+    """
+
+    simulator: EmbeddedSimulator
+    motors: str = MOTORS[0]
+    drives: int = MOST
+
+    def predict(self, scene: Scene, run: RobotRun, *, failures: int = MOST) -> Prediction:
+        """Return whether a robot crosses on its run; after this number of drives that do not no more are done.
+
+        SimulatorFailed if no drive has a result.
+        """
+        outcomes: list[Outcome] = []
+        failure: SimulatorFailed | None = None
+        for number in range(self.drives):
+            try:
+                outcomes.append(spread_drive(self.simulator, scene, run, number, self.motors))
+            except SimulatorFailed as error:  # a drive without a result counts neither way
+                failure = error
+            failed = sum(outcome.seconds is None for outcome in outcomes)
+            is_alike = failed in (0, len(outcomes))
+            if failed >= failures or (is_alike and len(outcomes) >= FIRST):
+                break
+            report_share(_BAR, len(outcomes) / (min(FIRST, self.drives) if is_alike else self.drives))
+        report_share(_BAR, 1)
+        if failure and not outcomes:
+            raise failure
+        return Prediction(outcomes=tuple(outcomes), simulator=str(self.simulator), motors=self.motors, way=run.way)
+
+
+def spread_drive(simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, number: int, motors: str) -> Outcome:
+    """Return the outcome of the drive of a number out of the spread of a run."""
+    erring, built = spread_run(scene, run, number)
+    until_held = replace(erring, route=lambda: _UntilDecided(route=erring.route()))
+    world = simulator.world(scene, [until_held], motors=motors, period=PERIOD, built=built)
+    drive_in_steps(world, [until_held], _time_limit(scene, run), world.step_seconds, contacts=False)
+    trajectory = trajectories(world.recorded(), [until_held])[run.name]
+    course = Course.over(scene.field, finish_x(scene.field, run.robot))
+    metrics = drive_metrics(trajectory, run.robot.driving_speed, run.robot.size, course)
+    path = trajectory.rows[:: round(_SEEN / PERIOD), 1:3]
+    path = np.append(path, trajectory.rows[-1:, 1:3], axis=0)
+    if metrics.crossed is not None:
+        return Outcome(seconds=metrics.crossed, path=path)
+    if metrics.tipped:
+        return Outcome(seconds=None, path=path, reason="tips over")
+    if off := next((incident for incident in metrics.incidents if incident.kind == Incident.OFF), None):
+        return Outcome(seconds=None, path=path, reason=f"{LEAVES} {off.reason}")
+    part = world.held_by(run.name)
+    return Outcome(seconds=None, path=path, reason=f"is held at {part}" if part else "does not come on")
+
+
+def _time_limit(scene: Scene, run: RobotRun) -> float:
+    """Return the simulated seconds after which a robot that has not crossed does not cross."""
+    length = scene.field.extent[0] / 2 - run.start.x if run.way is None or run.way.length is None else run.way.length
+    return _MORE + _LONG * length / run.robot.driving_speed
+
+
+@dataclass(kw_only=True, slots=True)
+class _UntilDecided(Route):
+    """A route that ends, besides at its goal, where its robot has tipped over, or has not come on for some seconds."""
+
+    route: Route
+    places: deque[tuple[float, float]] | None = None
+
+    @property
+    def period(self) -> float:  # type: ignore[override]  # that of the route
+        return self.route.period
+
+    def motion(self, at: Pose) -> Motion:
+        return self.route.motion(at)
+
+    def is_done(self, at: Pose) -> bool:
+        if self.places is None:
+            self.places = deque(maxlen=round(_HELD / self.period) + 1)
+        self.places.append((at.x, at.y))
+        x, y = self.places[0]
+        is_held = len(self.places) == self.places.maxlen and hypot(at.x - x, at.y - y) < _WITHIN
+        has_tipped = np.cos(at.roll) * np.cos(at.pitch) < np.cos(TIPPED)
+        return is_held or bool(has_tipped) or self.route.is_done(at)

@@ -1,0 +1,109 @@
+"""The spread of a drive: what differs each time that somebody drives the same robot over the same map.
+
+    run, number --spread_run--> run with its start moved, its position known wrongly; map with errors as built
+
+Every error is drawn from a normal distribution of its own, by the map's seed and the number of the drive, so the same
+drive has the same errors wherever it is simulated. None is fitted to a simulator or a robot:
+
+    START, HEADING      the robot is put down by hand at a mark: within 1 cm and 2 degrees in 95 of 100 cases
+    POSITION, BEARING   it knows by its sensors where it is, within some millimetres (Roewekaemper et al., On the
+                        position accuracy of mobile robot localization, IROS 2012) and below a degree (Costa et al.,
+                        Robust and accurate localization system for mobile manipulators, 2015)
+    FRICTION            of one pair of materials differs by some 10 % from place to place and day to day
+    HEIGHT              blocks are cut within 1 mm (EN 336, tolerance class 2, for sides up to 100 mm): three deviations
+
+What breaks it: errors that are not in it, such as a flat battery, a loose block, wet wood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from math import radians
+
+import numpy as np
+
+from rsegen.driving.recording import RobotRun
+from rsegen.driving.routes import Motion, Route
+from rsegen.field.stepfield import Array, StepField
+from rsegen.params.streams import generator
+from rsegen.scene.scene import Scene
+from rsegen.simulators.embedded import AsBuilt
+from rsegen.simulators.poses import Pose
+
+START, HEADING = 0.005, radians(1)
+"""Metres by which a start is aside, and radians by which it is turned: standard deviations, as all here."""
+
+POSITION, BEARING = 0.005, radians(0.5)
+"""Metres and radians by which the robot's estimate of its pose is wrong all along a drive, to the side and in turn."""
+
+FRICTION = 0.1
+"""Share by which friction differs, of its logarithm."""
+
+HEIGHT = 0.001 / 3
+"""Metres by which a block is higher or lower than drawn."""
+
+_SHORT = 1e-12
+"""Squared length, m^2, of a piece of a way that is a point."""
+
+_BESIDE = 0.3
+"""Metres beside the outline of a robot up to which blocks differ: what it may touch as it is turned aside."""
+
+
+def spread_run(scene: Scene, run: RobotRun, number: int) -> tuple[RobotRun, AsBuilt]:
+    """Return the drive of a number, from 0 on, out of the spread of a run, and the map as it was built for it."""
+    rng = generator(scene.recipe.seed, scene.index, f"drive {number}")
+    aside, turned, wrong_aside, wrong_turn, rough = normals(rng, 5).tolist()
+    start = replace(run.start, y=run.start.y + START * aside, yaw=run.start.yaw + HEADING * turned)
+    route = partial(_mislocated, run.route, POSITION * wrong_aside, BEARING * wrong_turn)
+    errors = np.where(_near(scene.field, run), HEIGHT * normals(rng, scene.field.shape), np.nan)
+    return replace(run, start=start, route=route), AsBuilt(heights=errors, friction=float(np.exp(FRICTION * rough)))
+
+
+def normals(rng: np.random.Generator, shape: int | tuple[int, ...]) -> Array:
+    """Return normally distributed numbers from uniform ones (Box and Muller 1958), which no numpy changes."""
+    size = int(np.prod(shape))
+    radius, angle = np.sqrt(-2 * np.log1p(-rng.random(size))), 2 * np.pi * rng.random(size)
+    return np.asarray((radius * np.cos(angle)).reshape(shape))
+
+
+def _near(field: StepField, run: RobotRun) -> Array:
+    """Return which blocks the robot may touch on its run, (n_x, n_y): those beside its line or its way."""
+    points = run.way.points if run.way else np.array([(-field.extent[0], run.start.y), (field.extent[0], run.start.y)])
+    reach = float(np.linalg.norm(run.robot.body_or_box.points[:, :2], axis=1).max()) + _BESIDE
+    x, y = np.meshgrid(*field.middles(), indexing="ij")
+    near = np.zeros(field.shape, bool)
+    for start, end in pairwise(points):
+        along = end - start
+        share = (x - start[0]) * along[0] + (y - start[1]) * along[1]
+        share = np.clip(share / max(float(along @ along), _SHORT), 0, 1)
+        near |= np.hypot(x - start[0] - share * along[0], y - start[1] - share * along[1]) < reach
+    return near
+
+
+def _mislocated(route: Callable[[], Route], aside: float, turn: float) -> Route:
+    return Mislocated(route=route(), aside=aside, turn=turn)
+
+
+@dataclass(kw_only=True, slots=True)
+class Mislocated(Route):
+    """The route of a robot that believes itself to be aside of where it is, by metres, and turned, by radians."""
+
+    route: Route
+    aside: float
+    turn: float
+
+    @property
+    def period(self) -> float:  # type: ignore[override]  # that of the route
+        """Seconds between decisions."""
+        return self.route.period
+
+    def motion(self, at: Pose) -> Motion:
+        """Return the motion for the next period."""
+        return self.route.motion(replace(at, y=at.y + self.aside, yaw=at.yaw + self.turn))
+
+    def is_done(self, at: Pose) -> bool:
+        """Return whether the robot is at the goal, which is seen from outside."""
+        return self.route.is_done(at)
