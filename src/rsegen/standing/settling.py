@@ -174,27 +174,18 @@ def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> 
     """Return the robot at rest after it was put down level with its origin at x, y [m] and a heading [rad], (n,)."""
     c, s = np.cos(yaw), np.sin(yaw)
     at_x, at_y = x + c * body.centre[0] - s * body.centre[1], y + s * body.centre[0] + c * body.centre[1]
-    parts = []
-    for begin in range(0, max(len(x), 1), _CHUNK):
-        part = slice(begin, begin + _CHUNK)
-        # The robots of a chunk settle together, in as many rounds as the slowest of them needs.
-        robots = _Settling(ground, body, at_x[part], at_y[part], yaw[part])
-        robots.settle()
-        parts.append(robots)
-    slope, contacts, height, turn = (
-        np.concatenate([getattr(robots, name) for robots in parts], axis=-1)
-        for name in ("slope", "three", "height", "turn")
-    )
+    robots = _Settling(ground, body, at_x, at_y, yaw)
+    robots.settle()
     samples = np.append(body.groups.T, [-1, -1, -1])
     return Settled(
         x=at_x,
         y=at_y,
-        z=height,
+        z=robots.height,
         yaw=yaw,
-        slope=slope.T,
-        axes=axes(slope.T, yaw),
-        contacts=samples[contacts.T],
-        turn=turn,
+        slope=robots.slope.T,
+        axes=axes(robots.slope.T, yaw),
+        contacts=samples[robots.three.T],
+        turn=robots.turn,
     )
 
 
@@ -213,14 +204,48 @@ def _axes(slope: Array, c: Array, s: Array) -> Array:
     return np.array([[x, left[0], -a * high], [y, left[1], -b * high], [z, left[2], high]])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Turning:
+    """Robots that are turned on few samples each, n of them.
+
+    rows: (n,), their numbers; columns: (n, k), the samples, with the contacts and the far ones last; few: (n, 3, k),
+    these from the centre of mass; three: (3, n), which of them are the contacts; before: (2, n), the slopes from which
+    they are turned
+    """
+
+    rows: Ints
+    columns: Ints
+    few: Singles
+    three: Ints
+    before: Array
+
+    def some(self, going: Ints) -> _Turning:
+        """Return some of them."""
+        return _Turning(
+            self.rows[going], self.columns[going], self.few[going], self.three[:, going], self.before[:, going]
+        )
+
+    def joined(self, others: _Turning) -> _Turning:
+        """Return them and others."""
+        if not len(self.rows):
+            return others
+        return _Turning(
+            np.concatenate([self.rows, others.rows]),
+            np.concatenate([self.columns, others.columns]),
+            np.concatenate([self.few, others.few]),
+            np.concatenate([self.three, others.three], axis=1),
+            np.concatenate([self.before, others.before], axis=1),
+        )
+
+
 class _Settling:
-    """Robots of a chunk as they settle, n of them.
+    """Robots as they settle, n of them.
 
     points: (3, m), samples from the centre of mass, of whole groups, of which column k is one of group k % groups, and
     three far ones
     middle: (2, n), of the centres of mass in cells of the padded ground; heading: (2, n), its cosine and sine
     three: (3, n), columns of the contacts, counterclockwise; slope: (2, n); height, turn: (n,), as in Settled
-    rounds: (n,), those that each robot has had
+    rounds, looks: (n,), those that each robot has had
     """
 
     def __init__(self, ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> None:
@@ -230,43 +255,42 @@ class _Settling:
         self.middle = ground.middles(x, y)
         self.heading, self.slope = np.array([np.cos(yaw), np.sin(yaw)]), np.zeros((2, count))
         self.three = np.tile(np.arange(body.groups.size, body.groups.size + 3)[:, None], count)
-        self.height, self.turn, self.rounds = np.zeros(count), np.full(count, np.inf), np.zeros(count, int)
+        self.height, self.turn = np.zeros(count), np.full(count, np.inf)
+        self.rounds, self.looks = np.zeros((2, count), int)
 
     def settle(self) -> None:
         """Turn the robots until they are still."""
-        live: Ints = np.arange(len(self.turn))
-        far = np.arange(self.groups, self.groups + 3)[:, None]
-        coarse = np.append(np.arange(self.groups), self.three[:, :1])
-        few, turned, three = _of_each(self.points[:, coarse], len(live)), self.axes(live), np.tile(far, len(live))
-        _plane(self.under(few, live, turned), few, turned, three)
-        self.three = coarse[three]
-        live, columns = self.look_at_all_samples(live)
-        for _ in range(_LOOKS):
-            if not len(live):
-                break
-            self.settle_on(live, columns)
-            live, columns = self.look_at_all_samples(live)
+        begun, count, waiting = 0, len(self.turn), np.empty(0, np.intp)
+        turning = self.look_at_all_samples(waiting)
+        while begun < count or len(waiting) or len(turning.rows):
+            # Those that end make room for others, so that no call of numpy is for few, but for the last ones.
+            if len(turning.rows) <= _CHUNK // 2:
+                new = np.arange(begun, min(begun + _CHUNK - len(turning.rows), count))
+                begun += len(new)
+                self.begin(new)
+                turning = turning.joined(self.look_at_all_samples(np.concatenate([waiting, new])))
+                waiting = waiting[:0]
+            goes_on = self.turn_once(turning)
+            if not goes_on.all():
+                waiting = np.concatenate([waiting, turning.rows[~goes_on]])
+                turning = turning.some(np.flatnonzero(goes_on))
         # Those that end before they are still are as high as all of their samples demand.
         self.find_contacts(np.flatnonzero(np.isinf(self.turn)))
 
-    def settle_on(self, rows: Ints, columns: Ints) -> None:
-        """Turn some robots on few samples each, (n, k) with the contacts and the far ones last, as far as these do."""
-        few, before = np.empty((len(rows), 3, columns.shape[1]), SINGLE), self.slope.copy()
-        for axis, own in enumerate(self.points):
-            own.take(columns, out=few[:, axis], mode="clip")
-        three = np.tile(np.arange(columns.shape[1] - 6, columns.shape[1] - 3)[:, None], len(rows))
-        while len(rows):
-            moves = self.turn_once(rows, columns, few, three)
-            turned = np.hypot(*(self.slope[:, rows] - before[:, rows])) >= _AROUND
-            going = np.flatnonzero(moves & ~turned & (self.rounds[rows] < _ROUNDS))
-            if len(going) < len(rows):
-                rows, columns, few, three = rows[going], columns[going], few[going], three[:, going]
+    def begin(self, rows: Ints) -> None:
+        """Find the contacts of some robots as they are put down, among one sample of each group."""
+        coarse = np.append(np.arange(self.groups), self.points.shape[1] + np.arange(-3, 0))
+        three = np.tile(np.arange(self.groups, self.groups + 3)[:, None], len(rows))
+        few, turned = _of_each(self.points[:, coarse], len(rows)), self.axes(rows)
+        _plane(self.under(few, rows, turned), few, turned, three)
+        self.three[:, rows] = coarse[three]
 
-    def turn_once(self, rows: Ints, columns: Ints, few: Singles, three: Ints) -> Mask:
-        """Turn some robots by the planes of some of their samples; return which have moved and are not lost."""
+    def turn_once(self, turning: _Turning) -> Mask:
+        """Turn robots by the planes of their few samples; return which of them go on with these."""
+        rows, three = turning.rows, turning.three
         turned, before = self.axes(rows), np.sort(three, axis=0)
-        a, b, c = _plane(self.under(few, rows, turned), few, turned, three)
-        self.three[:, rows] = own = columns[np.arange(len(rows)), three]
+        a, b, c = _plane(self.under(turning.few, rows, turned), turning.few, turned, three)
+        self.three[:, rows] = own = turning.columns[np.arange(len(rows)), three]
         # On the same contacts the turn is Newton's step; where they changed, a whole one may go too far.
         same = (np.sort(three, axis=0) == before).all(axis=0) | (self.rounds[rows] == 0)
         self.rounds[rows] += 1
@@ -276,15 +300,18 @@ class _Settling:
         # Where a far one is among the three, these samples do not tell; the next look does.
         share[(own >= self.points.shape[1] - 3).any(axis=0)] = 0.0
         self.height[rows], self.turn[rows] = c, steep
-        self.slope[:, rows] = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
-        return np.asarray((share * steep >= _STILL) & (np.hypot(*self.slope[:, rows]) <= _LOST))
+        self.slope[:, rows] = slope = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
+        moves = (share * steep >= _STILL) & (np.hypot(*slope) <= _LOST)
+        near = np.hypot(*(slope - turning.before)) < _AROUND
+        return np.asarray(moves & near & (self.rounds[rows] < _ROUNDS))
 
-    def look_at_all_samples(self, rows: Ints) -> tuple[Ints, Ints]:
-        """Return the robots that neither rest nor tip over, and samples of each on which they turn: columns (n, k)."""
+    def look_at_all_samples(self, rows: Ints) -> _Turning:
+        """Return the robots that neither rest nor tip over, with the samples of each on which they turn next."""
         samples, members, count = self.points.shape[1], self.points.shape[1] // self.groups, min(_NEAR, self.groups)
         # As a robot is turned its contacts move; where they are no longer around it, they are found anew.
         at = np.einsum("ijn,jkn->ikn", self.axes(rows)[:2], self.points[:, self.three[:, rows]])
         self.find_contacts(rows[~_surrounds(at)])
+        self.looks[rows] += 1
         left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
         for part in row_slices(len(rows), samples):
             own = rows[part]
@@ -298,14 +325,23 @@ class _Settling:
             turn = np.where(fits, np.hypot(*plane[:2]), np.inf)
             self.height[own], self.turn[own] = plane[2], turn
             tips = (three >= samples - 3).any(axis=0) | (np.hypot(*self.slope[:, own]) > _LOST)
-            goes_on = np.flatnonzero((turn >= _STILL) & ~tips & (self.rounds[own] < _ROUNDS))
+            is_open = (self.rounds[own] < _ROUNDS) & (self.looks[own] <= _LOOKS)
+            goes_on = np.flatnonzero((turn >= _STILL) & ~tips & is_open)
             of_groups = over[goes_on, :-3].reshape(-1, members, self.groups).max(axis=1)
             nearest = np.argpartition(of_groups, -count, axis=1)[:, -count:]
             few = (nearest[:, None] + self.groups * np.arange(members)[:, None]).reshape(len(goes_on), members * count)
             far = _of_each(np.arange(samples - 3, samples), len(goes_on))
             near.append(np.concatenate([few, three[:, goes_on].T, far], axis=1))
             left.append(own[goes_on])
-        return np.concatenate(left), np.concatenate(near)
+        return self.turning(np.concatenate(left), np.concatenate(near))
+
+    def turning(self, rows: Ints, columns: Ints) -> _Turning:
+        """Return some robots that are turned on some of their samples, (n, k), with the contacts and the far ones last."""
+        few, width = np.empty((len(rows), 3, columns.shape[1]), SINGLE), columns.shape[1]
+        for axis, own in enumerate(self.points):
+            own.take(columns, out=few[:, axis], mode="clip")
+        three = np.tile(np.arange(width - 6, width - 3)[:, None], len(rows))
+        return _Turning(rows, columns, few, three, self.slope[:, rows])
 
     def find_contacts(self, rows: Ints) -> None:
         """Find the contacts of robots among all samples, from those that they have."""
