@@ -336,7 +336,7 @@ class _Settling:
         return self.turning(np.concatenate(left), np.concatenate(near))
 
     def turning(self, rows: Ints, columns: Ints) -> _Turning:
-        """Return some robots that are turned on some of their samples, (n, k), with the contacts and the far ones last."""
+        """Return some robots that are turned on some of their samples, columns (n, k) as in _Turning."""
         few, width = np.empty((len(rows), 3, columns.shape[1]), SINGLE), columns.shape[1]
         for axis, own in enumerate(self.points):
             own.take(columns, out=few[:, axis], mode="clip")
