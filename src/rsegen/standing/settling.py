@@ -307,33 +307,39 @@ class _Settling:
 
     def look_at_all_samples(self, rows: Ints) -> _Turning:
         """Return the robots that neither rest nor tip over, with the samples of each on which they turn next."""
-        samples, members, count = self.points.shape[1], self.points.shape[1] // self.groups, min(_NEAR, self.groups)
+        samples, count = self.points.shape[1] - 3, min(_NEAR, self.groups)
         # As a robot is turned its contacts move; where they are no longer around it, they are found anew.
-        at = np.einsum("ijn,jkn->ikn", self.axes(rows)[:2], self.points[:, self.three[:, rows]])
+        turned, three = self.axes(rows), self.three[:, rows]
+        at = np.einsum("ijn,jkn->ikn", turned[:2], self.points[:, three])
         self.find_contacts(rows[~_surrounds(at)])
         self.looks[rows] += 1
-        left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
-        for part in row_slices(len(rows), samples):
-            own = rows[part]
-            every, index = _of_each(self.points, len(own)), np.arange(len(own))
-            turned, three = self.axes(own), self.three[:, own]
-            under = self.under(every, own, turned)
-            plane = _through(_placed(under, every, turned, index, three))
-            over = _over(under, every, turned, plane)
-            highest = over.argmax(axis=1)
-            fits = (over[index, highest] - plane[2] <= _ABOVE) | (three == highest).any(axis=0)
-            turn = np.where(fits, np.hypot(*plane[:2]), np.inf)
-            self.height[own], self.turn[own] = plane[2], turn
-            tips = (three >= samples - 3).any(axis=0) | (np.hypot(*self.slope[:, own]) > _LOST)
-            is_open = (self.rounds[own] < _ROUNDS) & (self.looks[own] <= _LOOKS)
-            goes_on = np.flatnonzero((turn >= _STILL) & ~tips & is_open)
-            of_groups = over[goes_on, :-3].reshape(-1, members, self.groups).max(axis=1)
-            nearest = np.argpartition(of_groups, -count, axis=1)[:, -count:]
-            few = (nearest[:, None] + self.groups * np.arange(members)[:, None]).reshape(len(goes_on), members * count)
-            far = _of_each(np.arange(samples - 3, samples), len(goes_on))
-            near.append(np.concatenate([few, three[:, goes_on].T, far], axis=1))
-            left.append(own[goes_on])
-        return self.turning(np.concatenate(left), np.concatenate(near))
+        three = self.three[:, rows]
+        contacts, index = np.moveaxis(self.points[:, three], 2, 0), np.arange(len(rows))
+        under = self.ground.under(self.scaled(turned) @ contacts, self.middle[:, rows])
+        under[three.T >= samples] = _DEEP
+        plane = _through(_placed(under, contacts, turned, index, np.tile(np.arange(3)[:, None], len(rows))))
+        of_groups = self.highest_of_groups(rows, turned, plane)
+        turn = np.where(of_groups.max(axis=1) - plane[2] <= _ABOVE, np.hypot(*plane[:2]), np.inf)
+        self.height[rows], self.turn[rows] = plane[2], turn
+        tips = (three >= samples).any(axis=0) | (np.hypot(*self.slope[:, rows]) > _LOST)
+        is_open = (self.rounds[rows] < _ROUNDS) & (self.looks[rows] <= _LOOKS)
+        goes_on = np.flatnonzero((turn >= _STILL) & ~tips & is_open)
+        nearest = np.argpartition(of_groups[goes_on], -count, axis=1)[:, -count:]
+        few = nearest[:, None] + self.groups * np.arange(samples // self.groups)[:, None]
+        far = _of_each(np.arange(samples, samples + 3), len(goes_on))
+        columns = np.concatenate([few.reshape(len(goes_on), samples // self.groups * count), three[:, goes_on].T, far], 1)
+        return self.turning(rows[goes_on], columns)
+
+    def highest_of_groups(self, rows: Ints, turned: Array, plane: Array) -> Singles:
+        """Return how high the highest sample of each group is above the slope of a plane at the origin, (n, groups)."""
+        samples, groups = np.ascontiguousarray(self.points[:, :-3]), np.empty((len(rows), self.groups), SINGLE)
+        scaled, normals, middle = self.scaled(turned), _normals(turned, plane), self.middle[:, rows]
+        for part in row_slices(len(rows), samples.shape[1]):
+            cells = (scaled[part].reshape(-1, 3) @ samples).reshape(-1, 2, samples.shape[1])
+            over = self.ground.under(cells, middle[:, part])
+            over -= normals[part] @ samples
+            over.reshape(len(over), -1, self.groups).max(axis=1, out=groups[part])
+        return groups
 
     def turning(self, rows: Ints, columns: Ints) -> _Turning:
         """Return some robots that are turned on some of their samples, columns (n, k) as in _Turning."""
@@ -362,12 +368,15 @@ class _Settling:
 
     def under(self, few: Singles, rows: Ints, turned: Array) -> Singles:
         """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
-        scaled = np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
-        under, middle = np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
+        scaled, under, middle = self.scaled(turned), np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
         for part in row_slices(*under.shape):
             under[part] = self.ground.under(scaled[part] @ few[part], middle[:, part])
         under[:, -3:] = _DEEP
         return under
+
+    def scaled(self, turned: Array) -> Singles:
+        """Return the first two rows of axes, (n, 2, 3), which give places in cells."""
+        return np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
 
     def leaning(self, turned: Array) -> Array:
         """Return the slope by which each robot would be turned if it had these axes (3, 3, n), (n,)."""
@@ -435,9 +444,13 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
 
 def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
     """Return how high samples are above the slope of a plane at the origin, (n, m); those in it are as high as it."""
-    normals = (turned[2] + plane[0] * turned[0] + plane[1] * turned[1]).T.astype(SINGLE)
-    over = (normals[:, None] @ few)[:, 0]
+    over = (_normals(turned, plane)[:, None] @ few)[:, 0]
     return np.asarray(np.subtract(under, over, out=over))
+
+
+def _normals(turned: Array, plane: Array) -> Singles:
+    """Return the normals of planes in the robots' axes, (n, 3), with a length such that they give heights."""
+    return np.asarray((turned[2] + plane[0] * turned[0] + plane[1] * turned[1]).T, SINGLE)
 
 
 def _highest(under: Singles, few: Singles, turned: Array, plane: Array) -> tuple[Ints, Singles]:
