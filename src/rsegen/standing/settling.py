@@ -58,7 +58,7 @@ _LOST = 2.5
 _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
-_EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.75
+_EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.3
 """Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left."""
 
 _FAR, _DEEP = 1e3, -5e4
@@ -325,9 +325,14 @@ class _Settling:
         is_open = (self.rounds[rows] < _ROUNDS) & (self.looks[rows] <= _LOOKS)
         goes_on = np.flatnonzero((turn >= _STILL) & ~tips & is_open)
         nearest = np.argpartition(of_groups[goes_on], -count, axis=1)[:, -count:]
-        few = nearest[:, None] + self.groups * np.arange(samples // self.groups)[:, None]
-        far = _of_each(np.arange(samples, samples + 3), len(goes_on))
-        columns = np.concatenate([few.reshape(len(goes_on), samples // self.groups * count), three[:, goes_on].T, far], 1)
+        members = samples // self.groups
+        columns = np.empty((len(goes_on), members * count + 6), np.intp)
+        np.add(
+            nearest[:, None],
+            self.groups * np.arange(members)[:, None],
+            out=columns[:, :-6].reshape(-1, members, count),
+        )
+        columns[:, -6:-3], columns[:, -3:] = three[:, goes_on].T, np.arange(samples, samples + 3)
         return self.turning(rows[goes_on], columns)
 
     def highest_of_groups(self, rows: Ints, turned: Array, plane: Array) -> Singles:
@@ -343,10 +348,8 @@ class _Settling:
 
     def turning(self, rows: Ints, columns: Ints) -> _Turning:
         """Return some robots that are turned on some of their samples, columns (n, k) as in _Turning."""
-        few, width = np.empty((len(rows), 3, columns.shape[1]), SINGLE), columns.shape[1]
-        for axis, own in enumerate(self.points):
-            own.take(columns, out=few[:, axis], mode="clip")
-        three = np.tile(np.arange(width - 6, width - 3)[:, None], len(rows))
+        few = np.moveaxis(self.points.take(columns, axis=1, mode="clip"), 0, 1)
+        three = np.tile(columns.shape[1] + np.arange(-6, -3)[:, None], len(rows))
         return _Turning(rows, columns, few, three, self.slope[:, rows])
 
     def find_contacts(self, rows: Ints) -> None:
@@ -389,6 +392,11 @@ def _of_each(array: _Rows, count: int) -> _Rows:
     return cast("_Rows", np.broadcast_to(array, (count, *array.shape)))
 
 
+def _some(array: _Rows, rows: Ints) -> _Rows:
+    """Return some rows of an array, without a copy if they are all the same."""
+    return cast("_Rows", array[: len(rows)] if array.strides[0] == 0 else array[rows])
+
+
 _AFAR = _FAR * np.array([[1, 0, 0], [-1 / 2, 3**0.5 / 2, 0], [-1 / 2, -(3**0.5) / 2, 0]])
 
 
@@ -428,7 +436,7 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
         highest = highest[rising]
         if len(rising) <= _SHARE * len(rows):
             plane[:, rows], three[:, rows] = through, own
-            rows, under, few, turned = rows[rising], under[rising], few[rising], turned[:, :, rising]
+            rows, under, few, turned = rows[rising], under[rising], _some(few, rising), turned[:, :, rising]
             corners, own, rising = corners[:, :, rising], own[:, rising], np.arange(len(rising))
             if not len(rows):
                 break
