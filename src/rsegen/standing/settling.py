@@ -316,7 +316,7 @@ class _Settling:
         three = self.three[:, rows]
         contacts, index = np.moveaxis(self.points[:, three], 2, 0), np.arange(len(rows))
         under = self.ground.under(self.scaled(turned) @ contacts, self.middle[:, rows])
-        under[three.T >= samples] = _DEEP
+        under[(three >= samples).T] = _DEEP
         plane = _through(_placed(under, contacts, turned, index, np.tile(np.arange(3)[:, None], len(rows))))
         of_groups = self.highest_of_groups(rows, turned, plane)
         turn = np.where(of_groups.max(axis=1) - plane[2] <= _ABOVE, np.hypot(*plane[:2]), np.inf)

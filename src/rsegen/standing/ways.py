@@ -39,6 +39,7 @@ from rsegen.standing.lanes import (
     lines_along,
     origins,
     step_of,
+    steps_on,
     straight,
     surely_passed,
 )
@@ -117,6 +118,9 @@ _Place = tuple[int, int, int]
 _NEXT, _AHEAD = 24, 1 / 8
 """Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
 is looked at in vain: of fewer, each call costs as much as its poses."""
+
+_STRAIGHT, _APART = 4, 8
+"""Straight lanes across that are driven together, and steps between the poses of them that are looked at before."""
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
@@ -604,8 +608,8 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
-        lanes = straight(field, body, axis)
-        ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
+        direct, farthest = _straight_way(field, body, axis)
+        ways.append(direct or lattice.way(axis) or no_way(farthest, body))
     cover = float(region.sum() / blocks) if blocks else 0.0
     poses = statistics_of(of_settled(lattice.ground, body, lattice.at_blocks()))
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
@@ -616,33 +620,60 @@ def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> W
 
     The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
     """
-    lanes = straight(field, body, axis)
-    direct = _straight_way(lanes, field, body, axis)
+    direct, farthest = _straight_way(field, body, axis)
     if direct and best == "length":
         return direct
     way = Lattice(field, body, best, partial(report_share, "a way across")).way(axis)
     report_share("a way across", 1)
-    return way or direct or no_way(lanes, body)
+    return way or direct or no_way(farthest, body)
 
 
-def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:
-    """Return the straight way with the least tilt; None if no lane is driven to its end."""
-    middles, passed = across(field, axis), lanes.passed
-    best = int(np.where(passed, lanes.tilt, np.inf).argmin())
-    # Beside it the robot mostly passes too; if not, the lanes beside all others are driven.
-    if not surely_passed(lanes.lane(best), field, body, axis, middles[best : best + 1]).any():
-        passed = surely_passed(lanes, field, body, axis, middles)
-        if not passed.any():
-            return None
-        best = int(np.where(passed, lanes.tilt, np.inf).argmin())
+def _straight_way(field: StepField, body: Body, axis: int) -> tuple[Way | None, Lanes]:
+    """Return the straight way with the least tilt, None if no lane is driven to its end; and a lane that gets farthest.
+
+    Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
+    """
+    middles, passed, farthest = across(field, axis), dict[int, Lanes](), list[tuple[int, int, Lanes]]()
+    bounds = _least_tilts(field, body, axis, middles)
+    order = np.argsort(bounds, kind="stable")
+    for begin in range(0, len(order), _STRAIGHT):
+        some, left = np.sort(order[begin : begin + _STRAIGHT]), bounds[order[begin + _STRAIGHT :]].min(initial=np.inf)
+        lanes = straight(field, body, axis, middles[some])
+        passed |= {int(some[m]): lanes.lane(m) for m in np.flatnonzero(lanes.passed).tolist()}
+        m = int(lanes.last.argmax())
+        farthest.append((-int(lanes.last[m]), int(some[m]), lanes.lane(m)))
+        while passed:
+            best = min(passed, key=lambda m: (float(passed[m].tilt[0]), m))
+            lane = passed[best]
+            if lane.tilt[0] >= left:
+                break
+            if surely_passed(lane, field, body, axis, middles[best : best + 1]).all():
+                return _way_along(lane, field, body, axis, float(middles[best])), lane
+            del passed[best]
+    return None, min(farthest, key=lambda lane: lane[:2])[2]
+
+
+def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Array:
+    """Return the largest tilt at some poses of straight lanes, than which none has less; infinite if one tips over."""
+    before = entry_distance(field, body, axis)
+    length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
+    along: Array = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
+    at = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
+    ground = PaddedGround.of(field, outer_radius(body))
+    rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
+    return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), -1).max(axis=1))
+
+
+def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: float) -> Way:
+    """Return the way along a straight lane across, at a place across [m]."""
     low, high = -entry_distance(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, middles[best]), (high, middles[best])])
+    points = np.array([(low, middle), (high, middle)])
     return Way(
         crosses=True,
         length=high - low,
         length_ratio=1.0,
         points=points if axis == 0 else points[:, ::-1].copy(),
-        **_summary(PaddedGround.of(field, outer_radius(body)), body, [lanes.lane(best)]),
+        **_summary(PaddedGround.of(field, outer_radius(body)), body, [lane]),
     )
 
 
