@@ -200,6 +200,7 @@ def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: 
     field, body = field_of(np.random.default_rng(seed).integers(0, 4, (7, 6)), 0.03), BODIES["jackal"]
     lattice = Lattice(field, body)
     region = lattice.region()
+    lattice._find_from(np.arange(lattice.moves.size))
     places, edges = np.arange(lattice.moves.size).reshape(lattice.moves.shape), dict[tuple[int, int], float]()
     for i, j, k in np.argwhere(lattice.moves).tolist():
         x, y = round(np.cos(k * np.pi / 4)), round(np.sin(k * np.pi / 4))
@@ -242,7 +243,8 @@ def test_no_way_leads_to_where_a_robot_tips_over() -> None:
 def test_a_search_tells_its_share_and_is_ended_by_what_it_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     field, shares = field_of(np.random.default_rng(2).integers(0, 3, (8, 6)), 0.02), list[float]()
     whole = Lattice(field, BODIES["crawler"]).region()
-    monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 40)
+    monkeypatch.setattr(ways, "_TURNS_AT_ONCE", 40)
+    monkeypatch.setattr(ways, "_MOVES_AT_ONCE", 40)
     assert np.array_equal(Lattice(field, BODIES["crawler"], watch=shares.append).region(), whole)
     assert shares == sorted(set(shares))
     assert shares[-1] == 1

@@ -171,7 +171,11 @@ def pose_statistics(field: StepField, body: Body, headings: int = 8) -> PoseStat
     x, y = (np.repeat(along, headings) for along in middles)
     ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, x, y, np.tile(np.arange(headings) * 2 * np.pi / headings, len(i)))
-    every = of_settled(ground, body, rest)
+    return statistics_of(of_settled(ground, body, rest))
+
+
+def statistics_of(every: Poses) -> PoseStatistics:
+    """Return the statistics of poses."""
     tilts, clearances = every.tilt[every.stands], every.clearance[every.stands & np.isfinite(every.clearance)]
     median, p90 = np.quantile(tilts, [0.5, 0.9]).tolist() if len(tilts) else (None, None)
     return PoseStatistics(

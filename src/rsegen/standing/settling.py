@@ -58,7 +58,7 @@ _LOST = 2.5
 _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
-_EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.75
+_EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.3
 """Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left."""
 
 _FAR, _DEEP = 1e3, -5e4
@@ -174,27 +174,18 @@ def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> 
     """Return the robot at rest after it was put down level with its origin at x, y [m] and a heading [rad], (n,)."""
     c, s = np.cos(yaw), np.sin(yaw)
     at_x, at_y = x + c * body.centre[0] - s * body.centre[1], y + s * body.centre[0] + c * body.centre[1]
-    parts = []
-    for begin in range(0, max(len(x), 1), _CHUNK):
-        part = slice(begin, begin + _CHUNK)
-        # The robots of a chunk settle together, in as many rounds as the slowest of them needs.
-        robots = _Settling(ground, body, at_x[part], at_y[part], yaw[part])
-        robots.settle()
-        parts.append(robots)
-    slope, contacts, height, turn = (
-        np.concatenate([getattr(robots, name) for robots in parts], axis=-1)
-        for name in ("slope", "three", "height", "turn")
-    )
+    robots = _Settling(ground, body, at_x, at_y, yaw)
+    robots.settle()
     samples = np.append(body.groups.T, [-1, -1, -1])
     return Settled(
         x=at_x,
         y=at_y,
-        z=height,
+        z=robots.height,
         yaw=yaw,
-        slope=slope.T,
-        axes=axes(slope.T, yaw),
-        contacts=samples[contacts.T],
-        turn=turn,
+        slope=robots.slope.T,
+        axes=axes(robots.slope.T, yaw),
+        contacts=samples[robots.three.T],
+        turn=robots.turn,
     )
 
 
@@ -213,14 +204,48 @@ def _axes(slope: Array, c: Array, s: Array) -> Array:
     return np.array([[x, left[0], -a * high], [y, left[1], -b * high], [z, left[2], high]])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Turning:
+    """Robots that are turned on few samples each, n of them.
+
+    rows: (n,), their numbers; columns: (n, k), the samples, with the contacts and the far ones last; few: (n, 3, k),
+    these from the centre of mass; three: (3, n), which of them are the contacts; before: (2, n), the slopes from which
+    they are turned
+    """
+
+    rows: Ints
+    columns: Ints
+    few: Singles
+    three: Ints
+    before: Array
+
+    def some(self, going: Ints) -> _Turning:
+        """Return some of them."""
+        return _Turning(
+            self.rows[going], self.columns[going], self.few[going], self.three[:, going], self.before[:, going]
+        )
+
+    def joined(self, others: _Turning) -> _Turning:
+        """Return them and others."""
+        if not len(self.rows):
+            return others
+        return _Turning(
+            np.concatenate([self.rows, others.rows]),
+            np.concatenate([self.columns, others.columns]),
+            np.concatenate([self.few, others.few]),
+            np.concatenate([self.three, others.three], axis=1),
+            np.concatenate([self.before, others.before], axis=1),
+        )
+
+
 class _Settling:
-    """Robots of a chunk as they settle, n of them.
+    """Robots as they settle, n of them.
 
     points: (3, m), samples from the centre of mass, of whole groups, of which column k is one of group k % groups, and
     three far ones
     middle: (2, n), of the centres of mass in cells of the padded ground; heading: (2, n), its cosine and sine
     three: (3, n), columns of the contacts, counterclockwise; slope: (2, n); height, turn: (n,), as in Settled
-    rounds: (n,), those that each robot has had
+    rounds, looks: (n,), those that each robot has had
     """
 
     def __init__(self, ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> None:
@@ -230,43 +255,42 @@ class _Settling:
         self.middle = ground.middles(x, y)
         self.heading, self.slope = np.array([np.cos(yaw), np.sin(yaw)]), np.zeros((2, count))
         self.three = np.tile(np.arange(body.groups.size, body.groups.size + 3)[:, None], count)
-        self.height, self.turn, self.rounds = np.zeros(count), np.full(count, np.inf), np.zeros(count, int)
+        self.height, self.turn = np.zeros(count), np.full(count, np.inf)
+        self.rounds, self.looks = np.zeros((2, count), int)
 
     def settle(self) -> None:
         """Turn the robots until they are still."""
-        live: Ints = np.arange(len(self.turn))
-        far = np.arange(self.groups, self.groups + 3)[:, None]
-        coarse = np.append(np.arange(self.groups), self.three[:, :1])
-        few, turned, three = _of_each(self.points[:, coarse], len(live)), self.axes(live), np.tile(far, len(live))
-        _plane(self.under(few, live, turned), few, turned, three)
-        self.three = coarse[three]
-        live, columns = self.look_at_all_samples(live)
-        for _ in range(_LOOKS):
-            if not len(live):
-                break
-            self.settle_on(live, columns)
-            live, columns = self.look_at_all_samples(live)
+        begun, count, waiting = 0, len(self.turn), np.empty(0, np.intp)
+        turning = self.look_at_all_samples(waiting)
+        while begun < count or len(waiting) or len(turning.rows):
+            # Those that end make room for others, so that no call of numpy is for few, but for the last ones.
+            if len(turning.rows) <= _CHUNK // 2:
+                new = np.arange(begun, min(begun + _CHUNK - len(turning.rows), count))
+                begun += len(new)
+                self.begin(new)
+                turning = turning.joined(self.look_at_all_samples(np.concatenate([waiting, new])))
+                waiting = waiting[:0]
+            goes_on = self.turn_once(turning)
+            if not goes_on.all():
+                waiting = np.concatenate([waiting, turning.rows[~goes_on]])
+                turning = turning.some(np.flatnonzero(goes_on))
         # Those that end before they are still are as high as all of their samples demand.
         self.find_contacts(np.flatnonzero(np.isinf(self.turn)))
 
-    def settle_on(self, rows: Ints, columns: Ints) -> None:
-        """Turn some robots on few samples each, (n, k) with the contacts and the far ones last, as far as these do."""
-        few, before = np.empty((len(rows), 3, columns.shape[1]), SINGLE), self.slope.copy()
-        for axis, own in enumerate(self.points):
-            own.take(columns, out=few[:, axis], mode="clip")
-        three = np.tile(np.arange(columns.shape[1] - 6, columns.shape[1] - 3)[:, None], len(rows))
-        while len(rows):
-            moves = self.turn_once(rows, columns, few, three)
-            turned = np.hypot(*(self.slope[:, rows] - before[:, rows])) >= _AROUND
-            going = np.flatnonzero(moves & ~turned & (self.rounds[rows] < _ROUNDS))
-            if len(going) < len(rows):
-                rows, columns, few, three = rows[going], columns[going], few[going], three[:, going]
+    def begin(self, rows: Ints) -> None:
+        """Find the contacts of some robots as they are put down, among one sample of each group."""
+        coarse = np.append(np.arange(self.groups), self.points.shape[1] + np.arange(-3, 0))
+        three = np.tile(np.arange(self.groups, self.groups + 3)[:, None], len(rows))
+        few, turned = _of_each(self.points[:, coarse], len(rows)), self.axes(rows)
+        _plane(self.under(few, rows, turned), few, turned, three)
+        self.three[:, rows] = coarse[three]
 
-    def turn_once(self, rows: Ints, columns: Ints, few: Singles, three: Ints) -> Mask:
-        """Turn some robots by the planes of some of their samples; return which have moved and are not lost."""
+    def turn_once(self, turning: _Turning) -> Mask:
+        """Turn robots by the planes of their few samples; return which of them go on with these."""
+        rows, three = turning.rows, turning.three
         turned, before = self.axes(rows), np.sort(three, axis=0)
-        a, b, c = _plane(self.under(few, rows, turned), few, turned, three)
-        self.three[:, rows] = own = columns[np.arange(len(rows)), three]
+        a, b, c = _plane(self.under(turning.few, rows, turned), turning.few, turned, three)
+        self.three[:, rows] = own = turning.columns[np.arange(len(rows)), three]
         # On the same contacts the turn is Newton's step; where they changed, a whole one may go too far.
         same = (np.sort(three, axis=0) == before).all(axis=0) | (self.rounds[rows] == 0)
         self.rounds[rows] += 1
@@ -276,36 +300,57 @@ class _Settling:
         # Where a far one is among the three, these samples do not tell; the next look does.
         share[(own >= self.points.shape[1] - 3).any(axis=0)] = 0.0
         self.height[rows], self.turn[rows] = c, steep
-        self.slope[:, rows] = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
-        return np.asarray((share * steep >= _STILL) & (np.hypot(*self.slope[:, rows]) <= _LOST))
+        self.slope[:, rows] = slope = np.clip(self.slope[:, rows] + share * (a, b), -_STEEPEST, _STEEPEST)
+        moves = (share * steep >= _STILL) & (np.hypot(*slope) <= _LOST)
+        near = np.hypot(*(slope - turning.before)) < _AROUND
+        return np.asarray(moves & near & (self.rounds[rows] < _ROUNDS))
 
-    def look_at_all_samples(self, rows: Ints) -> tuple[Ints, Ints]:
-        """Return the robots that neither rest nor tip over, and samples of each on which they turn: columns (n, k)."""
-        samples, members, count = self.points.shape[1], self.points.shape[1] // self.groups, min(_NEAR, self.groups)
+    def look_at_all_samples(self, rows: Ints) -> _Turning:
+        """Return the robots that neither rest nor tip over, with the samples of each on which they turn next."""
+        samples, count = self.points.shape[1] - 3, min(_NEAR, self.groups)
         # As a robot is turned its contacts move; where they are no longer around it, they are found anew.
-        at = np.einsum("ijn,jkn->ikn", self.axes(rows)[:2], self.points[:, self.three[:, rows]])
+        turned, three = self.axes(rows), self.three[:, rows]
+        at = np.einsum("ijn,jkn->ikn", turned[:2], self.points[:, three])
         self.find_contacts(rows[~_surrounds(at)])
-        left, near = [rows[:0]], [np.empty((0, members * count + 6), int)]
-        for part in row_slices(len(rows), samples):
-            own = rows[part]
-            every, index = _of_each(self.points, len(own)), np.arange(len(own))
-            turned, three = self.axes(own), self.three[:, own]
-            under = self.under(every, own, turned)
-            plane = _through(_placed(under, every, turned, index, three))
-            over = _over(under, every, turned, plane)
-            highest = over.argmax(axis=1)
-            fits = (over[index, highest] - plane[2] <= _ABOVE) | (three == highest).any(axis=0)
-            turn = np.where(fits, np.hypot(*plane[:2]), np.inf)
-            self.height[own], self.turn[own] = plane[2], turn
-            tips = (three >= samples - 3).any(axis=0) | (np.hypot(*self.slope[:, own]) > _LOST)
-            goes_on = np.flatnonzero((turn >= _STILL) & ~tips & (self.rounds[own] < _ROUNDS))
-            of_groups = over[goes_on, :-3].reshape(-1, members, self.groups).max(axis=1)
-            nearest = np.argpartition(of_groups, -count, axis=1)[:, -count:]
-            few = (nearest[:, None] + self.groups * np.arange(members)[:, None]).reshape(len(goes_on), members * count)
-            far = _of_each(np.arange(samples - 3, samples), len(goes_on))
-            near.append(np.concatenate([few, three[:, goes_on].T, far], axis=1))
-            left.append(own[goes_on])
-        return np.concatenate(left), np.concatenate(near)
+        self.looks[rows] += 1
+        three = self.three[:, rows]
+        contacts, index = np.moveaxis(self.points[:, three], 2, 0), np.arange(len(rows))
+        under = self.ground.under(self.scaled(turned) @ contacts, self.middle[:, rows])
+        under[(three >= samples).T] = _DEEP
+        plane = _through(_placed(under, contacts, turned, index, np.tile(np.arange(3)[:, None], len(rows))))
+        of_groups = self.highest_of_groups(rows, turned, plane)
+        turn = np.where(of_groups.max(axis=1) - plane[2] <= _ABOVE, np.hypot(*plane[:2]), np.inf)
+        self.height[rows], self.turn[rows] = plane[2], turn
+        tips = (three >= samples).any(axis=0) | (np.hypot(*self.slope[:, rows]) > _LOST)
+        is_open = (self.rounds[rows] < _ROUNDS) & (self.looks[rows] <= _LOOKS)
+        goes_on = np.flatnonzero((turn >= _STILL) & ~tips & is_open)
+        nearest = np.argpartition(of_groups[goes_on], -count, axis=1)[:, -count:]
+        members = samples // self.groups
+        columns = np.empty((len(goes_on), members * count + 6), np.intp)
+        np.add(
+            nearest[:, None],
+            self.groups * np.arange(members)[:, None],
+            out=columns[:, :-6].reshape(-1, members, count),
+        )
+        columns[:, -6:-3], columns[:, -3:] = three[:, goes_on].T, np.arange(samples, samples + 3)
+        return self.turning(rows[goes_on], columns)
+
+    def highest_of_groups(self, rows: Ints, turned: Array, plane: Array) -> Singles:
+        """Return how high the highest sample of each group is above the slope of a plane at the origin, (n, groups)."""
+        samples, groups = np.ascontiguousarray(self.points[:, :-3]), np.empty((len(rows), self.groups), SINGLE)
+        scaled, normals, middle = self.scaled(turned), _normals(turned, plane), self.middle[:, rows]
+        for part in row_slices(len(rows), samples.shape[1]):
+            cells = (scaled[part].reshape(-1, 3) @ samples).reshape(-1, 2, samples.shape[1])
+            over = self.ground.under(cells, middle[:, part])
+            over -= normals[part] @ samples
+            over.reshape(len(over), -1, self.groups).max(axis=1, out=groups[part])
+        return groups
+
+    def turning(self, rows: Ints, columns: Ints) -> _Turning:
+        """Return some robots that are turned on some of their samples, columns (n, k) as in _Turning."""
+        few = np.moveaxis(self.points.take(columns, axis=1, mode="clip"), 0, 1)
+        three = np.tile(columns.shape[1] + np.arange(-6, -3)[:, None], len(rows))
+        return _Turning(rows, columns, few, three, self.slope[:, rows])
 
     def find_contacts(self, rows: Ints) -> None:
         """Find the contacts of robots among all samples, from those that they have."""
@@ -326,12 +371,15 @@ class _Settling:
 
     def under(self, few: Singles, rows: Ints, turned: Array) -> Singles:
         """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
-        scaled = np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
-        under, middle = np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
+        scaled, under, middle = self.scaled(turned), np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
         for part in row_slices(*under.shape):
             under[part] = self.ground.under(scaled[part] @ few[part], middle[:, part])
         under[:, -3:] = _DEEP
         return under
+
+    def scaled(self, turned: Array) -> Singles:
+        """Return the first two rows of axes, (n, 2, 3), which give places in cells."""
+        return np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
 
     def leaning(self, turned: Array) -> Array:
         """Return the slope by which each robot would be turned if it had these axes (3, 3, n), (n,)."""
@@ -342,6 +390,11 @@ class _Settling:
 def _of_each(array: _Rows, count: int) -> _Rows:
     """Return an array as that of each of some robots, without a copy."""
     return cast("_Rows", np.broadcast_to(array, (count, *array.shape)))
+
+
+def _some(array: _Rows, rows: Ints) -> _Rows:
+    """Return some rows of an array, without a copy if they are all the same."""
+    return cast("_Rows", array[: len(rows)] if array.strides[0] == 0 else array[rows])
 
 
 _AFAR = _FAR * np.array([[1, 0, 0], [-1 / 2, 3**0.5 / 2, 0], [-1 / 2, -(3**0.5) / 2, 0]])
@@ -383,7 +436,7 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
         highest = highest[rising]
         if len(rising) <= _SHARE * len(rows):
             plane[:, rows], three[:, rows] = through, own
-            rows, under, few, turned = rows[rising], under[rising], few[rising], turned[:, :, rising]
+            rows, under, few, turned = rows[rising], under[rising], _some(few, rising), turned[:, :, rising]
             corners, own, rising = corners[:, :, rising], own[:, rising], np.arange(len(rising))
             if not len(rows):
                 break
@@ -399,9 +452,13 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
 
 def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
     """Return how high samples are above the slope of a plane at the origin, (n, m); those in it are as high as it."""
-    normals = (turned[2] + plane[0] * turned[0] + plane[1] * turned[1]).T.astype(SINGLE)
-    over = (normals[:, None] @ few)[:, 0]
+    over = (_normals(turned, plane)[:, None] @ few)[:, 0]
     return np.asarray(np.subtract(under, over, out=over))
+
+
+def _normals(turned: Array, plane: Array) -> Singles:
+    """Return the normals of planes in the robots' axes, (n, 3), with a length such that they give heights."""
+    return np.asarray((turned[2] + plane[0] * turned[0] + plane[1] * turned[1]).T, SINGLE)
 
 
 def _highest(under: Singles, few: Singles, turned: Array, plane: Array) -> tuple[Ints, Singles]:

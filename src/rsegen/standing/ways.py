@@ -39,10 +39,11 @@ from rsegen.standing.lanes import (
     lines_along,
     origins,
     step_of,
+    steps_on,
     straight,
     surely_passed,
 )
-from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, pose_statistics
+from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, statistics_of
 from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle
 
 
@@ -122,11 +123,18 @@ _NEXT, _AHEAD = 24, 1 / 8
 """Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
 is looked at in vain: of fewer, each call costs as much as its poses."""
 
+_STRAIGHT, _APART = 4, 8
+"""Straight lanes across that are driven together, and steps between the poses of them that are looked at before."""
+
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
-_PLACES_AT_ONCE = 512
-"""Places whose moves are found together in a search that needs all: a second of work."""
+_TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 4096, 2048, 128
+"""Places whose turns, and moves that, are found together in the search for a region: a second of work; and moves at
+least, as fewer cost as much."""
+
+_TURNING = 0.2
+"""Share of the search for a region that turns take; the others are moves."""
 
 Watch = Callable[[float], object]
 """Called now and then with the share of a search that is done; what it raises ends the search."""
@@ -157,6 +165,7 @@ class Lattice:
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
         self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
         self._closed: list[tuple[float, float, int]] = []
+        self._settled: list[tuple[Ints, Settled]] = []
 
     def close(self, x: float, y: float, heading: int) -> None:
         """Let no way lead past a place, metres, in a heading from now on: a robot got stuck there, whatever poses say.
@@ -184,22 +193,26 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.moves.shape)
         rest = settle(self.ground, self.body, self.x[i], self.y[j], k * np.pi / 4)
         self._stands.ravel()[places], self._worst_of_places.ravel()[places] = has_stood(rest), self._worst_value(rest)
+        self._settled.append((places, rest))
+
+    def _moves_from(self, places: Ints) -> tuple[Ints, Ints]:
+        """Return those of places from which a move leads on, and the places to which it leads."""
+        i, j, k = np.unravel_index(places, self.moves.shape)
+        on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
+        inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
+        places, i, j, k, on_i, on_j = (values[inside] for values in (places, i, j, k, on_i, on_j))
+        # No move leads along a frame, aslant within a double one neither.
+        rows, columns = (lines_along(self.field, axis) for axis in (0, 1))
+        free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
+        return places[free], np.ravel_multi_index((on_i[free], on_j[free], k[free]), self.moves.shape)
 
     def _drive_from(self, places: Ints) -> None:
         """Find the moves from places."""
         places = places[~self._is_driven.ravel()[places]]
         self._is_driven.ravel()[places] = True
-        i, j, k = np.unravel_index(places, self.moves.shape)
-        on_i, on_j = i + _MOVES[k, 0], j + _MOVES[k, 1]
-        inside = (on_i >= 0) & (on_i < self.moves.shape[0]) & (on_j >= 0) & (on_j < self.moves.shape[1])
-        places, i, j, on_i, on_j = (values[inside] for values in (places, i, j, on_i, on_j))
-        # No move leads along a frame, aslant within a double one neither.
-        rows, columns = (lines_along(self.field, axis) for axis in (0, 1))
-        free = ((i == on_i) | rows[j] | rows[on_j]) & ((j == on_j) | columns[i] | columns[on_i])
-        places, on_i, on_j = places[free], on_i[free], on_j[free]
+        places, ahead = self._moves_from(places)
         i, j, k = np.unravel_index(places, self.moves.shape)
         # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
-        ahead = np.ravel_multi_index((on_i, on_j, k), self.moves.shape)
         self._settle_at(np.concatenate([places, ahead]))
         left = np.flatnonzero(self._stands.ravel()[places] & self._stands.ravel()[ahead])
         middle = self.field.block_width / 2 * _MOVES[k[left]].T
@@ -285,36 +298,73 @@ class Lattice:
         return -margin if self.best == "margin" else rest.tilt / np.maximum(rest.tilt + margin, 1e-9)
 
     def region(self) -> Mask:
-        """Return the largest set of blocks on which the robot gets from every place and heading to every other."""
-        places = np.arange(self.moves.size).reshape(self.moves.shape)
-        for begin in range(0, places.size, _PLACES_AT_ONCE):
-            self._find_from(places.ravel()[begin : begin + _PLACES_AT_ONCE])
-        low: list[Any] = []
-        high, onward, back = list[Any](), list[Any](), list[Any]()
-        for k, (along_x, along_y) in enumerate(_MOVES):
-            # Each move once, as a pair of places: what is `next` in heading k is not `before` in any other.
-            from_here, to_there = (
-                _shifted(places[..., k], -axis_x, -axis_y)
-                for axis_x, axis_y in ((-along_x, -along_y), (along_x, along_y))
-            )
-            passed = _shifted(self.moves[..., k], along_x, along_y)
-            low.append(from_here.ravel())
-            high.append(to_there.ravel())
-            onward.append(passed.ravel())
-            back.append(np.zeros(passed.size, bool))
-        low.append(places.ravel())
-        high.append(np.roll(places, -1, axis=2).ravel())
-        onward.append(self.turns.ravel())
-        back.append(self.turns.ravel())
-        group = strongly_connected(places.size, *(np.concatenate(part) for part in (low, high, onward, back)))
-        blocks = ~self.field.frame
-        # Of each component the cells over which it is, in any heading; the one with the most blocks.
+        """Return the largest set of blocks on which the robot gets from every place and heading to every other.
+
+        Of several that are as large it is that with the first place. A move is driven only if it may change the set.
+        """
+        self._turn_everywhere()
+        tails, heads = self._moves_from(np.arange(self.moves.size))
+        able = self._stands.ravel()[tails] & self._stands.ravel()[heads]
+        tails, heads = tails[able], heads[able]
+        while True:
+            may = self.moves.ravel()[tails] | ~self._is_driven.ravel()[tails]
+            tails, heads = tails[may], heads[may]
+            passed = self._is_driven.ravel()[tails]
+            known, possible = self._components(tails[passed], heads[passed]), self._components(tails, heads)
+            region = self._largest(known)
+            # A move within a part changes nothing, nor does one between parts that will never be one, or be one that is
+            # smaller than another.
+            matters = (known[tails] != known[heads]) & (possible[tails] == possible[heads])
+            matters &= self._sizes(possible)[tails] >= region.sum()
+            is_open = matters & ~passed
+            if not is_open.any():
+                self.watch(1.0)
+                return region
+            self.watch(_TURNING + (1 - _TURNING) * (1 - float(is_open.sum()) / self.moves.size))
+            from_, to = known[tails[matters]], known[heads[matters]]
+            chosen = np.flatnonzero(matters)[_connecting(from_, to, tails[matters] % 2, ~passed[matters])]
+            self._drive_from(tails[chosen[:_MOVES_AT_ONCE]])
+
+    def _components(self, tails: Ints, heads: Ints) -> Ints:
+        """Return for each place the number of its strongly connected component, by all turns and some moves."""
+        places, turns = np.arange(self.moves.size).reshape(self.moves.shape), self.turns.ravel()
+        low, high = np.append(places.ravel(), tails), np.append(np.roll(places, -1, axis=2).ravel(), heads)
+        is_turn = np.arange(len(low)) < places.size
+        onward = np.append(turns, np.ones(len(tails), bool))
+        group = strongly_connected(places.size, low, high, onward, onward & is_turn)
+        # By their first places.
+        _, first, number = np.unique(group, return_index=True, return_inverse=True)
+        return np.asarray(first[number])
+
+    def _cells(self, group: Ints) -> Ints:
+        """Return the components of places and the blocks over which they are in any heading, (n, 2)."""
         cells = np.unique(np.stack([group, np.arange(group.size) // HEADINGS], axis=1), axis=0)
-        cells = cells[blocks.ravel()[cells[:, 1]]]
-        region = np.zeros(self.field.levels.size, bool)
+        return np.asarray(cells[~self.field.frame.ravel()[cells[:, 1]]])
+
+    def _sizes(self, group: Ints) -> Ints:
+        """Return for each place the number of blocks of its component."""
+        return np.asarray(np.bincount(self._cells(group)[:, 0], minlength=group.size)[group])
+
+    def _largest(self, group: Ints) -> Mask:
+        """Return the blocks of the component with the most, (n_x, n_y)."""
+        cells, region = self._cells(group), np.zeros(self.field.levels.size, bool)
         if len(cells):
             region[cells[cells[:, 0] == np.bincount(cells[:, 0]).argmax(), 1]] = True
         return region.reshape(self.field.shape)
+
+    def at_blocks(self) -> Settled:
+        """Return the robot at rest in every heading at every block, by the blocks; known once its region is."""
+        places, rests = zip(*self._settled, strict=True)
+        order = np.argsort(np.concatenate(places))
+        rest: Settled = joined(rests)
+        return rest.some(order[np.repeat(~self.field.frame.ravel(), HEADINGS)])
+
+    def _turn_everywhere(self) -> None:
+        """Find all turns."""
+        places = np.arange(self.turns.size)
+        for begin in range(0, places.size, _TURNS_AT_ONCE):
+            self._turn_at(places[begin : begin + _TURNS_AT_ONCE])
+            self.watch(_TURNING * float(self._is_turned.mean()))
 
     def way(self, axis: int) -> Way | None:
         """Return the best way across along an axis, with straight lanes at both ends; None if there is none."""
@@ -569,13 +619,25 @@ def _summary(
     }
 
 
-def _shifted(values: Any, along_x: int, along_y: int) -> Any:
-    """Return the values whose neighbour by (along_x, along_y) is in the array too."""
-    n_x, n_y = values.shape
-    return values[
-        max(-along_x, 0) : n_x - max(along_x, 0),
-        max(-along_y, 0) : n_y - max(along_y, 0),
-    ]
+def _connecting(tails: Ints, heads: Ints, is_diagonal: Ints, is_open: Mask) -> Ints:
+    """Return the numbers of some of the open moves between parts: few, which are likely to make one part of many.
+
+    tails, heads: the parts that each move leads from and to, of open ones and of those that are known to be passed.
+    From each part one move leads to a part before it, by number, and one back, if there may be both; straight moves are
+    chosen first, as they are shorter.
+    """
+    low, high, onward = np.minimum(tails, heads), np.maximum(tails, heads), tails < heads
+    _, pair = np.unique(np.stack([high, low], axis=1), axis=0, return_inverse=True)
+    pair = pair.ravel()
+    leads, back = (np.bincount(pair[side], minlength=len(pair)) > 0 for side in (onward, ~onward))
+    number = np.flatnonzero(is_open)
+    number = number[np.lexsort((low[number], is_diagonal[number], ~(leads & back)[pair[number]], high[number]))]
+    _, first, part = np.unique(high[number], return_index=True, return_inverse=True)
+    best = np.flatnonzero(pair[number] == pair[number][first][part])
+    _, once = np.unique(2 * part[best] + onward[number][best], return_index=True)
+    # So many at least that a call is worth its cost.
+    order = np.concatenate([best[once], np.delete(np.arange(len(number)), best[once])])
+    return np.asarray(number[order[: max(len(once), _LEAST_MOVES)]])
 
 
 def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
@@ -584,10 +646,10 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
-        lanes = straight(field, body, axis)
-        ways.append(_straight_way(lanes, field, body, axis) or lattice.way(axis) or no_way(lanes, body))
+        direct, farthest = _straight_way(field, body, axis)
+        ways.append(direct or lattice.way(axis) or no_way(farthest, body))
     cover = float(region.sum() / blocks) if blocks else 0.0
-    poses = pose_statistics(field, body, HEADINGS)
+    poses = statistics_of(of_settled(lattice.ground, body, lattice.at_blocks()))
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
 
 
@@ -596,30 +658,60 @@ def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> W
 
     The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
     """
-    lanes = straight(field, body, axis)
-    direct = _straight_way(lanes, field, body, axis)
+    direct, farthest = _straight_way(field, body, axis)
     if direct and best == "length":
         return direct
     way = Lattice(field, body, best, partial(report_share, "a way across")).way(axis)
     report_share("a way across", 1)
-    return way or direct or no_way(lanes, body)
+    return way or direct or no_way(farthest, body)
 
 
-def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way | None:
-    """Return the straight way with the least tilt; None if no lane is driven to its end."""
-    middles = across(field, axis)
-    passed = surely_passed(lanes, field, body, axis, middles)
-    if not passed.any():
-        return None
-    best = int(np.where(passed, lanes.tilt, np.inf).argmin())
+def _straight_way(field: StepField, body: Body, axis: int) -> tuple[Way | None, Lanes]:
+    """Return the straight way with the least tilt, None if no lane is driven to its end; and a lane that gets farthest.
+
+    Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
+    """
+    middles, passed, farthest = across(field, axis), dict[int, Lanes](), list[tuple[int, int, Lanes]]()
+    bounds = _least_tilts(field, body, axis, middles)
+    order = np.argsort(bounds, kind="stable")
+    for begin in range(0, len(order), _STRAIGHT):
+        some, left = np.sort(order[begin : begin + _STRAIGHT]), bounds[order[begin + _STRAIGHT :]].min(initial=np.inf)
+        lanes = straight(field, body, axis, middles[some])
+        passed |= {int(some[m]): lanes.lane(m) for m in np.flatnonzero(lanes.passed).tolist()}
+        m = int(lanes.last.argmax())
+        farthest.append((-int(lanes.last[m]), int(some[m]), lanes.lane(m)))
+        while passed:
+            best = min(passed, key=lambda m: (float(passed[m].tilt[0]), m))
+            lane = passed[best]
+            if lane.tilt[0] >= left:
+                break
+            if surely_passed(lane, field, body, axis, middles[best : best + 1]).all():
+                return _way_along(lane, field, body, axis, float(middles[best])), lane
+            del passed[best]
+    return None, min(farthest, key=lambda lane: lane[:2])[2]
+
+
+def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Array:
+    """Return the largest tilt at some poses of straight lanes, than which none has less; infinite if one tips over."""
+    before = entry_distance(field, body, axis)
+    length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
+    along: Array = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
+    at = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
+    ground = PaddedGround.of(field, outer_radius(body))
+    rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
+    return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), -1).max(axis=1))
+
+
+def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: float) -> Way:
+    """Return the way along a straight lane across, at a place across [m]."""
     low, high = -entry_distance(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
-    points = np.array([(low, middles[best]), (high, middles[best])])
+    points = np.array([(low, middle), (high, middle)])
     return Way(
         crosses=True,
         length=high - low,
         length_ratio=1.0,
         points=points if axis == 0 else points[:, ::-1].copy(),
-        **_summary(PaddedGround.of(field, outer_radius(body)), body, [lanes.lane(best)]),
+        **_summary(PaddedGround.of(field, outer_radius(body)), body, [lane]),
     )
 
 
