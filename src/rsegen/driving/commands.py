@@ -116,6 +116,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     from rsegen.simulators.embedded import embedded_simulator
     from rsegen.simulators.server import choose_installation
     from rsegen.writing.dry import announce_files
+    from rsegen.writing.execute import cores
     from rsegen.writing.store import unchanged_if_stopped
     from rsegen.writing.target_worlds import world_of
 
@@ -131,7 +132,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         refuse_in_gazebo(picture=picture, video=video)
     here = embedded or choose_installation(world.made_for, simulator, timeout)
     scene, report = world.scene(), progress or ignore
-    predictor = predictor_for(here.backend, motors) if predict else None
+    predictor = predictor_for(here.backend, motors, cores()) if predict else None
     runs, found = planned_runs(predictor, scene, model, route, count=robots, seed=seed, best=best or "safe")
     pictured = picture and "pictures" not in here.drives_without
     if output is not None:
@@ -277,11 +278,13 @@ def predict(  # noqa: PLR0913  # each is a flag
     from rsegen.driving.drive import drivable, refuse_best
     from rsegen.driving.planning import planned_runs, required_simulator
     from rsegen.driving.prediction import Predictor
+    from rsegen.writing.execute import cores
     from rsegen.writing.target_worlds import world_of
 
     refuse_best(best, route)
     model = drivable(robot, wheels, tracks, size=size, speed=speed, turn=turn)
-    predictor = Predictor(simulator=required_simulator("a prediction needs"), motors=motors or MOTORS[0], drives=drives)
+    simulator = required_simulator("a prediction needs")
+    predictor = Predictor(simulator=simulator, motors=motors or MOTORS[0], drives=drives, workers=cores())
     scene = world_of(target, map).scene()
     _, prediction = planned_runs(predictor, scene, model, route, count=1, seed=0, best=best or "safe")
     return cast("Prediction", prediction)

@@ -22,7 +22,7 @@ from typing import cast
 
 import numpy as np
 
-from rsegen.driving.prediction import LEAVES, MOST, DriveEnd, Prediction, Predictor
+from rsegen.driving.prediction import LEAVES, DriveEnd, Prediction, Predictor
 from rsegen.driving.recording import RobotRun
 from rsegen.driving.robot_runs import robot_runs, runs_along
 from rsegen.driving.routes import AlongWay, PlannedWay, Straight, followed
@@ -35,6 +35,7 @@ from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator, embedded_simulator
 from rsegen.standing.lanes import straight
 from rsegen.standing.ways import BEST, Lattice, Way, no_way
+from rsegen.writing.execute import cores
 
 SURE = 0.9
 """Probability from which on a way is taken at once."""
@@ -51,24 +52,25 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
 
     best: of which sort ways are, one of rsegen.standing.ways.BEST. SimulatorFailed if no drive has a result.
     """
-    tried: list[tuple[float, RobotRun]] = []
+    tried: list[tuple[Prediction, RobotRun]] = []
     failure: SimulatorFailed | None = None
     lattice = Lattice(scene.field, robot.body, best, partial(report_share, "a way across"))
     for way in _ways(lattice, scene, robot):
         (run,) = runs_along(scene.field, robot, way)
         try:
-            found = predictor.predict(scene, run, failures=_FAILURES)
+            found = predictor.tried(scene, run, _FAILURES)
         except SimulatorFailed as error:
             failure = error
             continue
+        tried.append((found, run))
         if found.probability >= SURE:
-            return found
-        tried.append((found.probability, run))
+            break
         for end in found.ends:
             _close(lattice, way, end)
     if not tried:
         raise failure or SimulatorFailed("no way could be driven")
-    return predictor.predict(scene, max(tried, key=lambda one: one[0])[1])
+    found, run = max(tried, key=lambda one: one[0].probability)
+    return predictor.predict(scene, run, found)
 
 
 def _ways(lattice: Lattice, scene: Scene, robot: DrivableRobot) -> Iterator[PlannedWay]:
@@ -105,7 +107,7 @@ def required_simulator(purpose: str) -> EmbeddedSimulator:
     return here
 
 
-def predictor_for(backend: str | None, motors: str | None = None, drives: int = MOST) -> Predictor | None:
+def predictor_for(backend: str | None, motors: str | None = None, workers: int = 1) -> Predictor | None:
     """Return what predicts drives in a simulator; None without a simulator in the box.
 
     Motors are those that are given, else as in the simulator: those of Gazebo Classic do not act back on the chassis.
@@ -115,7 +117,7 @@ def predictor_for(backend: str | None, motors: str | None = None, drives: int = 
         return None
     real, classic = MOTORS
     motors = motors or (classic if backend == "classic" else real)
-    return Predictor(simulator=simulator, motors=motors, drives=drives)
+    return Predictor(simulator=simulator, motors=motors, workers=workers)
 
 
 def planned_runs(  # noqa: PLR0913  # as robot_runs
@@ -146,7 +148,7 @@ def predictions(robot: object, scene: Scene) -> Mapping[str, Prediction]:
 
     (`Capability.predictor`)
     """
-    predictor = predictor_for(None)
+    predictor = predictor_for(None, workers=cores())
     if predictor is None or not isinstance(robot, DrivableRobot):
         return {}
     found = {}

@@ -19,7 +19,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from math import hypot
 from typing import NamedTuple
 
@@ -37,6 +39,7 @@ from rsegen.robots.parameters import MOTORS
 from rsegen.scene.scene import Scene
 from rsegen.simulators.embedded import EmbeddedSimulator
 from rsegen.simulators.poses import Pose
+from rsegen.writing.execute import Execution, execute
 
 FIRST, MOST = 6, 20
 """Drives that decide if they all end alike, and drives at most: the probability is then known within 0.2."""
@@ -49,6 +52,9 @@ LEAVES = "leaves the map,"
 
 _HELD, _WITHIN = 5.0, 0.02
 """Seconds in which a robot comes on by less than these metres, and is held for good: flippers swing in two."""
+
+_SECONDS = 0.5
+"""CPU seconds that a drive takes, about."""
 
 _BAR = "drives"
 """What a progress bar says."""
@@ -111,12 +117,15 @@ class Prediction:
         Where and with which model of motors they were simulated.
     way : PlannedWay or None
         The way that the robot followed; None for a straight drive.
+    next_drive : int
+        The number of the first drive that was not done.
     """
 
     outcomes: tuple[Outcome, ...]
     simulator: str
     motors: str
     way: PlannedWay | None = None
+    next_drive: int = 0
 
     @property
     def drives(self) -> int:
@@ -171,33 +180,58 @@ class Predictor:
     """Drives in the embedded simulator that tell whether robots get across.
 
     motors: the model of motors that they have; drives: how many decide at most
+    workers: processes for those drives that follow if the first ones do not all end alike
     """
 
     simulator: EmbeddedSimulator
     motors: str = MOTORS[0]
     drives: int = MOST
+    workers: int = 1
 
-    def predict(self, scene: Scene, run: RobotRun, *, failures: int = MOST) -> Prediction:
-        """Return whether a robot crosses on its run; after this number of drives that do not no more are done.
-
-        SimulatorFailed if no drive has a result.
-        """
+    def tried(self, scene: Scene, run: RobotRun, failures: int = MOST) -> Prediction:
+        """Return what the first drives say, up to a number of them that do not cross; SimulatorFailed without any."""
         outcomes: list[Outcome] = []
-        failure: SimulatorFailed | None = None
-        for number in range(self.drives):
-            try:
-                outcomes.append(spread_drive(self.simulator, scene, run, number, self.motors))
-            except SimulatorFailed as error:  # a drive without a result counts neither way
-                failure = error
-            failed = sum(outcome.seconds is None for outcome in outcomes)
-            is_alike = failed in (0, len(outcomes))
-            if failed >= failures or (is_alike and len(outcomes) >= FIRST):
+        for number in range(min(FIRST, self.drives)):
+            outcomes += self._outcomes(scene, run, [number])
+            if sum(outcome.seconds is None for outcome in outcomes) >= failures:
                 break
-            report_share(_BAR, len(outcomes) / (min(FIRST, self.drives) if is_alike else self.drives))
+        return self._prediction(outcomes, run, next_drive=number + 1)
+
+    def predict(self, scene: Scene, run: RobotRun, tried: Prediction | None = None) -> Prediction:
+        """Return whether a robot crosses on its run; SimulatorFailed if no drive has a result.
+
+        tried: what is known already
+        """
+        tried = tried or self.tried(scene, run)
+        first = tried.next_drive
+        if first >= self.drives or (first >= FIRST and tried.crossed in (0, tried.drives)):
+            return tried
+        rest, outcomes = range(first, self.drives), list(tried.outcomes)
+        work = partial(self._outcomes, scene, run)
+        for batch in execute(work, rest, _SECONDS, Execution(workers=self.workers)):
+            outcomes += batch
+            report_share(_BAR, len(outcomes) / self.drives)
         report_share(_BAR, 1)
-        if failure and not outcomes:
-            raise failure
-        return Prediction(outcomes=tuple(outcomes), simulator=str(self.simulator), motors=self.motors, way=run.way)
+        return self._prediction(outcomes, run, next_drive=self.drives)
+
+    def _outcomes(self, scene: Scene, run: RobotRun, numbers: Sequence[int]) -> list[Outcome]:
+        """Return the outcomes of drives; one whose physics fails counts neither way."""
+        outcomes = []
+        for number in numbers:
+            with suppress(SimulatorFailed):
+                outcomes.append(spread_drive(self.simulator, scene, run, number, self.motors))
+        return outcomes
+
+    def _prediction(self, outcomes: Sequence[Outcome], run: RobotRun, next_drive: int) -> Prediction:
+        if not outcomes:
+            raise SimulatorFailed(f"{self.simulator}: none of {next_drive} drives has a result, as its physics failed")
+        return Prediction(
+            outcomes=tuple(outcomes),
+            simulator=str(self.simulator),
+            motors=self.motors,
+            way=run.way,
+            next_drive=next_drive,
+        )
 
 
 def spread_drive(simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, number: int, motors: str) -> Outcome:

@@ -19,7 +19,7 @@ breaks it: what breaks lanes; and each move begins at the robot's full speed, wh
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any
@@ -113,8 +113,8 @@ BEST = ("safe", "length", "tilt", "margin")
 """What a way is the best of: short and safe, the shortest, that with the least tilt, or with the largest margin."""
 
 _RISK = 3.0
-"""Weight of risk in a safe way: a metre at half of the way to tipping over counts as 2.5 metres on level ground, and
-one on which the robot falls as four."""
+"""Weight of risk in a safe way: a metre at half of the tilt at which the robot tips over counts as 2.5 metres on level
+ground, and one on which it falls as four."""
 
 _Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
@@ -150,7 +150,8 @@ class Lattice:
     What it can do at a place and heading is found once it is asked for: no robot that a wall stops is tried behind it.
 
     best: which ways are the best, one of BEST; the worst on a move is small where that is good: the largest tilt in
-    radians, the least margin with a minus, or for safe ones the largest share of the turn to tipping over, 1 for a fall
+    radians, the least margin with a minus, or for safe ones the tilt as a share of that at which it tips over on
+    level ground, 1 for a fall
     moves, turns: (n_x, n_y, 8) whether it can drive on to the next cell, and turn to the next heading and back
     worst_of_moves, worst_of_turns: the worst on each; False and 0 where not yet found
     watch: called after each step of what takes long
@@ -164,6 +165,8 @@ class Lattice:
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
         self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
+        level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
+        self._tips_at = float(margins(level, body, settle(level, body, origin, origin, origin))[0])
         self._closed: list[tuple[float, float, int]] = []
         self._settled: list[tuple[Ints, Settled]] = []
 
@@ -291,11 +294,10 @@ class Lattice:
         return np.concatenate(passed), np.concatenate(worst)
 
     def _worst_value(self, rest: Settled) -> Array:
-        """Return the tilt of each robot, radians, its margin with a minus, or its share of the turn to tipping over."""
-        if self.best in ("length", "tilt"):
-            return rest.tilt
-        margin = margins(self.ground, self.body, rest)
-        return -margin if self.best == "margin" else rest.tilt / np.maximum(rest.tilt + margin, 1e-9)
+        """Return the tilt of each robot, radians, its margin with a minus, or its share of the tilt to tip over."""
+        if self.best == "margin":
+            return -margins(self.ground, self.body, rest)
+        return rest.tilt / self._tips_at if self.best == "safe" else rest.tilt
 
     def region(self) -> Mask:
         """Return the largest set of blocks on which the robot gets from every place and heading to every other.

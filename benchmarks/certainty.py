@@ -1,0 +1,286 @@
+"""How often predictions are right: what was told beside what happened, on fields that nobody has seen before.
+
+python -m benchmarks.certainty               predicts and drives in MuJoCo, with both models of motors, on lanes and on
+                                             planned ways of fresh fields; keeps benchmarks/results/certainty.json and
+                                             its picture; forty minutes on two cores
+python -m benchmarks.certainty --classic     in Gazebo Classic too, with the motors that it has; half an hour more
+python -m benchmarks.certainty --seed 7      the same fields again; by default the seed is drawn
+python -m benchmarks.certainty --quick       one field for each robot and unit, not kept; three minutes
+python -m benchmarks.certainty --robot FILE --unit 0.5 --unit 1    a robot of a file too, such as a maker's
+
+A drive that judges is another one out of the spread: with errors of its start, position, friction and heights that no
+prediction has used. In Classic it has those of its start and position. A told probability is right if as many drives
+cross as it says (Brier 1950; Murphy and Winkler 1977); it is of use if it is seldom near one half.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks import crossings
+from benchmarks.figures import RESULTS
+from benchmarks.machine import machine
+from rsegen.driving.drive import driven_robot
+from rsegen.driving.many import wilson
+from rsegen.driving.planning import predict_way, predictor_for
+from rsegen.driving.prediction import Prediction, spread_drive
+from rsegen.driving.recording import RobotRun, record_drive
+from rsegen.driving.robot_runs import robot_runs, runs_along
+from rsegen.driving.routes import AlongWay, Straight
+from rsegen.driving.spread import spread_run
+from rsegen.errors import SimulatorFailed
+from rsegen.params.streams import SEEDS, fresh_seed
+from rsegen.recipe.codec import decode
+from rsegen.robots.drives import Tracks
+from rsegen.robots.lookup import robot_of
+from rsegen.robots.parameters import MOTORS
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.embedded import EMBEDDED
+from rsegen.writing.execute import Execution, cores, execute
+from rsegen.writing.target_worlds import world_of
+
+FILE, PICTURE = RESULTS / "certainty.json", Path(__file__).parents[1] / "docs" / "pictures" / "certainty.png"
+
+PLANS: Mapping[str, tuple[float, ...]] = {
+    "burger": (0.2, 0.4, 0.6, 1.0),
+    "jackal": (1.0, 2.0, 3.0, 5.0),
+    "crawler": (3.0, 5.0, 10.0),
+}
+"""The robots with their units, cm: from all fields crossed to none, and of 10 cm."""
+
+FIELDS, LANES, JUDGES, FIRST_JUDGE = 2, 3, 3, 1000
+"""Fields of each kind, robot and unit; lanes on each; drives that judge a prediction, and the number of the first."""
+
+_SECONDS, _CLASSIC_SECONDS = 20.0, 40.0
+"""CPU seconds of a field, about; simulated seconds of a drive in Gazebo Classic."""
+
+COLUMNS = ("robot", "field", "unit_cm", "seed", "route", "motors", "line", "told", "drives", "judge", "crossed", "of")
+"""What a row of the record has: a prediction, and how many of the drives in a simulator that judged it crossed."""
+
+
+class Field(NamedTuple):
+    """A fresh field for a robot."""
+
+    robot: str
+    field: str
+    unit_cm: float
+    seed: int
+
+    @property
+    def scene(self) -> Scene:
+        """Return its scene: 10 x 20 blocks of 10 cm without frames; steps of one unit where one is 10 cm."""
+        given = {"chunks": [1, 2], "boundary": "none", **({"max_step": 1} if self.unit_cm >= 10 else {})}
+        obstacles = [crossings.OBSTACLES[self.field]]
+        recipe = {"name": "certainty", "unit_cm": self.unit_cm, "seed": self.seed, "obstacles": obstacles, **given}
+        return compose(decode(recipe), 0)
+
+
+def fields(plans: Mapping[str, Sequence[float]], seed: int, rounds: int) -> list[Field]:
+    """Return the fields of all robots, each with a seed of its own."""
+    every = product(plans, range(rounds), crossings.OBSTACLES)
+    named = [(robot, kind, unit) for robot, _, kind in every for unit in plans[robot]]
+    return [Field(*name, (seed + number) % SEEDS) for number, name in enumerate(named)]
+
+
+def judged(classic: bool, batch: Sequence[Field]) -> list[list[Any]]:  # noqa: FBT001  # of `partial`
+    """Return the rows of some fields."""
+    return [row for field in batch for row in _rows(field, classic=classic)]
+
+
+def _rows(field: Field, *, classic: bool) -> Iterator[list[Any]]:
+    scene, robot = field.scene, robot_of(field.robot)
+    for motors in MOTORS[:1] if isinstance(robot.drive, Tracks) else MOTORS:
+        predictor = predictor_for(None, motors)
+        assert predictor is not None  # noqa: S101  # `main` looked
+        runs = robot_runs(scene.field, robot, Straight.name, count=LANES, seed=1)
+        predicted = [(run, predictor.predict(scene, run)) for run in runs]
+        found = predict_way(predictor, scene, robot, "safe")
+        if found.way is not None and found.way.crosses:
+            predicted += [(run, found) for run in runs_along(scene.field, robot, found.way)]
+        for run, told in predicted:
+            yield _row(field, run, told, "mujoco", _in_mujoco(scene, run, motors))
+            if classic and motors == (MOTORS[0] if isinstance(robot.drive, Tracks) else MOTORS[1]):
+                yield _row(field, run, told, "classic", _in_classic(scene, run))
+
+
+def _row(field: Field, run: RobotRun, told: Prediction, judge: str, crossed: Sequence[bool]) -> list[Any]:
+    route, line = (AlongWay if run.way else Straight).name, round(run.start.y, 4)
+    name = Path(field.robot).stem, field.field, field.unit_cm, field.seed
+    return [*name, route, told.motors, line, round(told.probability, 4), told.drives, judge, sum(crossed), len(crossed)]
+
+
+def _in_mujoco(scene: Scene, run: RobotRun, motors: str) -> list[bool]:
+    """Return whether fresh drives out of the spread cross; without those whose physics fails."""
+    crossed = []
+    for number in range(FIRST_JUDGE, FIRST_JUDGE + JUDGES):
+        try:
+            crossed.append(spread_drive(EMBEDDED["mujoco"], scene, run, number, motors).seconds is not None)
+        except SimulatorFailed:
+            continue
+    return crossed
+
+
+def _in_classic(scene: Scene, run: RobotRun) -> list[bool]:
+    """Return whether a drive in Gazebo Classic crosses, with errors of its start and position."""
+    here = SIMULATORS["classic"].installation()
+    assert here is not None  # noqa: S101  # `main` looked
+    erring, _ = spread_run(scene, run, FIRST_JUDGE)
+    with world_of(scene, None).on_disk() as file:
+        recording = record_drive(here, file, [erring], _CLASSIC_SECONDS, contacts=False)
+    return [driven_robot(erring, scene, recording, Straight.name).metrics.crossed is not None]
+
+
+# What it amounts to.
+
+BINS = ((0.0, 0.1), (0.1, 0.3), (0.3, 0.7), (0.7, 0.9), (0.9, 1.0))
+"""Probabilities that are counted together."""
+
+SHARP = 0.9
+"""Probability from which on a prediction is sure, and below 1 minus which too."""
+
+
+def table(record: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the tables of a record in Markdown."""
+    rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
+    for judge, title in (("mujoco", "MuJoCo"), ("classic", "Gazebo Classic")):
+        own = [row for row in rows if row["judge"] == judge and row["of"]]
+        if not own:
+            continue
+        yield f"**{title}**: {len(own)} predictions, {sum(row['of'] for row in own)} drives, Brier {brier(own):.3f}"
+        yield ""
+        yield "| told | predictions | drives | crossed | 95 % interval |"
+        yield "|---|---|---|---|---|"
+        for low, high in BINS:
+            told = [row for row in own if low <= row["told"] < high or row["told"] == high == 1]
+            crossed, of = (sum(row[name] for row in told) for name in ("crossed", "of"))
+            mean = (
+                f"{np.average([row['told'] for row in told], weights=[row['of'] for row in told]):.2f}" if told else ""
+            )
+            ends = "{:.2f} to {:.2f}".format(*wilson(crossed, of)) if of else ""
+            share = f"{crossed / of:.2f}" if of else ""
+            yield f"| {low:g} to {high:g}, mean {mean} | {len(told)} | {of} | {share} | {ends} |"
+        yield ""
+        yield "| robot | route | motors | unit | predictions | sure | of sure ones right | told at least 0.9: crossed |"
+        yield "|---|---|---|---|---|---|---|---|"
+        yield from _by(own, ("robot", "route", "motors", "unit_cm"))
+        yield from _by(own, ("robot",))
+        yield from _by(own, ("route",))
+        yield from _by(own, ())
+        yield ""
+
+
+def _by(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[str]:
+    """Yield a row for each group of predictions that are alike in some columns."""
+    groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[name] for name in names), []).append(row)
+    for key, group in groups.items():
+        named = dict(zip(names, key, strict=True))
+        cells = [str(named.get(name, "all")) for name in ("robot", "route", "motors")]
+        unit = f"{named['unit_cm']:g} cm" if "unit_cm" in named else "all"
+        sure = [row for row in group if not 1 - SHARP < row["told"] < SHARP]
+        yes = [row for row in sure if row["told"] >= SHARP]
+        right = sum(row["crossed"] if row["told"] >= SHARP else row["of"] - row["crossed"] for row in sure)
+        of_sure, crossed = sum(row["of"] for row in sure), sum(row["crossed"] for row in yes)
+        of_yes = sum(row["of"] for row in yes)
+        share = f"{right} of {of_sure} ({right / of_sure:.0%})" if sure else ""
+        told = f"{crossed} of {of_yes}" if yes else ""
+        yield f"| {' | '.join(cells)} | {unit} | {len(group)} | {len(sure) / len(group):.0%} | {share} | {told} |"
+
+
+def brier(rows: Sequence[Mapping[str, Any]]) -> float:
+    """Return the mean squared difference of what was told and what happened (0 or 1), drive by drive."""
+    squares = [
+        row["crossed"] * (1 - row["told"]) ** 2 + (row["of"] - row["crossed"]) * row["told"] ** 2 for row in rows
+    ]
+    return float(sum(squares) / sum(row["of"] for row in rows))
+
+
+def draw(record: Mapping[str, Any]) -> None:
+    """Draw the reliability diagram: how often robots crossed beside what was told, with intervals and counts."""
+    from matplotlib.figure import Figure
+
+    rows = [dict(zip(COLUMNS, row, strict=True)) for row in record["rows"]]
+    judges = {"mujoco": "MuJoCo", "classic": "Gazebo Classic"}
+    judges = {judge: title for judge, title in judges.items() if any(row["judge"] == judge for row in rows)}
+    figure = Figure(figsize=(5.2 * len(judges), 4.6), dpi=100, layout="constrained")
+    for axes, (judge, title) in zip(np.atleast_1d(figure.subplots(1, len(judges))), judges.items(), strict=True):
+        own = [row for row in rows if row["judge"] == judge and row["of"]]
+        axes.plot([0, 1], [0, 1], color="grey", linewidth=1, label="as told")
+        for low, high in BINS:
+            told = [row for row in own if low <= row["told"] < high or row["told"] == high == 1]
+            crossed, of = (sum(row[name] for row in told) for name in ("crossed", "of"))
+            if not of:
+                continue
+            mean = float(np.average([row["told"] for row in told], weights=[row["of"] for row in told]))
+            ends = wilson(crossed, of)
+            axes.plot([mean, mean], ends, color="#1f5fa8", linewidth=2)
+            axes.plot([mean], [crossed / of], "o", color="#1f5fa8", markersize=8)
+            axes.annotate(f"{crossed} of {of}", (mean, crossed / of), (7, -4), textcoords="offset points", fontsize=9)
+        axes.set(
+            xlim=(-0.02, 1.18),
+            ylim=(-0.03, 1.03),
+            xlabel="probability that was told",
+            ylabel="share that crossed",
+            title=f"{title}: {len(own)} predictions, Brier {brier(own):.3f}",
+        )
+    figure.savefig(PICTURE, metadata={"Software": None})
+
+
+def loaded() -> dict[str, Any]:
+    """Return the record that is kept."""
+    record: dict[str, Any] = json.loads(FILE.read_text("utf-8"))
+    return record
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit code: 0; 3 where a simulator is not installed."""
+    options = _options(arguments)
+    versions = {"mujoco": EMBEDDED["mujoco"].version()}
+    if options.classic:
+        here = SIMULATORS["classic"].installation()
+        versions["classic"] = here and here.version
+    if missing := [name for name, version in versions.items() if not version]:
+        print(f"no {missing[0]} here", file=sys.stderr)
+        return 3
+    seed = fresh_seed() % 10**9 if options.seed is None else options.seed
+    plans = {name: PLANS[name] for name in options.robots} | {file: tuple(options.unit) for file in options.robot}
+    every = fields(plans, seed, 1 if options.quick else FIELDS)
+    rows: list[list[Any]] = []
+    for batch in execute(partial(judged, options.classic), every, _SECONDS, Execution(workers=options.workers)):
+        rows += batch
+        print(f"{len(rows)} predictions of {len(every)} fields judged", file=sys.stderr)
+    record = {"machine": machine(), "seed": seed, "simulators": versions, "columns": COLUMNS, "rows": rows}
+    print("\n".join(table(record)))
+    if not options.quick:
+        lines = ",\n  ".join(json.dumps(row) for row in rows)
+        head = json.dumps({name: value for name, value in record.items() if name != "rows"}, indent=1)[:-2]
+        FILE.write_text(f'{head},\n "rows": [\n  {lines}\n ]\n}}\n', "utf-8")
+        draw(record)
+    return 0
+
+
+def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.certainty", description=__doc__.splitlines()[0])
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", default=list(PLANS), help="only these kinds")
+    parser.add_argument("--robot", action="append", metavar="FILE", default=[], help="the robot of a file too")
+    parser.add_argument("--unit", action="append", type=float, default=[], help="a unit for robots of files, cm")
+    parser.add_argument("--classic", action="store_true", help="drive in Gazebo Classic too")
+    parser.add_argument("--seed", type=int, help="seed of the first field; by default it is drawn")
+    parser.add_argument("--workers", type=int, default=cores(), help="processes")
+    parser.add_argument("--quick", action="store_true", help="one field of each kind, not kept")
+    return parser.parse_args(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
