@@ -5,7 +5,7 @@ python -m benchmarks.certainty               predicts and drives in MuJoCo, with
                                              its picture; forty minutes on two cores
 python -m benchmarks.certainty --classic     in Gazebo Classic too, with the motors that it has; half an hour more
 python -m benchmarks.certainty --seed 7      the same fields again; by default the seed is drawn
-python -m benchmarks.certainty --quick       one field for each robot and unit, not kept; three minutes
+python -m benchmarks.certainty --quick       the record is not kept
 python -m benchmarks.certainty --robot FILE --unit 0.5 --unit 1    a robot of a file too, such as a maker's
 
 A drive that judges is another one out of the spread: with errors of its start, position, friction and heights that no
@@ -58,7 +58,7 @@ PLANS: Mapping[str, tuple[float, ...]] = {
 }
 """The robots with their units, cm: from all fields crossed to none, and of 10 cm."""
 
-FIELDS, LANES, JUDGES, FIRST_JUDGE = 2, 3, 3, 1000
+ROUNDS, LANES, JUDGES, FIRST_JUDGE = 1, 3, 3, 1000
 """Fields of each kind, robot and unit; lanes on each; drives that judge a prediction, and the number of the first."""
 
 _SECONDS, _CLASSIC_SECONDS = 20.0, 40.0
@@ -145,6 +145,30 @@ def _in_classic(scene: Scene, run: RobotRun) -> list[bool]:
 BINS = ((0.0, 0.1), (0.1, 0.3), (0.3, 0.7), (0.7, 0.9), (0.9, 1.0))
 """Probabilities that are counted together."""
 
+
+class _Bin(NamedTuple):
+    """Predictions of about one probability: their number, mean, and how many of the drives that judged them crossed."""
+
+    predictions: int
+    mean: float
+    crossed: int
+    drives: int
+
+    @classmethod
+    def of(cls, rows: Sequence[Mapping[str, Any]], low: float, high: float) -> _Bin | None:
+        """Return the bin of the predictions from low to high; None if there are none."""
+        told = [row for row in rows if low <= row["told"] < high or row["told"] == high == 1]
+        if not told:
+            return None
+        crossed, drives = (sum(row[name] for row in told) for name in ("crossed", "of"))
+        return cls(len(told), sum(row["told"] * row["of"] for row in told) / drives, crossed, drives)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The share that crosses, low and high, with a confidence of 95 %."""
+        return wilson(self.crossed, self.drives)
+
+
 SHARP = 0.9
 """Probability from which on a prediction is sure, and below 1 minus which too."""
 
@@ -200,9 +224,9 @@ def _by(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Iterator[str
 
 def brier(rows: Sequence[Mapping[str, Any]]) -> float:
     """Return the mean squared difference of what was told and what happened (0 or 1), drive by drive."""
-    squares = [
+    squares = (
         row["crossed"] * (1 - row["told"]) ** 2 + (row["of"] - row["crossed"]) * row["told"] ** 2 for row in rows
-    ]
+    )
     return float(sum(squares) / sum(row["of"] for row in rows))
 
 
@@ -218,15 +242,12 @@ def draw(record: Mapping[str, Any]) -> None:
         own = [row for row in rows if row["judge"] == judge and row["of"]]
         axes.plot([0, 1], [0, 1], color="grey", linewidth=1, label="as told")
         for low, high in BINS:
-            told = [row for row in own if low <= row["told"] < high or row["told"] == high == 1]
-            crossed, of = (sum(row[name] for row in told) for name in ("crossed", "of"))
-            if not of:
-                continue
-            mean = float(np.average([row["told"] for row in told], weights=[row["of"] for row in told]))
-            ends = wilson(crossed, of)
-            axes.plot([mean, mean], ends, color="#1f5fa8", linewidth=2)
-            axes.plot([mean], [crossed / of], "o", color="#1f5fa8", markersize=8)
-            axes.annotate(f"{crossed} of {of}", (mean, crossed / of), (7, -4), textcoords="offset points", fontsize=9)
+            if told := _Bin.of(own, low, high):
+                at = told.mean, told.crossed / told.drives
+                axes.plot([told.mean] * 2, told.interval, color="#1f5fa8", linewidth=2)
+                axes.plot(*at, "o", color="#1f5fa8", markersize=8)
+                counts = f"{told.crossed} of {told.drives}"
+                axes.annotate(counts, at, (7, -4), textcoords="offset points", fontsize=9)
         axes.set(
             xlim=(-0.02, 1.18),
             ylim=(-0.03, 1.03),
@@ -249,13 +270,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     versions = {"mujoco": EMBEDDED["mujoco"].version()}
     if options.classic:
         here = SIMULATORS["classic"].installation()
-        versions["classic"] = here and here.version
+        versions["classic"] = here.version if here else None
     if missing := [name for name, version in versions.items() if not version]:
         print(f"no {missing[0]} here", file=sys.stderr)
         return 3
     seed = fresh_seed() % 10**9 if options.seed is None else options.seed
     plans = {name: PLANS[name] for name in options.robots} | {file: tuple(options.unit) for file in options.robot}
-    every = fields(plans, seed, 1 if options.quick else FIELDS)
+    every = fields(plans, seed, options.rounds)
     rows: list[list[Any]] = []
     for batch in execute(partial(judged, options.classic), every, _SECONDS, Execution(workers=options.workers)):
         rows += batch
@@ -278,7 +299,8 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--classic", action="store_true", help="drive in Gazebo Classic too")
     parser.add_argument("--seed", type=int, help="seed of the first field; by default it is drawn")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
-    parser.add_argument("--quick", action="store_true", help="one field of each kind, not kept")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="fields of each kind, robot and unit")
+    parser.add_argument("--quick", action="store_true", help="the record is not kept")
     return parser.parse_args(arguments)
 
 
