@@ -26,12 +26,17 @@ from typing import Any, Literal, TypedDict
 import numpy as np
 
 from rsegen.driving.drive_metrics import COLUMNS, STILL, TIPPED, Trajectory, moves_by_window
+from rsegen.driving.planning import predictions
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Mask
 from rsegen.input_files import text_of
 from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
 from rsegen.page.places import Places
+from rsegen.page.shown_map import base64_of
+from rsegen.params.watch import watched
+from rsegen.robots.page import DrawnReach, robot_of_page, scene_of_document
+from rsegen.standing.draping import draped
 
 _MIB = 32
 """The largest file of a drive that is read, MiB: an hour of one robot's trajectory is 4."""
@@ -88,6 +93,29 @@ def playback(host: Host, *, path: str) -> Playback:
         "simulator": str(drive.get("simulator", "")),
         "robots": robots,
         "duration": max((robot["seconds"][-1] for robot in robots), default=0.0),
+    }
+
+
+@call_of_host
+def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
+    """Return how surely a robot gets across a map, with all drives that tell it.
+
+    A drive is a way: one that crosses, or one that ends where the robot stayed.
+    """
+    with host.opened(doc).newest_turn("crossing") as watch, watched(lambda _, share: watch(share)):
+        scene = scene_of_document(host, doc, index)
+        found = predictions(robot_of_page(host, robot), scene)
+    sides = {side: side.replace("_", " to ") for side in found}
+    told = "; ".join(f"{name}: {found[side]}" for side, name in sides.items())
+    return {
+        "text": told or "it cannot be driven here, as MuJoCo is not installed",
+        "region": base64_of(np.ones(scene.field.shape), "u1"),
+        "ways": [
+            {"points": draped(scene.field, outcome.path).tolist(), "name": sides[side], "crosses": not outcome.reason}
+            for side, prediction in found.items()
+            for outcome in prediction.outcomes
+        ],
+        "spots": [],
     }
 
 

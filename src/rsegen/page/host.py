@@ -103,7 +103,7 @@ class Texts(TypedDict):
     shell: str
 
 
-Search = Literal["tilt", "reach", "way", "measure", "variants"]
+Search = Literal["tilt", "reach", "crossing", "way", "measure", "variants"]
 """Searches on a map, of which the newest of each name is done."""
 
 

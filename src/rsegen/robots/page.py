@@ -31,6 +31,7 @@ from rsegen.robots.links import Box, Cylinder, SdfPose, Sphere, rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot
 from rsegen.robots.sdf_shapes import ModelFrames, floats, swept_box
+from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
@@ -48,11 +49,16 @@ _FAR = 1000.0
 def _map(host: Host, doc: str, index: int) -> tuple[Opened, Recipe, StepField]:
     """Return a document, its recipe, of a draft that is invalid the last valid one, and the field of a map."""
     opened = host.opened(doc)
-    recipe = opened.session.recipe
-    return opened, recipe, scene_of_map(opened, recipe, opened.index_of("", index)).field
+    return opened, opened.session.recipe, scene_of_document(host, doc, index).field
 
 
-def _robot(host: Host, robot: str) -> DrivableRobot:
+def scene_of_document(host: Host, doc: str, index: int) -> Scene:
+    """Return the scene of a map of a document, of a draft that is invalid of the last valid one."""
+    opened = host.opened(doc)
+    return scene_of_map(opened, opened.session.recipe, opened.index_of("", index))
+
+
+def robot_of_page(host: Host, robot: str) -> DrivableRobot:
     """Return a robot by its kind, or of a file in the folder of pages."""
     return robot_of(host.places.refuse_outside("robot", robot), "robot")
 
@@ -89,7 +95,7 @@ def robot(host: Host, *, robot: str) -> RobotShapes:
 
     lift: of the origin of its model in a simulator, above that of what is drawn
     """
-    known = _robot(host, robot)
+    known = robot_of_page(host, robot)
     if isinstance(known, SdfRobot):
         title, lift, parts = known.kind, known.lift, iter(_parts_of_file(known))
     else:
@@ -221,7 +227,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
     """
     _refuse_unplaced(x=x, y=y, heading=heading)
     *_, field = _map(host, doc, index)
-    body = _robot(host, robot).body
+    body = robot_of_page(host, robot).body
     ground = PaddedGround.of(field, outer_radius(body))
     rest = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
     stands, clearance = bool(rest.stands[0]), float(rest.clearance[0])
@@ -282,7 +288,7 @@ def tilt(host: Host, *, doc: str, index: int, robot: str, heading: float) -> Pos
     _refuse_unplaced(heading=heading)
     with host.opened(doc).newest_turn("tilt") as watch:
         *_, field = _map(host, doc, index)
-        (along_x, along_y), body = field.extent, _robot(host, robot).body
+        (along_x, along_y), body = field.extent, robot_of_page(host, robot).body
         step = max(field.block_width / _PER_BLOCK, (along_x * along_y / _MOST) ** 0.5)
         counts = [max(ceil(round(side / step, 6)), 1) for side in (along_x, along_y)]
         x, y = ((np.arange(count) - (count - 1) / 2) * step for count in counts)
@@ -345,7 +351,7 @@ def reach(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
     """Return where a robot gets on a map, its ways across, and a start and a goal for it."""
     with host.opened(doc).newest_turn("reach") as watch:
         _, recipe, field = _map(host, doc, index)
-        body = _robot(host, robot).body
+        body = robot_of_page(host, robot).body
         area = reached(field, body, watch)
         spots: Sequence[Spot] = ()
         with suppress(ParameterError):  # there are none
@@ -406,7 +412,7 @@ def way(  # noqa: PLR0913  # each is named by the page
         _refuse_unplaced(x=place[0], y=place[1])
     with host.opened(doc).newest_turn("way") as watch:
         opened, recipe, field = _map(host, doc, index)
-        body = _robot(host, robot).body
+        body = robot_of_page(host, robot).body
         # A lattice takes seconds, and answers for every start and goal on the map.
         lattice = cached(opened, ("lattice", recipe, index, robot, best), lambda: Lattice(field, body, best))
         lattice.watch = watch
@@ -446,7 +452,7 @@ class MetricRows(TypedDict):
 @call_of_host
 def measure(host: Host, *, doc: str, index: int, robot: str | None = None) -> MetricRows:
     """Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own."""
-    crosser = _robot(host, robot) if robot else None
+    crosser = robot_of_page(host, robot) if robot else None
     with host.opened(doc).newest_turn("measure") as watch:
         *_, field = _map(host, doc, index)
         watched = crosser and crosser.watched(lambda _: watch())

@@ -37,6 +37,30 @@ export interface MadeFile {
   kind: "picture" | "table" | "pdf" | "recipe" | "dataset" | "page" | "drive";
 }
 
+/* Where a robot gets. */
+export interface DrawnReach {
+  text: string; // "crosses west to east"
+  region: string; // base64 of uint8 for each cell: 1 where it gets
+  ways: Across[];
+  spots: StartOrGoal[];
+}
+
+/* A way across a map, laid on the blocks. */
+export interface Across {
+  points: [number, number, number][];
+  name: string;
+  crosses: boolean;
+}
+
+/* A spot for a start or a goal. */
+export interface StartOrGoal {
+  x: number;
+  y: number;
+  z: number;
+  yaw: number;
+  name: "S" | "G";
+}
+
 /* The state after a change. */
 export interface EditedState {
   doc: string;
@@ -297,30 +321,6 @@ export interface DrawnPose {
   polygon: [number, number, number][]; // support polygon, in order
 }
 
-/* Where a robot gets. */
-export interface DrawnReach {
-  text: string; // "crosses west to east"
-  region: string; // base64 of uint8 for each cell: 1 where it gets
-  ways: Across[];
-  spots: StartOrGoal[];
-}
-
-/* A way across a map, laid on the blocks. */
-export interface Across {
-  points: [number, number, number][];
-  name: string;
-  crosses: boolean;
-}
-
-/* A spot for a start or a goal. */
-export interface StartOrGoal {
-  x: number;
-  y: number;
-  z: number;
-  yaw: number;
-  name: "S" | "G";
-}
-
 /* All that pages show of a document. */
 export interface State {
   doc: string;
@@ -417,7 +417,7 @@ export interface FileChanged {
 /* How far a search is, 0 to 1. */
 export interface SearchProgress {
   event: "progress";
-  of: "tilt" | "reach" | "way" | "measure" | "variants";
+  of: "tilt" | "reach" | "crossing" | "way" | "measure" | "variants";
   share: number;
 }
 
@@ -439,7 +439,7 @@ export interface Frozen {
   version: string;
 }
 
-export type Search = "tilt" | "reach" | "way" | "measure" | "variants";
+export type Search = "tilt" | "reach" | "crossing" | "way" | "measure" | "variants";
 
 export type Event = StateChanged | JobChanged | FileChanged | SearchProgress | Alive;
 
@@ -480,6 +480,8 @@ export interface Calls {
   cancel: { args: { job: number }; result: Job };
   /* Close a document, and discard what is not saved; one that another page has open stays. */
   close: { args: { doc: string }; result: null };
+  /* Return how surely a robot gets across a map, with all drives that tell it. */
+  crossing: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */
   edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
   /* List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files. */
@@ -515,7 +517,7 @@ export interface Calls {
   /* Return all that pages show of a document; index: the map that the page shows. */
   state: { args: { doc: string; page?: string; index?: number | null }; result: State };
   /* Stop a search that is done for a document. */
-  stop: { args: { doc: string; of: "tilt" | "reach" | "way" | "measure" | "variants" }; result: null };
+  stop: { args: { doc: string; of: "tilt" | "reach" | "crossing" | "way" | "measure" | "variants" }; result: null };
   /* Return the document as the text of its file, as Python, and as a command line. */
   texts: { args: { doc: string }; result: Texts };
   /* Return how a robot of one heading rests on a grid of places all over a map. */

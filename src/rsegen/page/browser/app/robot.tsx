@@ -6,7 +6,7 @@ import { Button, Labelled, Segmented, Select, Slider } from "./controls";
 import { reasonsOf, scaleOf } from "./overlay";
 import type { DrawnWay, PoseMap } from "./protocol";
 import {
-  chooseRobot, dialog, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showReach, showTilt, stopSearch, tool, way, wayStart,
+  chooseRobot, dialog, face, heading, hello, mapShown, pose, poseMap, reach, robot, searching, showCrossing, showReach, showTilt, stopSearch, tool, way, wayStart,
 } from "./state";
 
 /* By what the best way is chosen. */
@@ -34,7 +34,7 @@ function Legend({ map, shown }: { map: PoseMap; shown: "tilt" | "margin" | "reas
   );
 }
 
-const WORDS = { tilt: "Settling it at every place", reach: "Searching where it gets", way: "Searching the best way" };
+const WORDS = { tilt: "Settling it at every place", reach: "Searching where it gets", crossing: "Driving it across, again and again", way: "Searching the best way" };
 
 /* The search that is under way, and a way to stop it. */
 function Searching() {
@@ -74,6 +74,7 @@ export function RobotPanel() {
             <Button icon="robot" pressed={tool.value.name === "robot"} title="It settles where the mouse is, and turns with Shift and the wheel (R)" onClick={() => (tool.value = { name: "robot", heading: heading.value })}>Place it</Button>
             <Button pressed={Boolean(poseMap.value)} title="Its tilt at every place, for this heading" onClick={() => (poseMap.value ? (poseMap.value = null) : void showTilt())}>Tilt map</Button>
             <Button pressed={Boolean(reach.value)} title="Where it gets to, and its ways across" onClick={() => (reach.value ? (reach.value = null) : void showReach())}>Reach</Button>
+            <Button title="How surely it gets across: drives in MuJoCo, with errors of start, position, friction and heights" onClick={() => void showCrossing()}>Does it cross?</Button>
           </div>
           {poseMap.value && <Segmented name="Shown at each place" value={mapShown.value} choices={[["tilt", "tilt"], ["margin", "margin"], ["reason", "why not"]]} onChange={(next) => (mapShown.value = next)} />}
           {poseMap.value && <Legend map={poseMap.value} shown={mapShown.value} />}

@@ -44,7 +44,7 @@ export const mapShown = signal<"tilt" | "margin" | "reason">("tilt");
 export const reach = signal<DrawnReach | null>(null);
 export const wayStart = signal<[number, number] | null>(null);
 export const way = signal<DrawnWay | null>(null);
-export type Searched = "tilt" | "reach" | "way";
+export type Searched = "tilt" | "reach" | "crossing" | "way";
 export const searching = signal<{ of: Searched; share: number } | null>(null); // of the robot on the map
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
 export const second = signal(0);
@@ -375,6 +375,11 @@ export async function showTilt(): Promise<void> {
 
 export async function showReach(): Promise<void> {
   reach.value = (await search("reach", {})) ?? reach.value;
+}
+
+/* How surely it gets across, with all drives that tell it. */
+export async function showCrossing(): Promise<void> {
+  reach.value = (await search("crossing", {})) ?? reach.value;
 }
 
 export async function wayPoint(x: number, y: number, best: Calls["way"]["args"]["best"]): Promise<void> {
