@@ -131,12 +131,15 @@ def _in_mujoco(scene: Scene, run: RobotRun, motors: str) -> list[bool]:
 
 
 def _in_classic(scene: Scene, run: RobotRun) -> list[bool]:
-    """Return whether a drive in Gazebo Classic crosses, with errors of its start and position."""
+    """Return whether a drive in Gazebo Classic crosses, with errors of its start and position; nothing if it fails."""
     here = SIMULATORS["classic"].installation()
     assert here is not None  # noqa: S101  # `main` looked
     erring, _ = spread_run(scene, run, FIRST_JUDGE)
-    with world_of(scene, None).on_disk() as file:
-        recording = record_drive(here, file, [erring], _CLASSIC_SECONDS, contacts=False)
+    try:
+        with world_of(scene, None).on_disk() as file:
+            recording = record_drive(here, file, [erring], _CLASSIC_SECONDS, contacts=False)
+    except SimulatorFailed:
+        return []
     return [driven_robot(erring, scene, recording, Straight.name).metrics.crossed is not None]
 
 

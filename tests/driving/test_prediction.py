@@ -1,0 +1,205 @@
+"""Predictions: a robot crosses a floor and no wall, a spread has the errors that it states, and ways lead around."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rsegen
+from rsegen.cli.edge import main
+from rsegen.driving.planning import northward, predict_way, predictions, predictor_for
+from rsegen.driving.prediction import FIRST, Prediction, Predictor, spread_drive
+from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.spread import FRICTION, HEADING, HEIGHT, START, spread_run
+from rsegen.errors import NoSimulator, SimulatorFailed
+from rsegen.robots.base import ROBOTS
+from rsegen.scene.scene import Scene, compose
+from rsegen.simulators.embedded import EMBEDDED
+
+pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
+
+
+def scene_of(rows: list[list[int]], unit_cm: float = 5.0, **given: Any) -> Scene:
+    """Return the scene of a matrix of levels, its rows from north to south."""
+    matrix = rsegen.Matrix(rows=tuple(map(tuple, rows)))
+    return compose(
+        rsegen.Recipe(
+            name="given", boundary="none", seed=1, unit_cm=unit_cm, chunk_size=len(rows), obstacles=[matrix], **given
+        )
+    )
+
+
+def predictor() -> Predictor:
+    """Return what predicts for robots in MuJoCo."""
+    found = predictor_for(None)
+    assert found is not None
+    return found
+
+
+FLOOR = scene_of([[1] * 10] * 10, unit_cm=0.1)
+WALL = scene_of([[6 if i == 5 else 0 for i in range(10)]] * 10)
+"""A wall of 30 cm from north to south, 10 cm thick."""
+
+PASSAGE = scene_of([[6 if i == 5 and row > 6 else 0 for i in range(14)] for row in range(14)])
+"""A wall whose north half is open."""
+
+
+def straight(scene: Scene, robot: str = "burger") -> Prediction:
+    """Return the prediction of a straight drive."""
+    (run,) = robot_runs(scene.field, ROBOTS[robot], "straight", count=1, seed=1)
+    return predictor().predict(scene, run)
+
+
+@pytest.mark.parametrize("robot", ["burger", "jackal", "crawler"])
+def test_robots_cross_a_floor_and_no_wall(robot: str) -> None:
+    crosses, held = straight(FLOOR, robot), straight(WALL, robot)
+    assert (crosses.crossed, crosses.drives, held.crossed, held.drives) == (FIRST, FIRST, 0, FIRST)
+    assert crosses.probability > 0.9
+    assert held.probability < 0.1
+    across = FLOOR.field.extent[0]
+    assert all(outcome.path[-1, 0] - outcome.path[0, 0] > across for outcome in crosses.outcomes)
+    (end, *_) = held.ends
+    assert end.reason.startswith(("is held at", "tips over"))
+    assert -1.0 < end.x < 0.05, "before the wall, which begins at its middle"
+    assert crosses.seconds is not None
+    assert crosses.seconds > across / ROBOTS[robot].driving_speed
+    assert f"crosses, {held.probability:.2f} (0 of {FIRST} drives" in str(held)
+
+
+def test_the_same_drive_has_the_same_outcome_and_another_one_other_errors() -> None:
+    (run,) = robot_runs(FLOOR.field, ROBOTS["jackal"], "straight", count=1, seed=1)
+    first, again, other = (spread_drive(EMBEDDED["mujoco"], FLOOR, run, number, "reaction") for number in (0, 0, 1))
+    assert first.path.tobytes() == again.path.tobytes()
+    assert np.abs(first.path[0] - other.path[0]).max() > 1e-4
+
+
+def test_a_spread_has_the_errors_that_it_states() -> None:
+    scene = scene_of([[(i + row) % 3 for i in range(30)] for row in range(30)])
+    (run,) = robot_runs(scene.field, ROBOTS["jackal"], "straight", count=1, seed=1)
+    drives = [spread_run(scene, run, number) for number in range(400)]
+    starts = np.array([[erring.start.y - run.start.y, erring.start.yaw] for erring, _ in drives])
+    friction = np.log([built.friction for _, built in drives])
+    heights = np.concatenate([np.ravel(built.heights) for _, built in drives if built.heights is not None])
+    for values, deviation in ((starts[:, 0], START), (starts[:, 1], HEADING), (friction, FRICTION)):
+        assert values.std() == pytest.approx(deviation, rel=0.15)
+        assert abs(values.mean()) < deviation / 5
+    near = heights[np.isfinite(heights)]
+    assert 0 < len(near) < len(heights), "blocks that it cannot touch are as drawn"
+    assert near.std() == pytest.approx(HEIGHT, rel=0.05)
+
+
+def test_a_robot_that_crosses_by_chance_is_driven_more_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = iter([True, False] * 10)
+
+    def by_turns(simulator: object, scene: Scene, run: Any, number: int, motors: str) -> rsegen.Outcome:
+        path = np.array([[-1.0, 0.0], [float(number), 0.0]])
+        return (
+            rsegen.Outcome(seconds=3.0, path=path)
+            if next(told)
+            else rsegen.Outcome(seconds=None, path=path, reason="tips over")
+        )
+
+    monkeypatch.setattr("rsegen.driving.prediction.spread_drive", by_turns)
+    (run,) = robot_runs(FLOOR.field, ROBOTS["jackal"], "straight", count=1, seed=1)
+    found = predictor().predict(FLOOR, run)
+    assert (found.crossed, found.drives) == (10, 20)
+    assert found.probability == pytest.approx(0.5)
+    (end,) = found.ends
+    assert (end.reason, end.drives, end.x) == ("tips over", 10, pytest.approx(np.mean(range(1, 20, 2))))
+
+
+def test_drives_without_a_result_count_neither_way(monkeypatch: pytest.MonkeyPatch) -> None:
+
+    def failing(*given: object) -> rsegen.Outcome:
+        raise SimulatorFailed("MuJoCo: the physics failed after 1 s, so this drive has no result")
+
+    (run,) = robot_runs(FLOOR.field, ROBOTS["jackal"], "straight", count=1, seed=1)
+    monkeypatch.setattr("rsegen.driving.prediction.spread_drive", failing)
+    with pytest.raises(SimulatorFailed, match="none of 6 drives has a result"):
+        predictor().predict(FLOOR, run)
+
+
+def test_a_way_leads_around_what_holds_the_robot() -> None:
+    found = predict_way(predictor(), PASSAGE, ROBOTS["jackal"], "safe")
+    assert found.probability > 0.9
+    assert found.way is not None
+    at_wall = found.way.points[np.abs(found.way.points[:, 0] + 0.15).argmin()]
+    assert at_wall[1] > 0.1, "north of the wall"
+    assert found.way.length > PASSAGE.field.extent[0]
+
+
+def test_a_scene_that_is_turned_has_its_north_in_the_east() -> None:
+    scene = scene_of([[row * 3 + i for i in range(3)] for row in range(3)])
+    turned = northward(scene)
+    x, y = scene.field.middles()
+    for i, j in np.ndindex(scene.field.shape):
+        at = turned.field.middles()
+        onto = int(np.abs(at[0] - y[j]).argmin()), int(np.abs(at[1] + x[i]).argmin())
+        assert turned.field.heights[onto] == scene.field.heights[i, j]
+
+
+@pytest.mark.slow
+def test_both_sides_are_predicted_each_in_its_own_frame() -> None:
+    found = predictions(ROBOTS["jackal"], WALL)
+    assert set(found) == {"west_east", "south_north"}
+    assert found["west_east"].probability < 0.1
+    assert found["south_north"].probability > 0.9
+    for outcome in found["south_north"].outcomes:
+        assert outcome.path[-1, 1] - outcome.path[0, 1] > WALL.field.extent[1], "from south to north"
+    assert predictions(rsegen.StepLimits(climb_cm=5), WALL) == {}
+
+
+def test_workers_change_nothing() -> None:
+    scene = scene_of([[(3 * i + 5 * row) % 4 for i in range(10)] for row in range(10)], unit_cm=0.35)
+    (run,) = robot_runs(scene.field, ROBOTS["burger"], "straight", count=1, seed=1)
+    here, there = (replace(predictor(), workers=workers).predict(scene, run) for workers in (1, 2))
+    assert [outcome.reason for outcome in here.outcomes] == [outcome.reason for outcome in there.outcomes]
+    assert all(
+        one.path.tobytes() == other.path.tobytes() for one, other in zip(here.outcomes, there.outcomes, strict=True)
+    )
+
+
+def test_the_shell_predicts_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    obstacle, picture = "random levels=2", tmp_path / "drives.png"
+    command = ["predict", "--obstacle", obstacle, "--boundary", "none", "--unit-cm", "1", "--seed", "2"]
+    flags = ["--robot", "jackal", "--route", "straight"]
+    assert main([*command, *flags, "-o", str(picture), "--json"]) == 0
+    told: Mapping[str, Any] = json.loads(capsys.readouterr().out)
+    assert (told["robot"], told["crossed"], told["drives"]) == ("jackal", FIRST, FIRST)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert main([*command, "--route", "random"]) == 2
+    assert "route" in capsys.readouterr().err
+
+
+def test_without_a_simulator_a_line_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(type(EMBEDDED["mujoco"]), "version", lambda _: None)
+    with pytest.raises(NoSimulator, match="a prediction needs MuJoCo"):
+        rsegen.predict(FLOOR, robot="jackal")
+    assert predictions(ROBOTS["jackal"], FLOOR) == {}
+
+
+def test_a_drive_tells_before_how_surely_it_crosses() -> None:
+    told = rsegen.drive(FLOOR, robot="jackal", duration=6, seed=1)
+    assert told.prediction is not None
+    assert told.robots[0].metrics.crossed is not None
+    assert any("crosses, 0.9" in line for line in told.report())
+    assert told.as_json()["prediction"] == told.prediction.as_json()
+    assert rsegen.drive(FLOOR, robot="jackal", duration=1, seed=1, predict=False).prediction is None
+
+
+def test_metrics_tell_how_surely_a_robot_gets_across(capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["metrics", "--obstacle", "random levels=2", "--boundary", "none", "--unit-cm", "1", "--seed", "2"]
+    assert main([*command, "--robot", "jackal", "--json"]) == 0
+    ((told),) = json.loads(capsys.readouterr().out)
+    assert told["predictions"]["west_east"]["probability"] > 0.9
+    assert told["predictions"]["south_north"]["drives"] == FIRST
+    assert main([*command, "--robot", "jackal", "--no-verify", "--json"]) == 0
+    assert "predictions" not in json.loads(capsys.readouterr().out)[0]
