@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rsegen
-from benchmarks import agreement, busy, crossings, datasets, learning, rests, scan, starts, training
+from benchmarks import agreement, busy, certainty, crossings, datasets, learning, rests, scan, starts, training
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, protocol, records, reliability
@@ -183,6 +183,7 @@ def texts() -> dict[Path, str]:
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
         MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
+        CERTAINTY: filled(CERTAINTY.read_text("utf-8"), certainty.table(certainty.loaded())),
         DATASETS: filled(DATASETS.read_text("utf-8"), datasets.table(loaded(datasets.FILE))),
         DOCS / "busy.md": busy.page(json.loads(busy.FILE.read_text("utf-8"))),
         DOCS / "contact.md": contact + "\n" + (RESULTS / "contact-sim.md").read_text("utf-8"),

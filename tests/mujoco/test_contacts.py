@@ -21,8 +21,8 @@ from rsegen.scene.scene import compose
 class InNumpy(mujoco_world._Shapes):
     """Shapes whose contacts are turned and counted with arrays."""
 
-    def __init__(self, model: Any, shapes: list[Shape]) -> None:
-        super().__init__(model, shapes)
+    def __init__(self, model: Any, shapes: list[Shape], friction: float) -> None:
+        super().__init__(model, shapes, friction)
         self._axis, self._mu = np.tile([0.0, 1.0, 0.0], (model.ngeom, 1)), np.full((2, model.ngeom), np.inf)
         for shape in shapes:
             if shape.axis is not None:
