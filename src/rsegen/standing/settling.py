@@ -264,7 +264,7 @@ class _Settling:
         turning = self.look_at_all_samples(waiting)
         while begun < count or len(waiting) or len(turning.rows):
             # Those that end make room for others, so that no call of numpy is for few, but for the last ones.
-            if len(turning.rows) <= _CHUNK // 2:
+            if len(turning.rows) <= max(min(_CHUNK // 2, count - begun), len(waiting)):
                 new = np.arange(begun, min(begun + _CHUNK - len(turning.rows), count))
                 begun += len(new)
                 self.begin(new)
@@ -279,6 +279,8 @@ class _Settling:
 
     def begin(self, rows: Ints) -> None:
         """Find the contacts of some robots as they are put down, among one sample of each group."""
+        if not len(rows):
+            return
         coarse = np.append(np.arange(self.groups), self.points.shape[1] + np.arange(-3, 0))
         three = np.tile(np.arange(self.groups, self.groups + 3)[:, None], len(rows))
         few, turned = _of_each(self.points[:, coarse], len(rows)), self.axes(rows)

@@ -657,8 +657,8 @@ def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Arr
     """Return the largest tilt at some poses of straight lanes, than which none has less; infinite if one tips over."""
     before = entry_distance(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
-    along: Array = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
-    at = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
+    along = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
+    at: Array = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
     ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
     return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), -1).max(axis=1))
