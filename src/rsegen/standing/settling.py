@@ -290,11 +290,11 @@ class _Settling:
     def turn_once(self, turning: _Turning) -> Mask:
         """Turn robots by the planes of their few samples; return which of them go on with these."""
         rows, three = turning.rows, turning.three
-        turned, before = self.axes(rows), np.sort(three, axis=0)
+        turned, before = self.axes(rows), three.copy()
         a, b, c = _plane(self.under(turning.few, rows, turned), turning.few, turned, three)
         self.three[:, rows] = own = turning.columns[np.arange(len(rows)), three]
         # On the same contacts the turn is Newton's step; where they changed, a whole one may go too far.
-        same = (np.sort(three, axis=0) == before).all(axis=0) | (self.rounds[rows] == 0)
+        same = (three[:, None] == before).any(axis=1).all(axis=0) | (self.rounds[rows] == 0)
         self.rounds[rows] += 1
         share = np.where(same, 1.0, _DAMPED ** np.maximum(self.rounds[rows] - _DAMPED_ROUNDS + 1, 1))
         steep = np.hypot(a, b)
@@ -341,9 +341,9 @@ class _Settling:
         """Return how high the highest sample of each group is above the slope of a plane at the origin, (n, groups)."""
         samples, groups = np.ascontiguousarray(self.points[:, :-3]), np.empty((len(rows), self.groups), SINGLE)
         scaled, normals, middle = self.scaled(turned), _normals(turned, plane), self.middle[:, rows]
+        every = _of_each(samples, len(rows))
         for part in row_slices(len(rows), samples.shape[1]):
-            cells = (scaled[part].reshape(-1, 3) @ samples).reshape(-1, 2, samples.shape[1])
-            over = self.ground.under(cells, middle[:, part])
+            over = self.ground.under(_times(scaled[part], every[part]), middle[:, part])
             over -= normals[part] @ samples
             over.reshape(len(over), -1, self.groups).max(axis=1, out=groups[part])
         return groups
@@ -375,7 +375,7 @@ class _Settling:
         """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
         scaled, under, middle = self.scaled(turned), np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
         for part in row_slices(*under.shape):
-            under[part] = self.ground.under(scaled[part] @ few[part], middle[:, part])
+            under[part] = self.ground.under(_times(scaled[part], few[part]), middle[:, part])
         under[:, -3:] = _DEEP
         return under
 
@@ -392,6 +392,13 @@ class _Settling:
 def _of_each(array: _Rows, count: int) -> _Rows:
     """Return an array as that of each of some robots, without a copy."""
     return cast("_Rows", np.broadcast_to(array, (count, *array.shape)))
+
+
+def _times(axes: Singles, few: Singles) -> Singles:
+    """Return products of k axes of each robot and its samples, (n, k, 3) and (n, 3, m): (n, k, m)."""
+    if few.strides[0] == 0 and len(few):
+        return np.asarray((axes.reshape(-1, 3) @ few[0]).reshape(*axes.shape[:2], few.shape[2]))
+    return np.asarray(axes @ few)
 
 
 def _some(array: _Rows, rows: Ints) -> _Rows:
@@ -454,7 +461,7 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
 
 def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
     """Return how high samples are above the slope of a plane at the origin, (n, m); those in it are as high as it."""
-    over = (_normals(turned, plane)[:, None] @ few)[:, 0]
+    over = _times(_normals(turned, plane)[:, None], few)[:, 0]
     return np.asarray(np.subtract(under, over, out=over))
 
 
