@@ -119,13 +119,16 @@ _NEXT, _AHEAD = 24, 1 / 8
 """Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
 is looked at in vain: of fewer, each call costs as much as its poses."""
 
+_FEW_STEPS = 12
+"""Steps of a move by a block up to which its middle is not looked at before all of it: the robot is no small one."""
+
 _STRAIGHT, _APART = 4, 8
 """Straight lanes across that are driven together, and steps between the poses of them that are looked at before."""
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
-_TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 4096, 2048, 128
+_TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 8192, 2048, 128
 """Places whose turns, and moves that, are found together in the search for a region: a second of work; and moves at
 least, as fewer cost as much."""
 
@@ -165,6 +168,8 @@ class Lattice:
     def _settle_at(self, places: Ints) -> None:
         """Find whether the robot stands at places, numbers in `moves`, and how bad that is."""
         places = np.unique(places[~self._is_settled.ravel()[places]])
+        if not len(places):
+            return
         self._is_settled.ravel()[places] = True
         i, j, k = np.unravel_index(places, self.moves.shape)
         rest = settle(self.ground, self.body, self.x[i], self.y[j], k * np.pi / 4)
@@ -191,9 +196,10 @@ class Lattice:
         # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
         self._settle_at(np.concatenate([places, ahead]))
         left = np.flatnonzero(self._stands.ravel()[places] & self._stands.ravel()[ahead])
-        middle = self.field.block_width / 2 * _MOVES[k[left]].T
-        x, y = self.x[i[left]] + middle[0], self.y[j[left]] + middle[1]
-        left = left[has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))]
+        if steps_on(self.body, self.field.block_width) > _FEW_STEPS:
+            middle = self.field.block_width / 2 * _MOVES[k[left]].T
+            x, y = self.x[i[left]] + middle[0], self.y[j[left]] + middle[1]
+            left = left[has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))]
         for is_diagonal in (0, 1):
             chosen = left[k[left] % 2 == is_diagonal]
             if len(chosen):
