@@ -123,7 +123,7 @@ _FEW_STEPS = 12
 """Steps of a move by a block up to which its middle is not looked at before all of it: the robot is no small one."""
 
 _STRAIGHT, _APART = 4, 8
-"""Straight lanes across that are driven together, and steps between the poses of them that are looked at before."""
+"""Straight lanes across that are driven together at first, and steps between poses of all that are looked at before."""
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
@@ -614,8 +614,8 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
-        direct, farthest = _straight_way(field, body, axis)
-        ways.append(direct or lattice.way(axis) or no_way(farthest, body))
+        direct = _straight_way(field, body, axis)
+        ways.append(direct or lattice.way(axis) or no_way(straight(field, body, axis), body))
     cover = float(region.sum() / blocks) if blocks else 0.0
     poses = statistics_of(of_settled(lattice.ground, body, lattice.at_blocks()))
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
@@ -626,37 +626,36 @@ def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> W
 
     The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
     """
-    direct, farthest = _straight_way(field, body, axis)
+    direct = _straight_way(field, body, axis)
     if direct and best == "length":
         return direct
     way = Lattice(field, body, best, partial(report_share, "a way across")).way(axis)
     report_share("a way across", 1)
-    return way or direct or no_way(farthest, body)
+    return way or direct or no_way(straight(field, body, axis), body)
 
 
-def _straight_way(field: StepField, body: Body, axis: int) -> tuple[Way | None, Lanes]:
-    """Return the straight way with the least tilt, None if no lane is driven to its end; and a lane that gets farthest.
+def _straight_way(field: StepField, body: Body, axis: int) -> Way | None:
+    """Return the straight way with the least tilt; None if no lane is driven to its end.
 
     Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
     """
-    middles, passed, farthest = across(field, axis), dict[int, Lanes](), list[tuple[int, int, Lanes]]()
+    middles, passed, end = across(field, axis), dict[int, Lanes](), 0
     bounds = _least_tilts(field, body, axis, middles)
-    order = np.argsort(bounds, kind="stable")
-    for begin in range(0, len(order), _STRAIGHT):
-        some, left = np.sort(order[begin : begin + _STRAIGHT]), bounds[order[begin + _STRAIGHT :]].min(initial=np.inf)
+    order = np.argsort(bounds, kind="stable")[: np.isfinite(bounds).sum()]
+    while end < len(order):
+        begin, end = end, max(2 * end, _STRAIGHT)
+        some, left = np.sort(order[begin:end]), bounds[order[end:]].min(initial=np.inf)
         lanes = straight(field, body, axis, middles[some])
         passed |= {int(some[m]): lanes.lane(m) for m in np.flatnonzero(lanes.passed).tolist()}
-        m = int(lanes.last.argmax())
-        farthest.append((-int(lanes.last[m]), int(some[m]), lanes.lane(m)))
         while passed:
             best = min(passed, key=lambda m: (float(passed[m].tilt[0]), m))
             lane = passed[best]
             if lane.tilt[0] >= left:
                 break
             if surely_passed(lane, field, body, axis, middles[best : best + 1]).all():
-                return _way_along(lane, field, body, axis, float(middles[best])), lane
+                return _way_along(lane, field, body, axis, float(middles[best]))
             del passed[best]
-    return None, min(farthest, key=lambda lane: lane[:2])[2]
+    return None
 
 
 def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Array:
