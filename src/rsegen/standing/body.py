@@ -246,8 +246,9 @@ def body_of_shapes(
     normal = np.concatenate(normals)
     kept = np.flatnonzero(~inside & ~_hidden(every, normal, distance))
     is_mesh = np.array([solid.kind == "mesh" for _, solid, _ in shapes])[of_part[kept]]
-    thinned = _thinned(every[kept[is_mesh]] - centre, of_part[kept[is_mesh]], distance)
-    kept = np.sort(np.append(kept[~is_mesh], kept[is_mesh][thinned]))
+    of_mesh = kept[is_mesh]
+    thinned = _thinned(every[of_mesh] - centre, normal[of_mesh], of_part[of_mesh], distance)
+    kept = np.sort(np.append(kept[~is_mesh], of_mesh[thinned]))
     return Body(
         points=every[kept],
         normals=normal[kept],
@@ -278,14 +279,15 @@ def _groups(points: Array) -> Ints:
     return np.resize(order, (-(-len(order) // _NEIGHBOURS), _NEIGHBOURS))
 
 
-def _thinned(points: Array, part: Ints, distance: float) -> Ints:
-    """Return one sample of each part in each cube with sides of a distance: a lowest one, farthest from the middle.
+def _thinned(points: Array, normals: Array, part: Ints, distance: float) -> Ints:
+    """Return one sample of each part in each cube with sides of a distance.
 
-    Makers' meshes are fine where they are round or have screws, and their triangles share corners.
+    Of the lowest ones it is that whose normal looks down the most, of these that farthest from the middle. Makers'
+    meshes are fine where they are round or have screws, and at a corner each triangle has a sample with its own normal.
     """
     cube = np.floor(points / distance).astype(np.int64)
     low, far = np.round(points[:, 2] / _EVEN), np.hypot(points[:, 0], points[:, 1])
-    order = np.lexsort((-far, low, part, *cube.T))
+    order = np.lexsort((-far, np.round(normals[:, 2], 1), low, part, *cube.T))
     _, first = np.unique(np.column_stack([cube, part])[order], axis=0, return_index=True)
     return np.asarray(order[first])
 
