@@ -3,7 +3,8 @@
 Solids (boxes, cylinders, spheres, meshes) are sampled where they look down; points inside another solid, or hidden
 from below by a lower one, are left out. So a wheel, the round end of a track, a belly and a caster are all samples.
 The distance between samples is a sixtieth of the robot's length; half of it is the error with which the edge of a
-block is met. Cost: once per robot, some ten milliseconds. What breaks it: a part thinner than the distance of samples.
+block is met. Of a fine mesh one sample is kept in each cube of that size. Cost: once per robot, some ten milliseconds.
+What breaks it: a part thinner than the distance of samples.
 """
 
 from __future__ import annotations

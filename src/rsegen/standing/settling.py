@@ -19,14 +19,15 @@ In a section along u, with two contacts in place of three:
       +---------------+-----------> u
                       0
 
-All poses of a chunk are done at once. Samples are in groups of neighbours (body.py). At first one of each group is
-looked at; their three contacts are near enough to tell which groups count. Then a look at all samples in turn with
-rounds of few: with all, the robot rests if none is above the plane of its contacts and that plane is level; if not, the
-groups that are highest above or least below it are the few, until the robot is still, or so much turned that others
-may count. Cost: 45 to 60 microseconds a pose in thousands, 2 milliseconds for one. What breaks it: robots that stand
-equally well in two ways, as one with four wheels and its centre of mass on the diagonal; it takes one of them. And a
-part against the side of a block: it goes to and fro over the edge, with shorter turns, and ends there before it is
-still.
+Some thousand robots are turned at once, and those that rest make room for others. Samples are in groups of neighbours
+(body.py). At first one of each group is looked at; their three contacts are near enough to tell which groups count.
+Then a look at all samples in turn with rounds of few: with all, the robot rests if none is above the plane of its
+contacts and that plane is level; if not, the groups that are highest above or least below it are the few, until the
+robot is still, or so much turned that others may count. Cost: 35 to 45 microseconds a pose in thousands where a robot
+mostly stands, three times as much where it mostly tips over, and some 20 milliseconds a call of a hundred, as a few
+take all rounds. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of
+mass on the diagonal; it takes one of them. And a part against the side of a block: it goes to and fro over the edge,
+with shorter turns, and ends there before it is still.
 """
 
 from __future__ import annotations
@@ -59,14 +60,14 @@ _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
 _EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.3
-"""Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left."""
+"""Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left: to
+copy a row costs more than to look at it."""
 
 _FAR, _DEEP = 1e3, -5e4
 """Three far samples, metres away, so deep that any other one is above them: the first three."""
 
 _CHUNK = 4096
-"""Robots that settle together: with a quarter of it, the calls of numpy for the last few that turn cost half as much as
-all the rest; their few samples are 8 MB."""
+"""Robots that turn together at most; their few samples are 8 MB."""
 
 _BLOCK = 80_000
 """Samples that are looked at together: their arrays of 0.3 MB stay in the cache of a core, and from 87,000 on BLAS
