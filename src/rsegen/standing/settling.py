@@ -19,14 +19,15 @@ In a section along u, with two contacts in place of three:
       +---------------+-----------> u
                       0
 
-All poses of a chunk are done at once. Samples are in groups of neighbours (body.py). At first one of each group is
-looked at; their three contacts are near enough to tell which groups count. Then a look at all samples in turn with
-rounds of few: with all, the robot rests if none is above the plane of its contacts and that plane is level; if not, the
-groups that are highest above or least below it are the few, until the robot is still, or so much turned that others
-may count. Cost: 45 to 60 microseconds a pose in thousands, 2 milliseconds for one. What breaks it: robots that stand
-equally well in two ways, as one with four wheels and its centre of mass on the diagonal; it takes one of them. And a
-part against the side of a block: it goes to and fro over the edge, with shorter turns, and ends there before it is
-still.
+Some thousand robots are turned at once, and those that rest make room for others. Samples are in groups of neighbours
+(body.py). At first one of each group is looked at; their three contacts are near enough to tell which groups count.
+Then a look at all samples in turn with rounds of few: with all, the robot rests if none is above the plane of its
+contacts and that plane is level; if not, the groups that are highest above or least below it are the few, until the
+robot is still, or so much turned that others may count. Cost: 35 to 45 microseconds a pose in thousands where a robot
+mostly stands, three times as much where it mostly tips over, and some 20 milliseconds a call of a hundred, as a few
+take all rounds. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of
+mass on the diagonal; it takes one of them. And a part against the side of a block: it goes to and fro over the edge,
+with shorter turns, and ends there before it is still.
 """
 
 from __future__ import annotations
@@ -59,14 +60,14 @@ _MOST_TURN, _STEEPEST = 0.3, 3.0
 """The largest turn in a round and the steepest slope at all: a robot that tips over is not followed to its side."""
 
 _EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.3
-"""Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left."""
+"""Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left: to
+copy a row costs more than to look at it."""
 
 _FAR, _DEEP = 1e3, -5e4
 """Three far samples, metres away, so deep that any other one is above them: the first three."""
 
 _CHUNK = 4096
-"""Robots that settle together: with a quarter of it, the calls of numpy for the last few that turn cost half as much as
-all the rest; their few samples are 8 MB."""
+"""Robots that turn together at most; their few samples are 8 MB."""
 
 _BLOCK = 80_000
 """Samples that are looked at together: their arrays of 0.3 MB stay in the cache of a core, and from 87,000 on BLAS
@@ -264,7 +265,7 @@ class _Settling:
         turning = self.look_at_all_samples(waiting)
         while begun < count or len(waiting) or len(turning.rows):
             # Those that end make room for others, so that no call of numpy is for few, but for the last ones.
-            if len(turning.rows) <= _CHUNK // 2:
+            if len(turning.rows) <= max(min(_CHUNK // 2, count - begun), len(waiting)):
                 new = np.arange(begun, min(begun + _CHUNK - len(turning.rows), count))
                 begun += len(new)
                 self.begin(new)
@@ -279,6 +280,8 @@ class _Settling:
 
     def begin(self, rows: Ints) -> None:
         """Find the contacts of some robots as they are put down, among one sample of each group."""
+        if not len(rows):
+            return
         coarse = np.append(np.arange(self.groups), self.points.shape[1] + np.arange(-3, 0))
         three = np.tile(np.arange(self.groups, self.groups + 3)[:, None], len(rows))
         few, turned = _of_each(self.points[:, coarse], len(rows)), self.axes(rows)
@@ -288,11 +291,11 @@ class _Settling:
     def turn_once(self, turning: _Turning) -> Mask:
         """Turn robots by the planes of their few samples; return which of them go on with these."""
         rows, three = turning.rows, turning.three
-        turned, before = self.axes(rows), np.sort(three, axis=0)
+        turned, before = self.axes(rows), three.copy()
         a, b, c = _plane(self.under(turning.few, rows, turned), turning.few, turned, three)
         self.three[:, rows] = own = turning.columns[np.arange(len(rows)), three]
         # On the same contacts the turn is Newton's step; where they changed, a whole one may go too far.
-        same = (np.sort(three, axis=0) == before).all(axis=0) | (self.rounds[rows] == 0)
+        same = (three[:, None] == before).any(axis=1).all(axis=0) | (self.rounds[rows] == 0)
         self.rounds[rows] += 1
         share = np.where(same, 1.0, _DAMPED ** np.maximum(self.rounds[rows] - _DAMPED_ROUNDS + 1, 1))
         steep = np.hypot(a, b)
@@ -339,9 +342,9 @@ class _Settling:
         """Return how high the highest sample of each group is above the slope of a plane at the origin, (n, groups)."""
         samples, groups = np.ascontiguousarray(self.points[:, :-3]), np.empty((len(rows), self.groups), SINGLE)
         scaled, normals, middle = self.scaled(turned), _normals(turned, plane), self.middle[:, rows]
+        every = _of_each(samples, len(rows))
         for part in row_slices(len(rows), samples.shape[1]):
-            cells = (scaled[part].reshape(-1, 3) @ samples).reshape(-1, 2, samples.shape[1])
-            over = self.ground.under(cells, middle[:, part])
+            over = self.ground.under(_times(scaled[part], every[part]), middle[:, part])
             over -= normals[part] @ samples
             over.reshape(len(over), -1, self.groups).max(axis=1, out=groups[part])
         return groups
@@ -373,7 +376,7 @@ class _Settling:
         """Return the heights of the ground under samples (n, 3, m) of some robots, (n, m)."""
         scaled, under, middle = self.scaled(turned), np.empty((len(rows), few.shape[2]), SINGLE), self.middle[:, rows]
         for part in row_slices(*under.shape):
-            under[part] = self.ground.under(scaled[part] @ few[part], middle[:, part])
+            under[part] = self.ground.under(_times(scaled[part], few[part]), middle[:, part])
         under[:, -3:] = _DEEP
         return under
 
@@ -390,6 +393,13 @@ class _Settling:
 def _of_each(array: _Rows, count: int) -> _Rows:
     """Return an array as that of each of some robots, without a copy."""
     return cast("_Rows", np.broadcast_to(array, (count, *array.shape)))
+
+
+def _times(axes: Singles, few: Singles) -> Singles:
+    """Return products of k axes of each robot and its samples, (n, k, 3) and (n, 3, m): (n, k, m)."""
+    if few.strides[0] == 0 and len(few):
+        return np.asarray((axes.reshape(-1, 3) @ few[0]).reshape(*axes.shape[:2], few.shape[2]))
+    return np.asarray(axes @ few)
 
 
 def _some(array: _Rows, rows: Ints) -> _Rows:
@@ -452,7 +462,7 @@ def _plane(under: Singles, few: Singles, turned: Array, three: Ints) -> Array:
 
 def _over(under: Singles, few: Singles, turned: Array, plane: Array) -> Singles:
     """Return how high samples are above the slope of a plane at the origin, (n, m); those in it are as high as it."""
-    over = (_normals(turned, plane)[:, None] @ few)[:, 0]
+    over = _times(_normals(turned, plane)[:, None], few)[:, 0]
     return np.asarray(np.subtract(under, over, out=over))
 
 

@@ -12,8 +12,14 @@ which the robot must be turned to tip over, is largest.
                          x  no move leads here: it would tip over, hit a block or be stuck
     o   o   o   o
 
-Cost: some 13 poses a move, of the moves that the robot reaches: a second to ten on 10 x 10 to 40 x 40 blocks. What
-breaks it: what breaks lanes; and each move begins at the robot's full speed, which a straight lane does not give.
+The largest region needs all turns, but few moves: with the moves that are known to be driven, and with all that may
+be, the strongly connected components are bounds, and a move between two components of the first in one of the second is
+driven only where that one is as large as the largest known. First those are that connect each component with one
+before it, as a tree. So edges are looked at as lazily as in lazy searches (Bohlin and Kavraki 2000).
+
+Cost: some 12 poses a move, or as many as steps of the robot, and half of the moves where the robot gets nearly
+everywhere, but nearly all where it gets nowhere: a second to ten on 10 x 10 to 40 x 40 blocks. What breaks it: what
+breaks lanes; and each move begins at the robot's full speed, which a straight lane does not give.
 """
 
 from __future__ import annotations
@@ -123,13 +129,16 @@ _NEXT, _AHEAD = 24, 1 / 8
 """Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
 is looked at in vain: of fewer, each call costs as much as its poses."""
 
+_FEW_STEPS = 12
+"""Steps of a move by a block up to which its middle is not looked at before all of it: the robot is no small one."""
+
 _STRAIGHT, _APART = 4, 8
-"""Straight lanes across that are driven together, and steps between the poses of them that are looked at before."""
+"""Straight lanes across that are driven together at first, and steps between poses of all that are looked at before."""
 
 _LANES = 2000
 """Lanes whose poses are found together: some ten thousand poses."""
 
-_TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 4096, 2048, 128
+_TURNS_AT_ONCE, _MOVES_AT_ONCE, _LEAST_MOVES = 8192, 2048, 128
 """Places whose turns, and moves that, are found together in the search for a region: a second of work; and moves at
 least, as fewer cost as much."""
 
@@ -192,6 +201,8 @@ class Lattice:
     def _settle_at(self, places: Ints) -> None:
         """Find whether the robot stands at places, numbers in `moves`, and how bad that is."""
         places = np.unique(places[~self._is_settled.ravel()[places]])
+        if not len(places):
+            return
         self._is_settled.ravel()[places] = True
         i, j, k = np.unravel_index(places, self.moves.shape)
         rest = settle(self.ground, self.body, self.x[i], self.y[j], k * np.pi / 4)
@@ -218,9 +229,10 @@ class Lattice:
         # Most moves of a robot that is small beside the blocks end where it tips over: three poses rule them out.
         self._settle_at(np.concatenate([places, ahead]))
         left = np.flatnonzero(self._stands.ravel()[places] & self._stands.ravel()[ahead])
-        middle = self.field.block_width / 2 * _MOVES[k[left]].T
-        x, y = self.x[i[left]] + middle[0], self.y[j[left]] + middle[1]
-        left = left[has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))]
+        if steps_on(self.body, self.field.block_width) > _FEW_STEPS:
+            middle = self.field.block_width / 2 * _MOVES[k[left]].T
+            x, y = self.x[i[left]] + middle[0], self.y[j[left]] + middle[1]
+            left = left[has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))]
         for is_diagonal in (0, 1):
             chosen = left[k[left] % 2 == is_diagonal]
             if len(chosen):
@@ -648,8 +660,8 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
     region, blocks, ways = lattice.region(), int((~field.frame).sum()), []
     for axis in (0, 1):
         watch(1.0)  # the lanes below are a tenth of the work
-        direct, farthest = _straight_way(field, body, axis)
-        ways.append(direct or lattice.way(axis) or no_way(farthest, body))
+        direct = _straight_way(field, body, axis)
+        ways.append(direct or lattice.way(axis) or no_way(straight(field, body, axis), body))
     cover = float(region.sum() / blocks) if blocks else 0.0
     poses = statistics_of(of_settled(lattice.ground, body, lattice.at_blocks()))
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
@@ -660,45 +672,44 @@ def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> W
 
     The shortest is a straight one if there is one, of these the one with the least tilt; all others are on the lattice.
     """
-    direct, farthest = _straight_way(field, body, axis)
+    direct = _straight_way(field, body, axis)
     if direct and best == "length":
         return direct
     way = Lattice(field, body, best, partial(report_share, "a way across")).way(axis)
     report_share("a way across", 1)
-    return way or direct or no_way(farthest, body)
+    return way or direct or no_way(straight(field, body, axis), body)
 
 
-def _straight_way(field: StepField, body: Body, axis: int) -> tuple[Way | None, Lanes]:
-    """Return the straight way with the least tilt, None if no lane is driven to its end; and a lane that gets farthest.
+def _straight_way(field: StepField, body: Body, axis: int) -> Way | None:
+    """Return the straight way with the least tilt; None if no lane is driven to its end.
 
     Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
     """
-    middles, passed, farthest = across(field, axis), dict[int, Lanes](), list[tuple[int, int, Lanes]]()
+    middles, passed, end = across(field, axis), dict[int, Lanes](), 0
     bounds = _least_tilts(field, body, axis, middles)
-    order = np.argsort(bounds, kind="stable")
-    for begin in range(0, len(order), _STRAIGHT):
-        some, left = np.sort(order[begin : begin + _STRAIGHT]), bounds[order[begin + _STRAIGHT :]].min(initial=np.inf)
+    order = np.argsort(bounds, kind="stable")[: np.isfinite(bounds).sum()]
+    while end < len(order):
+        begin, end = end, max(2 * end, _STRAIGHT)
+        some, left = np.sort(order[begin:end]), bounds[order[end:]].min(initial=np.inf)
         lanes = straight(field, body, axis, middles[some])
         passed |= {int(some[m]): lanes.lane(m) for m in np.flatnonzero(lanes.passed).tolist()}
-        m = int(lanes.last.argmax())
-        farthest.append((-int(lanes.last[m]), int(some[m]), lanes.lane(m)))
         while passed:
             best = min(passed, key=lambda m: (float(passed[m].tilt[0]), m))
             lane = passed[best]
             if lane.tilt[0] >= left:
                 break
             if surely_passed(lane, field, body, axis, middles[best : best + 1]).all():
-                return _way_along(lane, field, body, axis, float(middles[best])), lane
+                return _way_along(lane, field, body, axis, float(middles[best]))
             del passed[best]
-    return None, min(farthest, key=lambda lane: lane[:2])[2]
+    return None
 
 
 def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Array:
     """Return the largest tilt at some poses of straight lanes, than which none has less; infinite if one tips over."""
     before = entry_distance(field, body, axis)
     length = before + field.extent[axis] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
-    along: Array = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
-    at = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
+    along = np.arange(0, steps_on(body, length), _APART) * (length / steps_on(body, length)) - before
+    at: Array = np.array([np.tile(along, len(middles)), np.repeat(middles, len(along))])
     ground = PaddedGround.of(field, outer_radius(body))
     rest = settle(ground, body, at[axis], at[1 - axis], np.full(at.shape[1], axis * np.pi / 2))
     return np.asarray(np.where(has_stood(rest), rest.tilt, np.inf).reshape(len(middles), -1).max(axis=1))
