@@ -201,7 +201,7 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     UserError if no drive has a result; Stopped, with how many are done, after Ctrl-C.
     """
     refuse_too_large(plan.recipe)
-    here = _simulator()
+    here = embedded_or_refused()
     first = plan.recipe.first_map
     indices = range(first, first + plan.recipe.maps)
     drives: list[ManyDrive] = []
@@ -220,7 +220,8 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
     )
 
 
-def _simulator() -> EmbeddedSimulator:
+def embedded_or_refused() -> EmbeddedSimulator:
+    """Return the embedded simulator; NoSimulator if its library is not installed."""
     here = embedded_simulator(None)
     if here is None or here.version() is None:
         hint = "; ".join(here.how_to_install) if here else "this rsegen has no embedded simulator"
@@ -229,15 +230,16 @@ def _simulator() -> EmbeddedSimulator:
 
 
 def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
-    return [_drive(plan, index) for index in indices]
+    return [drive_over(plan, index) for index in indices]
 
 
-def _drive(plan: ManyPlan, index: int) -> ManyDrive:
+def drive_over(plan: ManyPlan, index: int) -> ManyDrive:
     """Return the drive over one map; one that has no spot to start at has no result."""
     scene, seed = compose(plan.recipe, index), plan.seed_of(index)
     try:
         (run,) = robot_runs(scene.field, plan.robot, plan.route, count=1, seed=seed, best=plan.best)
-        recording = record_embedded(_simulator(), scene, [run], plan.duration, contacts=False, motors=plan.motors)
+        here = embedded_or_refused()
+        recording = record_embedded(here, scene, [run], plan.duration, contacts=False, motors=plan.motors)
     except (NoSpot, SimulatorFailed) as error:
         values = dict.fromkeys(("seconds", "distance", "stuck", "tilt", "climbed", "x", "y"), float("nan"))
         return ManyDrive(map=index, seed=seed, crossed=None, tipped=0, failed=str(error), **values)
