@@ -49,7 +49,7 @@ def rate(  # noqa: PLR0913  # each is a flag
             help="what judges whether the robot crosses: mujoco, prediction (by its poses, without a simulator), "
             "classic or sim (Gazebo); or several, whose curves are drawn in one plot",
         ),
-        Shell(metavar="NAME[,NAME]", default="mujoco"),
+        Shell(metavar="NAME[,NAME]"),
     ] = ("mujoco",),
     precision: Annotated[
         float,
