@@ -111,11 +111,6 @@ class Curve:
         """How many trials crossed."""
         return sum(bool(trial.crossed) for trial in self.trials)
 
-    @property
-    def unit(self) -> str:
-        """A trial in words, before the title of its judge."""
-        return {"prediction": "fields by", "function": "trials of"}.get(self.by, "drives in")
-
     def counts(self) -> Iterator[tuple[float, int, int]]:
         """Yield the levels that were tried, rising, with the trials that crossed and those that have a result."""
         for level in sorted({trial.level for trial in self.trials}):
@@ -124,7 +119,8 @@ class Curve:
 
     def sentence(self, what: str, robot: str) -> str:
         """Return the result in words; what: the fields."""
-        counted = f"{len(self.trials)} {self.unit} {self.title}"
+        unit = {"prediction": "fields by", "function": "trials of"}.get(self.by, "drives in")
+        counted = f"{len(self.trials)} {unit} {'a function' if self.by == 'function' else self.title}"
         if self.outside:
             first, last = (self.axis.shown(self.axis.level(end)) for end in self.axis.ends)
             share = "more" if self.outside == "easy" else "less"
