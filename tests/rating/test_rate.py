@@ -115,6 +115,27 @@ def test_trials_are_drives_that_rsegen_drive_repeats(
     assert 1 < curve.half.low < curve.half.level < curve.half.high < 10
 
 
+@pytest.mark.slow
+@real
+def test_a_robot_of_a_file_is_rated_and_driven_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.sdf").write_text(rsegen.robot_of("jackal").file("mine", "classic"))
+    given = {"robot": "mine.sdf", "speed": 0.3, "motors": "classic", "duration": 9}
+    rating = rated(**given, trials=8, output="out")
+    trial = next(trial for trial in rating.curves[0].trials if trial.crossed)
+    command = json.loads(Path("out", "rating.json").read_text())["curves"][0]["trials"][trial.map]["drive"]
+    assert "--robot mine.sdf --speed 0.3 --motors classic --duration 9" in command
+    assert main([*shlex.split(command.replace("recipe.json", "out/recipe.json"))[1:], "--json"]) == 0
+    (robot,) = json.loads(capsys.readouterr().out)["robots"]
+    assert robot.get("metrics", robot)["crossed"] == trial.seconds
+    # Another file of that name is another robot.
+    Path("mine.sdf").write_text(rsegen.robot_of("jackal").file("other", "classic"))
+    with pytest.raises(OutputError, match="out: has another rating"):
+        rated(**given, trials=9, output="out")
+
+
 @real
 def test_a_robot_has_three_times_the_time_on_level_ground() -> None:
     robot, field = rsegen.robot_of("burger"), rsegen.build(usual_fields())

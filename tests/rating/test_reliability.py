@@ -84,6 +84,12 @@ def test_a_robot_is_tested_by_as_many_drives(tmp_path: Path) -> None:
     assert "2 repetitions are too few to show a reliability of 90%" in "\n".join(high.report())
 
 
+def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
+    fields = rsegen.Recipe(seed=3, obstacles=[rsegen.Peak(levels=5, first=(2, 2), last=(7, 7))])
+    with pytest.raises(ParameterError, match="recipe: has nothing random, so all repetitions would be the same"):
+        rsegen.rate("jackal", fields, reliability=0.8)
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [

@@ -192,12 +192,17 @@ def _curves(plan: RatingPlan, judges: Sequence[Judge], store: Store | None, targ
 def _notes(recipe: Recipe, axis: Axis, curves: Sequence[Curve]) -> list[str]:
     """Return what a reader should know about the fields, and about a curve that is not precise."""
     notes = []
-    levels = [build(recipe, index).levels for index in range(3)]
-    if all(np.array_equal(levels[0], other) for other in levels[1:]):
+    if _are_alike(recipe):
         notes.append("all fields of this recipe are alike, so the interval says how finely levels were tried, no more")
     if recipe.boundary != "none" and any(curve.outside == "hard" for curve in curves):
         notes.append("the frames are equally high at every level; boundary='none' leaves them out")
     return notes
+
+
+def _are_alike(recipe: Recipe) -> bool:
+    """Return whether the fields of a recipe are all the same one, as nothing in it is random."""
+    first, *others = (build(recipe, index).levels for index in range(3))
+    return all(np.array_equal(first, other) for other in others)
 
 
 def reliability_shown(  # as `rsegen.rate`
@@ -213,6 +218,8 @@ def reliability_shown(  # as `rsegen.rate`
     if rated.is_function:
         raise ParameterError("reliability", "is for a robot; rsegen.failures_allowed says how many may fail")
     recipe = replace(recipe, maps=repetitions, first_map=0)
+    if _are_alike(recipe):
+        raise ParameterError("recipe", "has nothing random, so all repetitions would be the same drive")
     if target.output is not None:
         refuse_taken([target.output], force=target.force, holds="files")
     plan = ManyPlan(

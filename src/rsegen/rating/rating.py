@@ -216,8 +216,11 @@ class Rating:
         field = ["recipe.json", "--map", str(trial.map), *flags]
         if not self.replay or curve.by == "function":
             return {"parameters": values}
-        simulator = ["--simulator", curve.by] if curve.by in ("classic", "sim") else []
-        return {"parameters": values, "drive": shlex.join(["rsegen", "drive", *field, *self.replay, *simulator])}
+        robot = [*self.replay]
+        if curve.by in ("classic", "sim"):  # whose motors are their own
+            at = robot.index("--motors") if "--motors" in robot else len(robot)
+            robot = [*robot[:at], *robot[at + 2 :], "--simulator", curve.by]
+        return {"parameters": values, "drive": shlex.join(["rsegen", "drive", *field, *robot])}
 
     def csv(self) -> Iterator[bytes]:
         """Yield the lines of trials.csv."""
