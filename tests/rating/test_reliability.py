@@ -55,9 +55,15 @@ def test_passing_is_the_same_as_showing_the_reliability(
         assert (allowed is not None and failures <= allowed) == (shown >= reliability)
 
 
+def test_what_no_number_of_repetitions_shows_and_what_needs_none() -> None:
+    assert rsegen.failures_allowed(1, 0.85, 1000) is rsegen.failures_allowed(0.5, 1, 1000) is None
+    assert rsegen.failures_allowed(0, 0.85, 7) == 6
+    assert rsegen.failures_allowed(0.9, 0, 7) == 7
+
+
 def test_impossible_values_are_refused() -> None:
-    with pytest.raises(ParameterError, match="reliability: 1 is outside"):
-        rsegen.failures_allowed(1, 0.85, 10)
+    with pytest.raises(ParameterError, match="reliability: 2 is outside"):
+        rsegen.failures_allowed(2, 0.85, 10)
     with pytest.raises(ParameterError, match="repetitions: 0 is"):
         rsegen.failures_allowed(0.8, 0.85, 0)
 
@@ -97,7 +103,7 @@ def test_repetitions_that_would_be_the_same_drive_are_refused() -> None:
         ({"repetitions": 10}, "repetitions: is for a test of reliability"),
         ({"reliability": 0.8, "trials": 10}, "trials: is for a rating"),
         ({"reliability": 0.8, "by": "prediction"}, "by: is for a rating"),
-        ({"reliability": 1.0}, "reliability: 1"),
+        ({"reliability": 1.5}, r"reliability: 1\.5"),
     ],
 )
 def test_values_that_do_not_go_together_are_refused(values: dict[str, object], words: str) -> None:

@@ -15,7 +15,7 @@ from rsegen.cli.report import Report, share_bar
 from rsegen.driving.parameters import Size, Speed, Tracks, Turn, Wheels
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import robot_kinds
-from rsegen.params.command import Shell, add_flags, command, flags_in_errors, given
+from rsegen.params.command import Shell, add_flags, command, declared, flags_in_errors, given
 from rsegen.params.sorts import Choice, FilePath, Float, Integer, ListOf
 from rsegen.robots.parameters import MotorModel, RobotModel
 from rsegen.simulators.parameters import ignore
@@ -63,12 +63,12 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = None,
     reliability: Annotated[
         float | None,
-        Float(0.01, 0.9999, help="test instead whether the robot crosses this share of the fields as they are"),
+        Float(0, 1, help="test instead whether the robot crosses this share of the fields as they are"),
         Shell(metavar="SHARE"),
     ] = None,
     confidence: Annotated[
         float | None,
-        Float(0.01, 0.9999, help="with a reliability: probability that a robot that is no better is not passed"),
+        Float(0, 1, help="with a reliability: probability that a robot that is no better is not passed"),
         Shell(metavar="SHARE", default=f"{_CONFIDENCE:g}"),
     ] = None,
     repetitions: Annotated[
@@ -174,6 +174,7 @@ def add_rate(command: Parser) -> None:
     command.explain(rate.__doc__, epilog + robot_kinds())
     text = "kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...'"
     kinds: Any = command.add_argument("robot", metavar="ROBOT", help=text)
+    kinds.declared = declared(rate)["robot"]  # for forms
     kinds.completer = _kinds  # for argcomplete
     add_input(command)
     add_flags(command.group("rating"), rate, without=["robot", *_TEST, *_ROBOT])

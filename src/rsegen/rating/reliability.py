@@ -19,7 +19,7 @@ from rsegen.params.sorts import Float, Integer
 from rsegen.recipe.codec import to_json
 from rsegen.writing.store import write_folder
 
-SHARE = Float(0.01, 0.9999)
+SHARE = Float(0, 1)
 REPETITIONS = Integer(1, 100_000)
 
 _HALVINGS = 60
