@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,8 +17,8 @@ from rsegen.driving.parameters import Size, Speed, Tracks, Turn, Wheels
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import robot_kinds
 from rsegen.params.command import Shell, add_flags, command, declared, flags_in_errors, given
-from rsegen.params.sorts import Choice, FilePath, Float, Integer, ListOf
-from rsegen.robots.parameters import MotorModel, RobotModel
+from rsegen.params.sorts import Choice, FilePath, Float, Integer, ListOf, Reference
+from rsegen.robots.parameters import MotorModel
 from rsegen.simulators.parameters import ignore
 
 if TYPE_CHECKING:
@@ -25,13 +26,23 @@ if TYPE_CHECKING:
     from rsegen.rating.rating import Rating
     from rsegen.rating.reliability import ReliabilityTest
     from rsegen.recipe.recipe import Recipe
+    from rsegen.robots.lookup import DrivableRobot
 
 _PRECISION, _CONFIDENCE, _REPETITIONS = 10.0, 0.85, 30
 
 
 @command
 def rate(  # noqa: PLR0913  # each is a flag
-    robot: RobotModel | Crosses,
+    robot: Annotated[
+        str | os.PathLike[str] | DrivableRobot | Crosses,
+        Reference(
+            "a kind of robot, or a file of one",
+            help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments; in Python also "
+            "a function of a StepField and a seed, which returns whether something gets across",
+            types=(object,),
+        ),
+        Shell(("ROBOT",), "KIND|FILE", help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...'"),
+    ],
     recipe: Recipe | None = None,
     *,
     axis: Annotated[
@@ -105,8 +116,6 @@ def rate(  # noqa: PLR0913  # each is a flag
 
     Parameters
     ----------
-    robot : str, path, robot or function
-        Its kind or file. Or a function of a StepField and a seed, which returns whether something gets across.
     recipe : Recipe, optional
         The fields; by default normal random blocks, 10 x 10 of 10 cm, without a frame.
     seed : int, optional
@@ -172,9 +181,9 @@ def add_rate(command: Parser) -> None:
         "each trial again. The same command goes on with a stopped rating, or to a smaller interval. "
     )
     command.explain(rate.__doc__, epilog + robot_kinds())
-    text = "kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...'"
-    kinds: Any = command.add_argument("robot", metavar="ROBOT", help=text)
-    kinds.declared = declared(rate)["robot"]  # for forms
+    model = declared(rate)["robot"]
+    kinds: Any = command.add_argument("robot", metavar="ROBOT", help=model.help)
+    kinds.declared = model  # for forms
     kinds.completer = _kinds  # for argcomplete
     add_input(command)
     add_flags(command.group("rating"), rate, without=["robot", *_TEST, *_ROBOT])
