@@ -56,6 +56,11 @@ from rsegen.page.view import View as View
 from rsegen.page.view import view as view
 from rsegen.params.plugins import load_plugin as load_plugin
 from rsegen.pictures.preview import preview as preview
+from rsegen.rating.commands import rate as rate
+from rsegen.rating.rating import Curve as Curve
+from rsegen.rating.rating import Rating as Rating
+from rsegen.rating.reliability import ReliabilityTest as ReliabilityTest
+from rsegen.rating.reliability import failures_allowed as failures_allowed
 from rsegen.recipe.batch import build_many as build_many
 from rsegen.recipe.building import build as build
 from rsegen.recipe.codec import schema as schema
@@ -94,6 +99,7 @@ __all__ = [
     "KINDS",
     "Boxes",
     "ComparedMap",
+    "Curve",
     "CutSettings",
     "Dataset",
     "DiagonalBarrier",
@@ -121,7 +127,9 @@ __all__ = [
     "Poses",
     "Rails",
     "Random",
+    "Rating",
     "Recipe",
+    "ReliabilityTest",
     "RemoveResult",
     "RespawnResult",
     "RsegenError",
@@ -151,6 +159,7 @@ __all__ = [
     "experiment",
     "export",
     "export_maps",
+    "failures_allowed",
     "generate",
     "gui",
     "imported",
@@ -164,6 +173,7 @@ __all__ = [
     "open",
     "poses",
     "preview",
+    "rate",
     "remove",
     "respawn",
     "robot_of",

@@ -33,6 +33,7 @@ COMMAND_LINES = {
     "build_sheets/overview.py": "a printed page",
     "page/forms.py": "command lines that the page runs",
     "page/model/texts.py": "the command line of a recipe, to be copied",
+    "rating/rating.py": "command lines that drive a trial again, to be copied",
     "experiments/run.py": "the command line of an experiment, in its report",
 }
 """Files of the library that write flags of rsegen on purpose."""

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is n
 
 def scene_of(rows: list[list[int]], unit_cm: float = 5.0, **given: Any) -> Scene:
     """Return the scene of a matrix of levels, its rows from north to south."""
-    matrix = rsegen.Matrix(rows=tuple(map(tuple, rows)))
+    matrix = rsegen.Matrix(rows=tuple(tuple(row) for row in rows))
     return compose(
         rsegen.Recipe(
             name="given", boundary="none", seed=1, unit_cm=unit_cm, chunk_size=len(rows), obstacles=[matrix], **given
@@ -111,7 +111,8 @@ def test_a_robot_that_crosses_by_chance_is_driven_more_often(monkeypatch: pytest
     assert (found.crossed, found.drives) == (10, 20)
     assert found.probability == pytest.approx(0.5)
     (end,) = found.ends
-    assert (end.reason, end.drives, end.x) == ("tips over", 10, pytest.approx(np.mean(range(1, 20, 2))))
+    assert (end.reason, end.drives) == ("tips over", 10)
+    assert end.x == pytest.approx(np.mean(range(1, 20, 2)))
 
 
 def test_drives_without_a_result_count_neither_way(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -131,6 +132,7 @@ def test_a_way_leads_around_what_holds_the_robot() -> None:
     assert found.way is not None
     at_wall = found.way.points[np.abs(found.way.points[:, 0] + 0.15).argmin()]
     assert at_wall[1] > 0.1, "north of the wall"
+    assert found.way.length is not None
     assert found.way.length > PASSAGE.field.extent[0]
 
 

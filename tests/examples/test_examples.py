@@ -82,6 +82,16 @@ def test_a_robot_on_the_blocks(run: Run) -> None:
     assert len(re.findall(r"a start at x = -?0\.\d\d, y = -?0\.\d\d m", out)) == 2
 
 
+@pytest.mark.slow
+def test_a_policy_rated(run: Run) -> None:
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    out = run("a_policy_rated")
+    level = re.search(r"policy crosses half of normal-random fields .* at a unit of (\d\.\d+) cm .* 40 trials", out)
+    assert level
+    assert 1.5 < float(level[1]) < 3.5  # of 10 fields at 2 and at 3 cm, it crosses 9 and 2
+    assert written() == set()
+
+
 def test_every_example_is_run_here() -> None:
     tests = {name.removeprefix("test_") for name in globals()}
     assert EXAMPLES

@@ -221,10 +221,10 @@ def make_drives(plan: ManyPlan, execution: Execution, progress: Callable[[int], 
 
 
 def _drives(plan: ManyPlan, indices: Sequence[int]) -> list[ManyDrive]:
-    return [_drive(plan, index) for index in indices]
+    return [drive_over(plan, index) for index in indices]
 
 
-def _drive(plan: ManyPlan, index: int) -> ManyDrive:
+def drive_over(plan: ManyPlan, index: int) -> ManyDrive:
     """Return the drive over one map; one that has no spot to start at has no result."""
     scene, seed = compose(plan.recipe, index), plan.seed_of(index)
     try:

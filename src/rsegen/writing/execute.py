@@ -18,7 +18,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from concurrent.futures import wait as finished
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -94,20 +94,38 @@ def execute(
 
     seconds: about how long one item takes. What `work` raises is raised here; WorkerLost if a worker has died.
     """
-    # A cluster if one is given; this process if workers would cost more than they gain; else workers.
-    workers = min(execution.workers, len(items), MOST)
-    if not items:
-        return
+    # This process alone if workers would cost more than they gain.
+    if items:
+        is_short = execution.scheduler is None and len(items) * seconds < WORTHWHILE
+        most = 1 if is_short else min(execution.workers, len(items))
+        with executor_of(work, seconds, replace(execution, workers=most)) as results:
+            yield from results(items)
+
+
+@contextmanager
+def executor_of(
+    work: Callable[[Sequence[Item]], Result], seconds: float, execution: Execution
+) -> Iterator[Callable[[Sequence[Item]], Iterator[Result]]]:
+    """Yield a function that does what `execute` does, to be called again and again: its workers stay until the end.
+
+    They are those of a cluster if one is given, and this process alone if one worker is.
+    """
+    workers = min(execution.workers, MOST)
     if execution.scheduler is not None:
-        with _cluster(execution.scheduler, workers) as (executor, workers_there):
-            yield from _in_order(executor, with_plugins(work), _batches(items, seconds, workers_there), workers_there)
-    elif workers <= 1 or len(items) * seconds < WORTHWHILE:
-        for batch in _batches(items, seconds, 1):
-            stop.check()
-            yield work(batch)
+        with _cluster(execution.scheduler, workers) as (executor, there):
+            yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, there), there)
+    elif workers <= 1:
+        yield lambda items: _here(work, _batches(items, seconds, 1))
     else:
         with _processes(workers) as executor:
-            yield from _in_order(executor, with_plugins(work), _batches(items, seconds, workers), workers)
+            yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, workers), workers)
+
+
+def _here(work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[Item]]) -> Iterator[Result]:
+    """Yield the results of batches that this process works on."""
+    for batch in batches:
+        stop.check()
+        yield work(batch)
 
 
 def _batches(items: Sequence[Item], seconds: float, workers: int) -> Iterator[Sequence[Item]]:

@@ -44,6 +44,7 @@ _KINDS = {
     "drive": "a drive",
     "data set": "a data set",
     "experiment": "an experiment",
+    "rating": "a rating",
 }
 _LOST = "and would be lost; move it away, or give another folder"
 
@@ -52,7 +53,7 @@ _LOST = "and would be lost; move it away, or give another folder"
 class Journal:
     """The content of a journal: what the folder holds, of what it was made, and rsegen's files in it by their paths.
 
-    holds: map, drive, data set, experiment, or files: files of rsegen among others
+    holds: map, drive, data set, experiment, rating, or files: files of rsegen among others
     files: every checksum that a file may have, the last one what it should be   size: bytes of the complete lines
     """
 

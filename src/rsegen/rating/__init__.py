@@ -1,0 +1,26 @@
+"""Ratings of robots: how hard a field they cross, as a number with its interval.
+
+ROBOT --fresh fields, one for each trial--> outcomes --psychometric curve--> the level at which half are crossed
+"""
+
+from rsegen.params.capabilities import Capability, Command
+
+CAPABILITY = Capability(
+    summary="how hard a field a robot crosses, as a number with its interval",
+    needs=("driving", "pictures", "robots", "simulators", "standing"),
+    commands=(
+        Command(
+            "rate",
+            "simulation",
+            "find how hard a field a robot crosses, with a 95 % interval",
+            "rsegen.rating.commands",
+            "rate",
+        ),
+    ),
+    public={
+        "rsegen.rating.commands": ("rate",),
+        "rsegen.rating.rating": ("Curve", "Rating"),
+        "rsegen.rating.reliability": ("ReliabilityTest", "failures_allowed"),
+    },
+    manual="rating",
+)

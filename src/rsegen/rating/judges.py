@@ -1,0 +1,201 @@
+"""Judges: what says whether a robot crosses a field, each from what it knows.
+
+    mujoco        a drive as of `rsegen drive`, straight from the west side
+    prediction    the robot's poses on its lane (standing/lanes.py), without a simulator
+    classic, sim  a drive in a Gazebo server
+    a function    whatever it does with a field and a seed
+
+Each is a value that a worker of another process gets. The field of a trial is the map of its index, so no two trials
+have the same one, and every judge sees the same fields at a level.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.driving.commands import drive
+from rsegen.driving.many import ManyPlan, drive_over
+from rsegen.driving.planning import required_simulator
+from rsegen.driving.robot_runs import finish_x
+from rsegen.driving.routes import Straight
+from rsegen.errors import ParameterError, SimulatorFailed, shown
+from rsegen.field.stepfield import StepField
+from rsegen.params.streams import SEEDS
+from rsegen.rating.axes import Axis
+from rsegen.recipe.recipe import Recipe
+from rsegen.robots.drives import Tracks
+from rsegen.robots.lookup import DrivableRobot
+from rsegen.robots.parameters import MOTORS
+from rsegen.scene.scene import compose
+from rsegen.simulators.poses import adjacent_pose
+from rsegen.simulators.server import choose_installation
+from rsegen.standing.lanes import straight
+
+Crosses = Callable[[StepField, int], bool]
+"""A function that says whether a robot gets across a field; the seed is for what it draws."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Trial:
+    """A robot on one field.
+
+    map: the index of the field; level: on the axis; crossed: None if there is no result, and failed says why; seconds:
+    until it was across; x: where it was at the end, metres; tipped: how often it tipped over. A judge that does not
+    drive has none of the last three.
+    """
+
+    map: int
+    level: float
+    crossed: bool | None
+    seconds: float | None = None
+    x: float | None = None
+    tipped: int | None = None
+    failed: str = ""
+
+
+class Asked(NamedTuple):
+    """A trial to be made: the index of its field, and its level."""
+
+    map: int
+    level: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Judge(ABC):
+    """What makes trials. name: as `by` takes it; title: for people; cost: CPU seconds of a trial, about."""
+
+    name: str
+    title: str
+    cost: float
+
+    @abstractmethod
+    def trial(self, recipe: Recipe, asked: Asked) -> Trial:
+        """Return the trial on the map `asked.map` of a recipe, which has the level already."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class InMujoco(Judge):
+    """Drives in the embedded simulator, each that of `rsegen drive` over the same map, bit by bit."""
+
+    plan: ManyPlan
+
+    def trial(self, recipe: Recipe, asked: Asked) -> Trial:
+        """Return the trial that a drive is."""
+        row = drive_over(replace(self.plan, recipe=recipe), asked.map)
+        if row.failed:
+            return Trial(map=asked.map, level=asked.level, crossed=None, failed=row.failed)
+        return Trial(
+            map=asked.map,
+            level=asked.level,
+            crossed=row.crossed is not None,
+            seconds=row.crossed,
+            x=row.x,
+            tipped=row.tipped,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class InGazebo(Judge):
+    """Drives in a Gazebo server, one for each."""
+
+    robot: DrivableRobot
+    duration: float
+
+    def trial(self, recipe: Recipe, asked: Asked) -> Trial:
+        """Return the trial that a drive is."""
+        try:
+            result = drive(
+                recipe.alone(asked.map),
+                robot=self.robot,
+                simulator=self.name,
+                duration=self.duration,
+                contacts=False,
+                seed=0,
+                predict=False,
+            )
+        except SimulatorFailed as error:
+            return Trial(map=asked.map, level=asked.level, crossed=None, failed=str(error))
+        metrics, rows = result.robots[0].metrics, result.robots[0].trajectory.rows
+        return Trial(
+            map=asked.map,
+            level=asked.level,
+            crossed=metrics.crossed is not None,
+            seconds=metrics.crossed,
+            x=round(float(rows[-1, 1]), 4),
+            tipped=metrics.tipped,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Predicted(Judge):
+    """Predictions of the lane on which the drives start."""
+
+    robot: DrivableRobot
+
+    def trial(self, recipe: Recipe, asked: Asked) -> Trial:
+        """Return the trial that the prediction is."""
+        field, body = compose(recipe, asked.map).field, self.robot.body
+        lane = straight(field, body, 0, np.array([adjacent_pose(field, body).y]))
+        return Trial(map=asked.map, level=asked.level, crossed=bool(lane.passed[0]))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ByFunction(Judge):
+    """What a function of a user says."""
+
+    crosses: Crosses
+
+    def trial(self, recipe: Recipe, asked: Asked) -> Trial:
+        """Return the trial that the function makes; its seed is that of the recipe and the index."""
+        said = self.crosses(compose(recipe, asked.map).field, (recipe.seed + asked.map) % SEEDS)
+        if not isinstance(said, bool | np.bool_):
+            raise ParameterError("robot", f"{_name(self.crosses)} returned {shown(said)}; a function returns a bool")
+        return Trial(map=asked.map, level=asked.level, crossed=bool(said))
+
+
+def trials(judge: Judge, axis: Axis, recipe: Recipe, several: Sequence[Asked]) -> list[Trial]:
+    """Return some trials, as a worker makes them."""
+    return [judge.trial(axis.recipe_at(recipe, asked.level), asked) for asked in several]
+
+
+BY = ("mujoco", "prediction", "classic", "sim")
+"""The judges of a robot by their names."""
+
+_TIMES = 3
+"""A drive takes at most as many times as long as on level ground: hardly any that crossed took more than twice."""
+
+
+def usual_duration(robot: DrivableRobot, field: StepField) -> float:
+    """Return how long a drive across a field takes at most, whole seconds."""
+    way = finish_x(field, robot) - adjacent_pose(field, robot.body_or_box).x
+    return float(ceil(_TIMES * way / robot.driving_speed))
+
+
+def judge_of(by: str, robot: DrivableRobot, motors: str | None, recipe: Recipe, duration: float) -> Judge:
+    """Return a judge of a robot; a NoSimulator if that is not installed."""
+    if by == "mujoco":
+        plan = ManyPlan(
+            recipe=recipe, robot=robot, motors=motors, route=Straight.name, best="length", duration=duration
+        )
+        has_motors = not isinstance(robot.drive, Tracks)
+        words = f", motors as {motors or MOTORS[0]}" if has_motors else ""
+        return InMujoco(name=by, title=f"{required_simulator("ratings need")}{words}", cost=0.5, plan=plan)
+    if by == "prediction":
+        return Predicted(name=by, title="the prediction by its poses", cost=0.02, robot=robot)
+    here = choose_installation("both", by)
+    return InGazebo(name=by, title=str(here), cost=5.0, robot=robot, duration=duration)
+
+
+def judge_by(crosses: Crosses) -> Judge:
+    """Return the judge that a function is."""
+    return ByFunction(name="function", title=_name(crosses), cost=0.1, crosses=crosses)
+
+
+def _name(crosses: Crosses) -> str:
+    return str(getattr(crosses, "__name__", type(crosses).__name__))

@@ -1,0 +1,333 @@
+"""The result of `rsegen.rate`: for each judge its trials and curve, as a report, tables and a plot.
+
+rating.json     curves with their intervals, and each trial with the command that drives it again
+trials.csv      the same trials as a table
+rating.png      shares that were crossed, with the number of trials, and the curves with their bands
+recipe.json     the fields: that of a trial is the map of its index, at its level
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from math import exp
+from typing import NamedTuple
+
+import numpy as np
+
+from rsegen.driving.many import wilson
+from rsegen.field.stepfield import Array
+from rsegen.params.numbers import decimal
+from rsegen.pictures.preview import encoded, figure_of
+from rsegen.rating.axes import Axis
+from rsegen.rating.judges import Trial
+from rsegen.rating.psychometric import Posterior, posterior
+from rsegen.recipe.codec import encode, to_json
+from rsegen.recipe.recipe import Recipe
+
+HOLDS = "rating"
+
+FILES = ("rating.json", "trials.csv", "rating.png", "recipe.json")
+
+HALF, MOST = 0.5, 0.8
+"""Shares of fields whose levels are reported. 80 % is the reliability that standard tests of robots ask for."""
+
+_SURE = 0.975
+"""Probability from which on a level is said to be beyond the end of the axis, as one end of a 95 % interval is."""
+
+
+class Estimate(NamedTuple):
+    """A level at which a share of fields is crossed, with its 95 % interval, the lower end first."""
+
+    level: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """The trials of one judge, and what they tell.
+
+    Attributes
+    ----------
+    by : str
+        The judge, as `by` takes it.
+    title : str
+        The judge with its version.
+    axis : Axis
+        What makes fields harder.
+    trials : tuple of Trial
+        A row for each trial, in the order in which they were chosen.
+    """
+
+    by: str
+    title: str
+    axis: Axis
+    trials: tuple[Trial, ...]
+
+    @cached_property
+    def posterior(self) -> Posterior:
+        """Probabilities of psychometric curves, over places on the axis."""
+        counted = [trial for trial in self.trials if trial.crossed is not None]
+        places = [self.axis.place(trial.level) for trial in counted]
+        return posterior(places, [bool(trial.crossed) for trial in counted], *self.axis.ends)
+
+    def at_share(self, share: float) -> Estimate:
+        """Return the level at which a share of fields is crossed."""
+        middle, *ends = (self.axis.level(place) for place in self.posterior.at_share(share))
+        return Estimate(middle, *sorted(ends))
+
+    @property
+    def half(self) -> Estimate:
+        """The level at which half of the fields are crossed."""
+        return self.at_share(HALF)
+
+    @property
+    def most(self) -> Estimate:
+        """The level at which 80 % of the fields are crossed."""
+        return self.at_share(MOST)
+
+    @property
+    def precision(self) -> float:
+        """Half the width of the interval of `half`, as a share of the level: 0.1 for a tenth up and down."""
+        low, high = self.half[1:]
+        return float((high / low) ** 0.5 - 1)
+
+    @property
+    def outside(self) -> str:
+        """Why there is no level at which half are crossed: `easy` or `hard` if so at all levels, else empty."""
+        first, last = self.axis.ends
+        if self.posterior.below(HALF, last) < 1 - _SURE:
+            return "easy"
+        return "hard" if self.posterior.below(HALF, first) > _SURE else ""
+
+    @property
+    def crossed(self) -> int:
+        """How many trials crossed."""
+        return sum(bool(trial.crossed) for trial in self.trials)
+
+    def counts(self) -> Iterator[tuple[float, int, int]]:
+        """Yield the levels that were tried, rising, with the trials that crossed and those that have a result."""
+        for level in sorted({trial.level for trial in self.trials}):
+            here = [trial.crossed for trial in self.trials if trial.level == level and trial.crossed is not None]
+            yield level, sum(here), len(here)
+
+    def sentence(self, what: str, robot: str) -> str:
+        """Return the result in words; what: the fields."""
+        unit = {"prediction": "fields by", "function": "trials of"}.get(self.by, "drives in")
+        counted = f"{len(self.trials)} {unit} {'a function' if self.by == 'function' else self.title}"
+        if self.outside:
+            first, last = (self.axis.shown(self.axis.level(end)) for end in self.axis.ends)
+            share = "more" if self.outside == "easy" else "less"
+            return f"{robot} crosses {share} than half of {what} at every level from {first} to {last}; {counted}"
+        half, most = self.axis.shown(*self.half), self.axis.shown(*self.most)
+        return f"{robot} crosses half of {what} at {half}, and 80 % at {most}; {counted}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rating:
+    """The result of `rsegen.rate`.
+
+    Attributes
+    ----------
+    recipe : Recipe
+        The fields, at the level that the recipe has; its maps are the fields of the trials.
+    robot : str
+        Its kind, or the name of the function.
+    axis : Axis
+        What makes fields harder.
+    curves : tuple of Curve
+        One for each judge.
+    replay : tuple of str
+        What `rsegen drive` needs besides the field to drive a trial again; empty if it cannot.
+    notes : tuple of str
+        What a reader should know.
+    """
+
+    recipe: Recipe
+    robot: str
+    axis: Axis
+    curves: tuple[Curve, ...]
+    replay: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def half(self) -> Estimate:
+        """The level at which the first judge finds that half of the fields are crossed."""
+        return self.curves[0].half
+
+    @property
+    def most(self) -> Estimate:
+        """The level at which the first judge finds that 80 % of the fields are crossed."""
+        return self.curves[0].most
+
+    @property
+    def fields_in_words(self) -> str:
+        """The fields in words: `normal_random fields (10 x 10 blocks of 10 cm)`."""
+        side, (n_x, n_y), recipe = self.recipe.chunk_size, self.recipe.chunks, self.recipe
+        blocks = f"{n_x * side} x {n_y * side} blocks"
+        width = "" if self.axis.parameter == "block_width_cm" else f" of {decimal(recipe.block_width_cm)} cm"
+        unit = "" if self.axis.parameter == "unit_cm" else f", unit {decimal(recipe.unit_cm)} cm"
+        return f"{recipe.name} fields ({blocks}{width}{unit})"
+
+    def report(self) -> Iterator[str]:
+        """Yield the lines that `rsegen rate` prints."""
+        for curve in self.curves:
+            yield f"{curve.sentence(self.fields_in_words, self.robot)}, seed {self.recipe.seed}"
+            failed = [trial for trial in curve.trials if trial.crossed is None]
+            if failed:
+                yield f"  {len(failed)} trials have no result; the first: {failed[0].failed}"
+        yield from (f"note: {note}" for note in self.notes)
+
+    def as_json(self) -> dict[str, object]:
+        """Return the content of rating.json, which `rsegen rate --json` prints. Levels are as in a recipe."""
+        return {
+            "robot": self.robot,
+            "axis": self.axis.name,
+            "parameter": self.axis.parameter,
+            "seed": self.recipe.seed,
+            "recipe": encode(self.recipe),
+            "curves": [self._curve_json(curve) for curve in self.curves],
+            "notes": list(self.notes),
+        }
+
+    def _curve_json(self, curve: Curve) -> dict[str, object]:
+        known = curve.posterior
+        return {
+            "by": curve.by,
+            "title": curve.title,
+            "outside": curve.outside,
+            "half": None if curve.outside else _estimate_json(curve.half),
+            "most": None if curve.outside else _estimate_json(curve.most),
+            "spread": [round(value, 4) for value in known.spread()],
+            "lapse": round(known.lapse(), 4),
+            "trials": [{**asdict(trial), **self._again(curve, trial)} for trial in curve.trials],
+        }
+
+    def _again(self, curve: Curve, trial: Trial) -> Mapping[str, object]:
+        """Return the parameters of the field of a trial, and the command that drives it again, in the folder."""
+        values = self.axis.parameters_at(self.recipe, trial.level)
+        flags = [word for name, value in values.items() for word in (f"--{name.replace('_', '-')}", f"{value:g}")]
+        field = ["recipe.json", "--map", str(trial.map), *flags]
+        if not self.replay or curve.by == "function":
+            return {"parameters": values}
+        robot = [*self.replay]
+        if curve.by in ("classic", "sim"):  # whose motors are their own
+            at = robot.index("--motors") if "--motors" in robot else len(robot)
+            robot = [*robot[:at], *robot[at + 2 :], "--simulator", curve.by]
+        return {"parameters": values, "drive": shlex.join(["rsegen", "drive", *field, *robot])}
+
+    def csv(self) -> Iterator[bytes]:
+        """Yield the lines of trials.csv."""
+        text = io.StringIO()
+        table = csv.writer(text, lineterminator="\n")
+        names = [field.name for field in fields(Trial)]
+        table.writerow(["by", *names])
+        for curve in self.curves:
+            table.writerows([curve.by, *map(_cell, asdict(trial).values())] for trial in curve.trials)
+        yield from text.getvalue().encode().splitlines(keepends=True)
+
+    def files(self) -> dict[str, Sequence[bytes]]:
+        """Return the files of the rating by their names."""
+        maps = max(len(curve.trials) for curve in self.curves)
+        return {
+            "rating.json": [json.dumps(self.as_json(), indent=1).encode() + b"\n"],
+            "trials.csv": list(self.csv()),
+            "rating.png": [plot(self)],
+            "recipe.json": [to_json(replace(self.recipe, first_map=0, maps=maps)).encode()],
+        }
+
+
+def _estimate_json(levels: Estimate) -> dict[str, object]:
+    level, low, high = (float(f"{level:.6g}") for level in levels)
+    return {"level": level, "interval": [low, high]}
+
+
+def _cell(value: object) -> str:
+    """Return a value as a cell: empty for none, 1 and 0 for yes and no."""
+    if value is None:
+        return ""
+    return str(int(value)) if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+_COLOURS = ("#1f5fbf", "#d9730d", "#2a8c4a", "#8a3ffc")
+
+_POINTS = 161
+"""Points of a curve in a plot."""
+
+_PER_POINT = 0.09
+"""Width of the levels that are one point of a plot, as a logarithm: close enough for a curve, with trials enough."""
+
+
+def plot(rating: Rating) -> bytes:
+    """Draw a PNG: shares that were crossed with their Wilson intervals and numbers of trials; curves and 95 % bands."""
+    figure = figure_of(8.5, 5.6, 4, 8)
+    axes, axis = figure.subplots(), rating.axis
+    places = np.linspace(*_shown_places(rating), _POINTS)
+    levels = [axis.level(place) for place in places]
+    for colour, curve in zip(_COLOURS, rating.curves, strict=False):
+        known = curve.posterior
+        low, high = known.band(places)
+        axes.fill_between(levels, low, high, color=colour, alpha=0.18, linewidth=0)
+        axes.plot(levels, known.expected(places), color=colour, linewidth=2, label=_label(curve))
+        for level, crossed, count in _points(curve):
+            share, (below, above) = crossed / count, wilson(crossed, count)
+            axes.plot([level, level], [below, above], color=colour, linewidth=0.8, alpha=0.5)
+            axes.plot([level], [share], "o", color=colour, markersize=3 + 1.1 * count**0.5, alpha=0.75)
+            if len(rating.curves) == 1:
+                axes.annotate(f"{count}", (level, share), (5, 5), textcoords="offset points", fontsize=7)
+        if not curve.outside:
+            for share, levels_at in ((HALF, curve.half), (MOST, curve.most)):
+                axes.plot(levels_at[1:], [share, share], color=colour, linewidth=5, alpha=0.6, solid_capstyle="butt")
+    for share in (HALF, MOST):
+        axes.axhline(share, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
+    axes.set_xscale("log")
+    axes.set(xlim=(levels[0], levels[-1]), ylim=(-0.04, 1.06), ylabel="share of fields that are crossed")
+    axes.set_xlabel(_axis_label(axis))
+    axes.set_title(f"{rating.robot} on {rating.fields_in_words}, seed {rating.recipe.seed}", fontsize=11)
+    ticks = _ticks(*sorted((levels[0], levels[-1])))
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.set_xticks([], minor=True)
+    axes.legend(loc="lower left", fontsize=8)
+    return encoded(figure, "png", to_json(rating.recipe))
+
+
+def _label(curve: Curve) -> str:
+    counted = f"{curve.title}: {curve.crossed} of {len(curve.trials)} crossed"
+    return counted if curve.outside else f"{counted}\nhalf at {curve.axis.shown(*curve.half)}"
+
+
+def _axis_label(axis: Axis) -> str:
+    unit = {"unit": "unit [cm]", "block_width": "width of a block [cm]", "slope": "slope [degrees]"}
+    return f"{unit.get(axis.name, axis.name)}, harder to the right"
+
+
+def _shown_places(rating: Rating) -> tuple[float, float]:
+    """Return the ends of the plot: from where nearly all fields are crossed to where hardly any is, on every curve."""
+    ends = [curve.posterior.at_share(share)[0] for curve in rating.curves for share in (0.9, 0.03)]
+    ends += [rating.axis.place(level) for curve in rating.curves for level, _, count in _points(curve) if count > 1]
+    first, last = rating.axis.ends
+    return max(min(ends) - 0.1, first), min(max(ends) + 0.1, last)
+
+
+def _points(curve: Curve) -> Iterator[tuple[float, int, int]]:
+    """Yield the mean level of trials that are near to each other, how many crossed, and how many have a result."""
+    bins: dict[int, list[tuple[float, int, int]]] = {}
+    for level, crossed, count in curve.counts():
+        if count:
+            bins.setdefault(round(curve.axis.place(level) / _PER_POINT), []).append((level, crossed, count))
+    for near in bins.values():
+        levels, crossings, counts = map(np.array, zip(*near, strict=True))
+        yield exp(float(np.log(levels) @ counts / counts.sum())), int(crossings.sum()), int(counts.sum())
+
+
+def _ticks(low: float, high: float) -> Array:
+    """Return round levels between two ends, fewer of them on a wide axis."""
+    steps = (1, 2, 5) if high / low > 12 else (1, 1.5, 2, 3, 4, 5, 6, 8) if high / low > 2 else np.arange(1, 10, 0.25)
+    values = np.array([step * 10.0**power for power in range(-4, 4) for step in steps])
+    return values[(values >= low) & (values <= high)]

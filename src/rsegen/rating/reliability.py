@@ -1,0 +1,158 @@
+"""A reliability test as standards have it: a number of repetitions, and how many of them may fail.
+
+A robot that crosses with probability R fails in k of n independent repetitions with binomial probability. The test has
+confidence C if a robot of the reliability R, or a worse one, passes with a probability of 1 - C at most: so many
+failures are allowed. After the test, the reliability that is shown is the lower end of the one-sided interval of
+Clopper and Pearson (Biometrika 26, 1934). What breaks it: repetitions that are not independent, as on one field.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import comb, exp, lgamma, log
+from pathlib import Path, PurePosixPath
+
+from rsegen.driving.many import ManyDrives
+from rsegen.params.sorts import Float, Integer
+from rsegen.recipe.codec import to_json
+from rsegen.writing.store import write_folder
+
+SHARE = Float(0, 1)
+REPETITIONS = Integer(1, 100_000)
+
+_HALVINGS = 60
+"""Halvings of an interval of shares: to the last digit of a float."""
+
+
+def failures_allowed(reliability: float, confidence: float, repetitions: int) -> int | None:
+    """Return how many of some repetitions may fail in a test of reliability; None if they are too few to show it.
+
+    Parameters
+    ----------
+    reliability : float
+        The share of successes that is to be shown.
+    confidence : float
+        The probability with which a robot that is no better than that is not passed.
+    repetitions : int
+        Repetitions of the test.
+
+    Returns
+    -------
+    int or None
+        The largest number of failures.
+
+    Raises
+    ------
+    ParameterError
+        For a value that cannot be.
+    """
+    share, sure = SHARE.check("reliability", reliability), SHARE.check("confidence", confidence)
+    count = REPETITIONS.check("repetitions", repetitions)
+    passed, allowed = 0.0, None
+    for failures in range(count + 1):
+        passed += _binomial(count, failures, 1 - share)
+        if passed > 1 - sure:
+            break
+        allowed = failures
+    return allowed
+
+
+def shown_reliability(failures: int, repetitions: int, confidence: float) -> float:
+    """Return the reliability that so many failures show, with a confidence: the lower end of Clopper and Pearson."""
+    if failures >= repetitions:
+        return 0.0
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        chance = sum(_binomial(repetitions, count, 1 - middle) for count in range(failures + 1))
+        low, high = (middle, high) if chance < 1 - confidence else (low, middle)
+    return low
+
+
+def _binomial(count: int, failures: int, share: float) -> float:
+    if not 0 < share < 1:
+        return float(failures == (count if share >= 1 else 0))
+    if count < 1000:  # exact to the last digits, and quick
+        return float(comb(count, failures) * share**failures * (1 - share) ** (count - failures))
+    ways = lgamma(count + 1) - lgamma(failures + 1) - lgamma(count - failures + 1)
+    return exp(ways + failures * log(share) + (count - failures) * log(1 - share))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ReliabilityTest:
+    """The result of `rsegen.rate` with a reliability to be shown.
+
+    Attributes
+    ----------
+    drives : ManyDrives
+        One for each repetition.
+    reliability : float
+        The share of successes that is to be shown.
+    confidence : float
+        With which confidence.
+    """
+
+    drives: ManyDrives
+    reliability: float
+    confidence: float
+
+    @property
+    def repetitions(self) -> int:
+        """How many drives have a result."""
+        return self.drives.counted
+
+    @property
+    def failures(self) -> int:
+        """How many of them did not cross."""
+        return self.drives.counted - self.drives.crossed
+
+    @property
+    def allowed(self) -> int | None:
+        """How many of them may fail; None if they are too few."""
+        return failures_allowed(self.reliability, self.confidence, self.repetitions)
+
+    @property
+    def has_passed(self) -> bool:
+        """Whether the robot has passed."""
+        return self.allowed is not None and self.failures <= self.allowed
+
+    @property
+    def shown(self) -> float:
+        """The reliability that is shown with this confidence."""
+        return shown_reliability(self.failures, self.repetitions, self.confidence)
+
+    def as_json(self) -> dict[str, object]:
+        """Return the content of test.json, which `rsegen rate --reliability --json` prints."""
+        return {
+            "reliability": self.reliability,
+            "confidence": self.confidence,
+            "repetitions": self.repetitions,
+            "failures": self.failures,
+            "allowed": self.allowed,
+            "passed": self.has_passed,
+            "shown": round(self.shown, 6),
+            **self.drives.as_json(),
+        }
+
+    def report(self) -> Iterator[str]:
+        """Yield the lines that `rsegen rate --reliability` prints."""
+        drives, verdict = self.drives, "passed" if self.has_passed else "not passed"
+        claim = f"a reliability of {self.reliability:.0%} with a confidence of {self.confidence:.0%}"
+        yield f"{drives.recipe.name} in {drives.simulator}, {drives.route}, seed {drives.recipe.seed}:"
+        yield f"  {drives.robot} failed in {self.failures} of {self.repetitions} repetitions: {verdict}"
+        if self.allowed is None:
+            yield f"  {self.repetitions} repetitions are too few to show {claim}, whatever their outcome"
+        else:
+            yield f"  {claim} allows {self.allowed} failures; {self.shown:.1%} is shown"
+
+    def write(self, folder: str | Path, *, force: bool = False) -> None:
+        """Write test.json, drives.csv and the recipe into a folder; `force` replaces earlier ones."""
+        files = {
+            "test.json": [json.dumps(self.as_json(), indent=1).encode() + b"\n"],
+            "drives.csv": list(self.drives.csv()),
+            "recipe.json": [to_json(self.drives.recipe).encode()],
+        }
+        paths = {PurePosixPath(name): content for name, content in files.items()}
+        write_folder(paths, Path(folder), "files", force=force)

@@ -1,0 +1,185 @@
+"""The run of a rating: batches of trials until the interval is narrow enough, kept in a journal as they end.
+
+    trials so far --posterior--> next levels --judge, on all cores--> outcomes --journal--> trials so far
+
+The size of a batch depends on the number of trials alone, and its levels on the trials before it. So a rating is the
+same wherever its trials are made, and one that was stopped goes on as if it had not been. Cost: that of the trials; as
+the last of a batch is waited for, workers rest a little. What breaks it: a simulator that does not repeat itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from rsegen.errors import FileError, OutputError, ParameterError, UserError, refuse_unknown
+from rsegen.input_files import JOURNAL
+from rsegen.params.sorts import Flag, Float, Integer, Json, Text
+from rsegen.params.streams import generator
+from rsegen.rating.axes import Axis
+from rsegen.rating.judges import Asked, Judge, Trial, trials
+from rsegen.rating.psychometric import next_places
+from rsegen.rating.rating import FILES, HOLDS, Curve
+from rsegen.recipe.recipe import Recipe
+from rsegen.writing.execute import Execution, executor_of
+from rsegen.writing.journal import is_intact, read_errors, read_journal
+from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
+
+_BATCH, _MOST_IN_BATCH, _SHARE = 8, 64, 8
+"""Trials of a batch: at least, at most, and one for so many trials before it. As they are chosen with nothing known of
+each other, there are few at first, when each tells much; more later, for machines of many cores."""
+
+_LEAST = 48
+"""Trials of a rating at least: a third of them find where the curve is, and after fewer an interval that is too narrow
+by chance would end it."""
+
+_MOST = 2000
+"""Trials of a rating at most, if it ends by its precision: a curve that is nearly level takes for ever."""
+
+Progress = Callable[[int, float], None]
+"""Called with the number of trials that are done, and about which share of all that is."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RatingPlan:
+    """What is rated: fields of a recipe at levels of an axis, until `trials` are made or half is known to `precision`.
+
+    precision: half the width of the 95 % interval, as a share of the level
+    """
+
+    recipe: Recipe
+    axis: Axis
+    trials: int | None
+    precision: float
+
+
+def batch_size(done: int) -> int:
+    """Return the number of trials in the batch that begins after `done` trials."""
+    return min(max(_BATCH, done // _SHARE), _MOST_IN_BATCH)
+
+
+def make_curve(  # the last three are where it runs
+    plan: RatingPlan,
+    judge: Judge,
+    begun: Sequence[Trial],
+    execution: Execution,
+    keep: Callable[[Trial], None],
+    progress: Progress,
+) -> Curve:
+    """Return the curve of a judge, of the trials that have begun it and new ones; `keep` is called with each of these.
+
+    UserError if no trial of the first batch has a result.
+    """
+    done, first = list(begun), 0
+    while first + batch_size(first) <= len(done):
+        first += batch_size(first)
+    work = partial(trials, judge, plan.axis, plan.recipe)
+    with executor_of(work, judge.cost, execution) as made:
+        while len(done) < (plan.trials or _MOST):
+            known = _curve(plan, judge, done[:first])
+            if len(done) <= first and plan.trials is None and _is_precise(plan, known):
+                break
+            batch, expected = _batch(plan, known), _expected(plan, known)
+            for trial in chain.from_iterable(made(batch[len(done) - first :])):
+                keep(trial)
+                done.append(trial)
+                progress(len(done), min(len(done) / expected, 1.0))
+            if all(trial.crossed is None for trial in done):
+                raise UserError(f"none of {len(done)} trials has a result; the first: {done[0].failed}")
+            first += len(batch)
+    return _curve(plan, judge, done)
+
+
+def _curve(plan: RatingPlan, judge: Judge, done: Sequence[Trial]) -> Curve:
+    return Curve(by=judge.name, title=judge.title, axis=plan.axis, trials=tuple(done))
+
+
+def _is_precise(plan: RatingPlan, known: Curve) -> bool:
+    """Return whether no more trials are wanted."""
+    return len(known.trials) >= _LEAST and (known.precision <= plan.precision or bool(known.outside))
+
+
+def _expected(plan: RatingPlan, known: Curve) -> float:
+    """Return about how many trials a rating takes: its interval narrows with the root of their number."""
+    so_far = len(known.trials)
+    if plan.trials is not None:
+        return plan.trials
+    return max(so_far * (known.precision / plan.precision) ** 2, so_far + batch_size(so_far), 1.5 * _LEAST)
+
+
+def _batch(plan: RatingPlan, known: Curve) -> list[Asked]:
+    """Return the trials of the batch that comes after those of a curve."""
+    first = len(known.trials)
+    rng = generator(plan.recipe.seed, first, "next trials of a rating")
+    places = next_places(known.posterior, plan.axis.candidates, batch_size(first), rng)
+    asked = [Asked(first + number, plan.axis.tried(place)) for number, place in enumerate(places)]
+    return asked if plan.trials is None else asked[: plan.trials - first]
+
+
+# The folder of a rating.
+
+
+@contextmanager
+def opened(folder: Path, of: Json, *, force: bool) -> Iterator[Store]:
+    """Open the folder of a rating, which may have begun, or what replaces it; an OutputError if that may not be."""
+    refuse_busy(folder)
+    journal = read_journal(folder)
+    if force and journal:
+        refuse_irreplaceable(folder, HOLDS)
+        with replacing(folder, HOLDS, of) as store:
+            yield store
+        return
+    if journal and (journal.holds, journal.of) != (HOLDS, of):
+        has = "another rating" if journal.holds == HOLDS else "other files of rsegen"
+        advice = ", or force=True, or the seed and options of that one" if journal.holds == HOLDS else ""
+        raise OutputError(f"{folder}: has {has}; give another folder{advice}")
+    with read_errors(folder):
+        for name in FILES:
+            is_intact(folder, name, journal)
+    with open_store(folder) as store:
+        store.journal.begin(HOLDS, of)
+        yield store
+
+
+def entry(judge: Judge, trial: Trial) -> dict[str, Json]:
+    """Return a trial as the journal has it: with the title of its judge, as another version may judge otherwise."""
+    return {"judge": judge.title, **asdict(trial)}
+
+
+_SORTS: dict[str, Any] = {
+    "judge": Text(r".{1,500}", "the title of a judge"),
+    "map": Integer(0),
+    "level": Float(0),
+    "crossed": Flag(),
+    "seconds": Float(0),
+    "x": Float(),
+    "tipped": Integer(0),
+    "failed": Text(r".*", "a line"),
+}
+_OPTIONAL = {"crossed", "seconds", "x", "tipped"}
+
+
+def read_entries(store: Store) -> dict[str, list[Trial]]:
+    """Return the trials in a journal by the titles of their judges; FileError for one that was changed."""
+    begun: dict[str, list[Trial]] = {}
+    content = store.journal.content
+    for number, result in enumerate(content.results if content else (), 1):
+        try:
+            refuse_unknown("key", result, _SORTS)
+            values: dict[str, Any] = {
+                name: None if result.get(name) is None and name in _OPTIONAL else sort.check(name, result.get(name))
+                for name, sort in _SORTS.items()
+            }
+            known = begun.setdefault(values.pop("judge"), [])
+            if values["map"] != len(known):
+                raise ParameterError("map", f"{values['map']} is not {len(known)}, the next one")
+        except ParameterError as error:
+            advice = "give another folder, or force=True"
+            raise FileError(f"{store.folder / JOURNAL}: result {number}: {error}; {advice}") from None
+        known.append(Trial(**values))
+    return begun

@@ -1,0 +1,326 @@
+"""Ratings: real drives that can be driven again, the same wherever they are made, stopped and continued."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shlex
+from collections.abc import Callable
+from dataclasses import replace
+from math import exp, log
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import rsegen
+from rsegen.cli.edge import main
+from rsegen.errors import FileError, OutputError, ParameterError, SimulatorFailed, Stopped, UserError
+from rsegen.field.stepfield import StepField
+from rsegen.params.streams import generator
+from rsegen.rating import judges
+from rsegen.rating.axes import AXES
+from rsegen.rating.judges import Trial, usual_duration
+from rsegen.rating.rate import usual_fields
+from rsegen.rating.rating import Curve, Rating, plot
+from rsegen.rating.run import batch_size
+from rsegen.simulators.embedded import EMBEDDED
+from rsegen.standing.lanes import straight
+
+real = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
+
+HALF_M = 0.03
+"""Height of a unit at which the robot of `crosses` crosses half of the fields, metres."""
+
+
+def crosses(field: StepField, seed: int) -> bool:
+    """Cross with a probability that falls with the unit of a field, which is known."""
+    share = 1 / (1 + exp((log(field.unit) - log(HALF_M)) / 0.15))
+    return bool(generator(seed, 0, "luck").random() < share)
+
+
+def rated(robot: object = crosses, **values: Any) -> Rating:
+    rating = rsegen.rate(robot, **{"seed": 7, **values})  # type: ignore[arg-type]  # any
+    assert isinstance(rating, Rating)
+    return rating
+
+
+def test_a_function_is_rated_until_the_interval_is_narrow() -> None:
+    told: list[tuple[int, float]] = []
+    rating = rated(progress=lambda count, share: told.append((count, share)))
+    (curve,) = rating.curves
+    assert rating.robot == "crosses"
+    assert rating.half.low < 100 * HALF_M < rating.half.high
+    assert rating.most.level < rating.half.level
+    assert curve.precision <= 0.1
+    assert 48 <= len(curve.trials) < 300
+    assert told[-1][0] == len(curve.trials)
+    assert all(0 < share <= 1 for _, share in told)
+    assert [trial.map for trial in curve.trials] == list(range(len(curve.trials)))
+    wider = rated(precision=30)
+    assert len(wider.curves[0].trials) <= len(curve.trials)
+    assert wider.curves[0].trials == curve.trials[: len(wider.curves[0].trials)]
+
+
+def test_each_trial_gets_a_field_and_a_seed_of_its_own() -> None:
+    seen: list[tuple[bytes, int]] = []
+
+    def watched(field: StepField, seed: int) -> bool:
+        seen.append((field.levels.tobytes(), seed))
+        return field.unit < HALF_M
+
+    rated(watched, trials=24)
+    assert len(seen) == len(set(seen)) == len({seed for _, seed in seen}) == 24
+
+
+def test_other_seeds_give_other_trials_and_the_same_seed_the_same() -> None:
+    assert rated(trials=16).curves == rated(trials=16).curves
+    assert rated(trials=16).curves != rated(trials=16, seed=8).curves
+
+
+@pytest.mark.slow
+@real
+@pytest.mark.parametrize("where", [{"workers": 2}, {"workers": 2, "scheduler": "local"}])
+def test_workers_and_a_cluster_rate_alike(where: dict[str, object]) -> None:
+    here = rated("jackal", trials=10, duration=2)
+    there = rated("jackal", trials=10, duration=2, **where)
+    assert here.curves == there.curves
+
+
+@pytest.mark.slow
+@real
+def test_trials_are_drives_that_rsegen_drive_repeats(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    rating = rated("jackal", trials=24, output=out, workers=2)
+    (curve,) = rating.curves
+    monkeypatch.chdir(out)
+    trials = json.loads((out / "rating.json").read_text())["curves"][0]["trials"]
+    crossing = next(trial for trial in trials if trial["crossed"])
+    failing = next(trial for trial in trials if not trial["crossed"])
+    for trial in (crossing, failing):
+        assert main([*shlex.split(trial["drive"])[1:], "--json"]) == 0
+        (robot,) = json.loads(capsys.readouterr().out)["robots"]
+        metrics = robot.get("metrics", robot)
+        assert metrics["crossed"] == trial["seconds"]
+        assert metrics["distance"] > 0.1
+    assert crossing["x"] > 0.5 > failing["x"]
+    # A field of its own at its own level, as the recipe in the folder has it.
+    recipe = rsegen.load("recipe.json")
+    assert recipe.maps == 24
+    assert AXES["unit"].recipe_at(recipe, crossing["level"]).unit_cm == crossing["parameters"]["unit_cm"]
+    assert 1 < curve.half.low < curve.half.level < curve.half.high < 10
+
+
+@pytest.mark.slow
+@real
+def test_a_robot_of_a_file_is_rated_and_driven_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.sdf").write_text(rsegen.robot_of("jackal").file("mine", "classic"))
+    given = {"robot": "mine.sdf", "speed": 0.3, "motors": "classic", "duration": 9}
+    rating = rated(**given, trials=8, output="out")
+    trial = next(trial for trial in rating.curves[0].trials if trial.crossed)
+    command = json.loads(Path("out", "rating.json").read_text())["curves"][0]["trials"][trial.map]["drive"]
+    assert "--robot mine.sdf --speed 0.3 --motors classic --duration 9" in command
+    assert main([*shlex.split(command.replace("recipe.json", "out/recipe.json"))[1:], "--json"]) == 0
+    (robot,) = json.loads(capsys.readouterr().out)["robots"]
+    assert robot.get("metrics", robot)["crossed"] == trial.seconds
+    # Another file of that name is another robot.
+    Path("mine.sdf").write_text(rsegen.robot_of("jackal").file("other", "classic"))
+    with pytest.raises(OutputError, match="out: has another rating"):
+        rated(**given, trials=9, output="out")
+
+
+@real
+def test_a_robot_has_three_times_the_time_on_level_ground() -> None:
+    robot, field = rsegen.robot_of("burger"), rsegen.build(usual_fields())
+    flat = rsegen.Recipe(seed=1, boundary="none")
+    (level,) = rsegen.drive(flat, robot="burger", duration=20).robots
+    assert level.metrics.crossed is not None
+    assert usual_duration(robot, field) == pytest.approx(3 * level.metrics.crossed, abs=2)
+
+
+def test_the_prediction_judges_by_the_lane_in_the_middle() -> None:
+    rating = rated("jackal", by="prediction", trials=12)
+    (curve,) = rating.curves
+    body = rsegen.robot_of("jackal").body
+    for trial in curve.trials:
+        field = rsegen.build(AXES["unit"].recipe_at(replace(usual_fields(), seed=7), trial.level), trial.map)
+        assert trial.crossed == bool(straight(field, body, 0, np.zeros(1)).passed[0])
+    assert 0 < curve.crossed < 12
+    assert "12 fields by the prediction" in "\n".join(rating.report())
+
+
+@pytest.mark.slow
+@real
+def test_several_judges_share_a_plot_and_a_folder(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    first = rated("jackal", by="prediction", trials=10, output=out)
+    both = rated("jackal", by=["prediction", "mujoco"], trials=10, output=out)
+    assert [curve.by for curve in both.curves] == ["prediction", "mujoco"]
+    assert both.curves[0] == first.curves[0]
+    assert [row["by"] for row in csv.DictReader((out / "trials.csv").read_text().splitlines())] == (
+        ["prediction"] * 10 + ["mujoco"] * 10
+    )
+    assert len(list(both.report())) == 2
+
+
+def stopping_after(count: int) -> Callable[[int, float], None]:
+    def progress(done: int, _: float) -> None:
+        if done == count:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+@pytest.mark.parametrize("count", [1, 8, 13, 50])
+def test_a_stopped_rating_goes_on_as_if_it_had_not_been_stopped(tmp_path: Path, count: int) -> None:
+    whole = rated(precision=12, output=tmp_path / "whole")
+    with pytest.raises(Stopped, match=rf"^{count} trials are complete in .*part$") as stop:
+        rated(precision=12, output=tmp_path / "part", progress=stopping_after(count))
+    assert stop.value.changed
+    assert not (tmp_path / "part" / "rating.json").exists()
+    assert rated(precision=12, output=tmp_path / "part").curves == whole.curves
+    for name in ("rating.json", "trials.csv", "recipe.json", ".rsegen.jsonl"):
+        assert (tmp_path / "part" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+def test_a_folder_goes_on_to_more_trials(tmp_path: Path) -> None:
+    few = rated(trials=11, output=tmp_path)
+    more = rated(trials=30, output=tmp_path)
+    assert more.curves[0].trials[:11] == few.curves[0].trials
+    assert more.curves == rated(trials=30).curves
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 31
+
+
+def test_a_folder_of_another_rating_is_refused_and_replaced_by_force(tmp_path: Path) -> None:
+    rated(trials=8, output=tmp_path / "out")
+    with pytest.raises(OutputError, match="out: has another rating; give another folder, or force=True"):
+        rated(trials=8, output=tmp_path / "out", seed=8)
+    rated(trials=9, output=tmp_path / "out", seed=8, force=True)
+    assert json.loads((tmp_path / "out" / "rating.json").read_text())["seed"] == 8
+
+
+def test_a_stop_without_a_folder_keeps_nothing() -> None:
+    with pytest.raises(Stopped, match="3 trials were made, and are not kept") as stop:
+        rated(progress=stopping_after(3))
+    assert not stop.value.changed
+
+
+def test_a_journal_that_was_changed_is_refused(tmp_path: Path) -> None:
+    rated(trials=8, output=tmp_path)
+    journal = tmp_path / ".rsegen.jsonl"
+    journal.write_text(journal.read_text().replace('"map": 3', '"map": 5'))
+    with pytest.raises(FileError, match=r"jsonl: result 4: map: 5 is not 3, the next one; give another folder"):
+        rated(trials=9, output=tmp_path)
+
+
+@pytest.mark.parametrize(("answer", "words"), [(True, "more"), (False, "less")])
+def test_what_crosses_all_fields_or_none_is_said(answer: bool, words: str) -> None:
+    rating = rated(lambda field, seed: answer)
+    assert len(rating.curves[0].trials) < 100
+    (line,) = rating.report()
+    assert f"crosses {words} than half of normal-random fields (10 x 10 blocks of 10 cm) at every level from" in line
+    assert rating.as_json()["curves"][0]["half"] is None  # type: ignore[index]  # a list
+    assert plot(rating).startswith(b"\x89PNG")
+
+
+@real
+def test_frames_that_hold_a_robot_at_every_level_are_named() -> None:
+    recipe = replace(usual_fields(), boundary="outer", seed=1)
+    rating = rsegen.rate("burger", recipe, precision=50, duration=2)
+    assert isinstance(rating, Rating)
+    assert list(rating.report())[-1].startswith("note: the frames are equally high at every level")
+
+
+def test_fields_that_are_all_alike_are_named() -> None:
+    rating = rated(recipe=rsegen.Recipe(obstacles=[rsegen.Peak(levels=5, first=(2, 2), last=(7, 7))]), trials=8)
+    assert "all fields of this recipe are alike" in list(rating.report())[-1]
+
+
+def test_trials_without_a_result_count_neither_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    def half_failing(self: judges.ByFunction, recipe: rsegen.Recipe, asked: judges.Asked) -> Trial:
+        if asked.map % 2:
+            return Trial(map=asked.map, level=asked.level, crossed=None, failed="the physics failed")
+        return Trial(map=asked.map, level=asked.level, crossed=recipe.unit_cm < 3)
+
+    monkeypatch.setattr(judges.ByFunction, "trial", half_failing)
+    rating = rated(trials=24)
+    (curve,) = rating.curves
+    counted = Curve(by="", title="", axis=curve.axis, trials=curve.trials[::2])
+    assert curve.half == counted.half
+    assert "12 trials have no result; the first: the physics failed" in "\n".join(rating.report())
+
+
+@real
+def test_a_rating_without_any_result_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object, **__: object) -> object:
+        raise SimulatorFailed("MuJoCo: the physics failed")
+
+    monkeypatch.setattr("rsegen.driving.many.record_embedded", failing)
+    with pytest.raises(UserError, match=r"^none of 8 trials has a result; the first: MuJoCo: the physics failed$"):
+        rated("jackal")
+
+
+def test_the_plot_shows_curves_and_points(tmp_path: Path) -> None:
+    rated(trials=40, output=tmp_path)
+    with Image.open(tmp_path / "rating.png") as picture:
+        red, green, blue = np.asarray(picture.convert("RGB"), int).transpose(2, 0, 1)
+    drawn = (blue > red + 60) & (blue > green)  # curve, points and intervals
+    assert drawn.sum() > 3000
+    assert drawn.any(axis=0).mean() > 0.7
+
+
+def test_batches_depend_on_the_number_of_trials_alone() -> None:
+    assert [batch_size(done) for done in (0, 8, 63, 80, 400, 10**6)] == [8, 8, 8, 10, 50, 64]
+
+
+@pytest.mark.parametrize(
+    ("robot", "values", "words"),
+    [
+        ("unicorn", {}, "robot: unknown robot 'unicorn'"),
+        (3, {}, "robot: 3 is no robot"),
+        (crosses, {"by": "prediction"}, "by: is for a robot; a function judges by itself"),
+        (crosses, {"motors": "classic"}, "motors: is for a robot, not for a function"),
+        (crosses, {"duration": 3}, "duration: is for a robot, not for a function"),
+        (crosses, {"reliability": 0.8}, "reliability: is for a robot"),
+        (lambda field, seed: 1, {}, "robot: <lambda> returned 1; a function returns a bool"),
+        ("burger", {"speed": 1}, "speed: is for the robot of a file"),
+        ("burger", {"recipe": rsegen.Recipe()}, "recipe: has no obstacle"),
+    ],
+)
+def test_what_cannot_be_rated_is_refused(robot: object, values: dict[str, Any], words: str) -> None:
+    with pytest.raises(ParameterError, match=words):
+        rated(robot, **values)
+
+
+@pytest.mark.slow
+@real
+def test_the_command_prints_a_sentence_and_writes_the_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    command = ["rate", "jackal", "--trials", "16", "--seed", "7", "--duration", "8", "-o", str(out)]
+    assert main([*command, "--dry-run"]) == 0
+    assert "rating.png" in capsys.readouterr().out
+    assert not out.exists()
+    assert main(command) == 0
+    line = capsys.readouterr().out
+    assert line.startswith("jackal crosses half of normal-random fields (10 x 10 blocks of 10 cm) at a unit of ")
+    assert line.rstrip().endswith("16 drives in MuJoCo " + line.partition("MuJoCo ")[2].rstrip())
+    assert "seed 7" in line
+    assert sorted(path.name for path in out.iterdir() if path.name[0] != ".") == sorted(
+        ["rating.json", "trials.csv", "rating.png", "recipe.json"]
+    )
+
+
+def test_a_shell_names_its_flags(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["rate", "burger", "--trials", "2"]) == 2
+    assert capsys.readouterr().err == "rsegen: --trials: 2 is outside 8..100000\n"
+    assert main(["rate", "burger", "--obstacle", "random levels=3", "--confidence", "0.9"]) == 2
+    assert capsys.readouterr().err == "rsegen: --confidence: is for a test of reliability; give that too\n"
