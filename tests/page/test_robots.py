@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import rsegen
+from rsegen.driving import page as drives
+from rsegen.driving.planning import predictions
 from rsegen.errors import ParameterError, UnknownName, UserError
 from rsegen.page import host as hosting
 from rsegen.page.forms import hello
@@ -19,6 +21,8 @@ from rsegen.page.host import Host, Listener
 from rsegen.page.model.session import Session
 from rsegen.robots import page as robots
 from rsegen.robots.base import ROBOTS
+from rsegen.scene.scene import compose
+from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing import ways
 from rsegen.standing.resting import REASONS
 from rsegen.standing.settling import PaddedGround
@@ -139,7 +143,7 @@ def test_a_region_and_ways_are_those_of_the_metrics(host: Host, doc: str) -> Non
 @pytest.mark.slow
 def test_pages_hear_how_far_a_search_is(host: Host, doc: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosting, "_SENT_EVERY", 0.0)
-    monkeypatch.setattr(ways, "_PLACES_AT_ONCE", 50)
+    monkeypatch.setattr(ways, "_MOVES_AT_ONCE", 20)
     heard: list[Any] = []
     listener = Listener(page="p", send=heard.append)
     host.opened(doc).add(listener)
@@ -295,3 +299,19 @@ def test_of_requests_that_wait_the_newest_alone_gets_its_turn(tmp_path: Path) ->
     for thread in threads:
         thread.join(10)
     assert sorted(answers) == ["first", "second is dropped", "third"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
+def test_a_page_is_told_how_surely_a_robot_gets_across(host: Host, doc: str) -> None:
+    told = drives.crossing(host, doc=doc, index=0, robot="crawler")
+    found = predictions(ROBOTS["crawler"], compose(RECIPE))
+    assert set(found) == {"west_east", "south_north"}
+    assert told["text"] == f"west to east: {found['west_east']}; south to north: {found['south_north']}"
+    assert len(told["ways"]) == sum(prediction.drives for prediction in found.values())
+    crossing = [way for way in told["ways"] if way["crosses"]]
+    assert len(crossing) == sum(prediction.crossed for prediction in found.values()) > 0
+    first, last = np.array(crossing[0]["points"])[[0, -1]]
+    assert last[0] - first[0] > FIELD.extent[0]
+    assert told["spots"] == []
+    assert json.dumps(told, allow_nan=False)

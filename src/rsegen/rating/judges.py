@@ -185,7 +185,7 @@ def judge_of(by: str, robot: DrivableRobot, motors: str | None, recipe: Recipe, 
         )
         has_motors = not isinstance(robot.drive, Tracks)
         words = f", motors as {motors or MOTORS[0]}" if has_motors else ""
-        return InMujoco(name=by, title=f"{required_simulator("ratings need")}{words}", cost=0.5, plan=plan)
+        return InMujoco(name=by, title=f"{required_simulator('ratings need')}{words}", cost=0.5, plan=plan)
     if by == "prediction":
         return Predicted(name=by, title="the prediction by its poses", cost=0.02, robot=robot)
     here = choose_installation("both", by)
