@@ -230,6 +230,21 @@ def test_what_crosses_all_fields_or_none_is_said(answer: bool, words: str) -> No
     assert plot(rating).startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
+@real
+def test_longer_fields_of_wider_blocks_get_more_time() -> None:
+    recipe = replace(usual_fields(), unit_cm=0.5)
+    rating = rated("jackal", recipe=recipe, axis="block_width", trials=8)
+    (curve,) = rating.curves
+    times = {trial.level: trial.duration for trial in curve.trials}
+    assert len(times) > 4
+    length, speed, gap = rsegen.robot_of("jackal").size[0], 0.4, 0.1  # m, m/s, m
+    for level, duration in times.items():
+        assert duration is not None
+        assert duration == pytest.approx(3 * (10 * level / 100 + gap + length) / speed, abs=1.5)
+    assert all(trial.crossed for trial in curve.trials if trial.level > 10)
+
+
 @real
 def test_frames_that_hold_a_robot_at_every_level_are_named() -> None:
     recipe = replace(usual_fields(), boundary="outer", seed=1)

@@ -28,6 +28,7 @@ from rsegen.errors import ParameterError, SimulatorFailed, shown
 from rsegen.field.stepfield import StepField
 from rsegen.params.streams import SEEDS
 from rsegen.rating.axes import Axis
+from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.robots.drives import Tracks
 from rsegen.robots.lookup import DrivableRobot
@@ -46,8 +47,8 @@ class Trial:
     """A robot on one field.
 
     map: the index of the field; level: on the axis; crossed: None if there is no result, and failed says why; seconds:
-    until it was across; x: where it was at the end, metres; tipped: how often it tipped over. A judge that does not
-    drive has none of the last three.
+    until it was across; x: where it was at the end, metres; tipped: how often it tipped over; duration: seconds that it
+    had. A judge that does not drive has none of the last four.
     """
 
     map: int
@@ -56,6 +57,7 @@ class Trial:
     seconds: float | None = None
     x: float | None = None
     tipped: int | None = None
+    duration: float | None = None
     failed: str = ""
 
 
@@ -80,51 +82,67 @@ class Judge(ABC):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class InMujoco(Judge):
-    """Drives in the embedded simulator, each that of `rsegen drive` over the same map, bit by bit."""
+class Driven(Judge):
+    """Drives straight from the west side; duration: seconds at most, None for the usual ones of each field."""
 
-    plan: ManyPlan
+    robot: DrivableRobot
+    duration: float | None
 
     def trial(self, recipe: Recipe, asked: Asked) -> Trial:
         """Return the trial that a drive is."""
-        row = drive_over(replace(self.plan, recipe=recipe), asked.map)
-        if row.failed:
-            return Trial(map=asked.map, level=asked.level, crossed=None, failed=row.failed)
-        return Trial(
-            map=asked.map,
-            level=asked.level,
-            crossed=row.crossed is not None,
-            seconds=row.crossed,
-            x=row.x,
-            tipped=row.tipped,
-        )
+        duration = self.duration or usual_duration(self.robot, build(recipe, asked.map))
+        known = Trial(map=asked.map, level=asked.level, crossed=None, duration=duration)
+        return self.driven(recipe, duration, known)
+
+    @abstractmethod
+    def driven(self, recipe: Recipe, duration: float, known: Trial) -> Trial:
+        """Return a trial with what the drive over its map showed."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class InGazebo(Judge):
+class InMujoco(Driven):
+    """Drives in the embedded simulator, each that of `rsegen drive` over the same map, bit by bit."""
+
+    motors: str | None
+
+    def driven(self, recipe: Recipe, duration: float, known: Trial) -> Trial:
+        """Return a trial with what the drive over its map showed."""
+        plan = ManyPlan(
+            recipe=recipe,
+            robot=self.robot,
+            motors=self.motors,
+            route=Straight.name,
+            best="length",
+            duration=duration,
+        )
+        row = drive_over(plan, known.map)
+        if row.failed:
+            return replace(known, failed=row.failed)
+        return replace(known, crossed=row.crossed is not None, seconds=row.crossed, x=row.x, tipped=row.tipped)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class InGazebo(Driven):
     """Drives in a Gazebo server, one for each."""
 
-    robot: DrivableRobot
-    duration: float
-
-    def trial(self, recipe: Recipe, asked: Asked) -> Trial:
-        """Return the trial that a drive is."""
+    def driven(self, recipe: Recipe, duration: float, known: Trial) -> Trial:
+        """Return a trial with what the drive over its map showed."""
+        field = recipe.alone(known.map)
         try:
             result = drive(
-                recipe.alone(asked.map),
+                field,
                 robot=self.robot,
                 simulator=self.name,
-                duration=self.duration,
+                duration=duration,
                 contacts=False,
-                seed=0,
+                seed=recipe.seed,
                 predict=False,
             )
         except SimulatorFailed as error:
-            return Trial(map=asked.map, level=asked.level, crossed=None, failed=str(error))
+            return replace(known, failed=str(error))
         metrics, rows = result.robots[0].metrics, result.robots[0].trajectory.rows
-        return Trial(
-            map=asked.map,
-            level=asked.level,
+        return replace(
+            known,
             crossed=metrics.crossed is not None,
             seconds=metrics.crossed,
             x=round(float(rows[-1, 1]), 4),
@@ -177,15 +195,12 @@ def usual_duration(robot: DrivableRobot, field: StepField) -> float:
     return float(ceil(_TIMES * way / robot.driving_speed))
 
 
-def judge_of(by: str, robot: DrivableRobot, motors: str | None, recipe: Recipe, duration: float) -> Judge:
-    """Return a judge of a robot; a NoSimulator if that is not installed."""
+def judge_of(by: str, robot: DrivableRobot, motors: str | None, duration: float | None) -> Judge:
+    """Return a judge of a robot by its name; a NoSimulator if that is not installed."""
     if by == "mujoco":
-        plan = ManyPlan(
-            recipe=recipe, robot=robot, motors=motors, route=Straight.name, best="length", duration=duration
-        )
-        has_motors = not isinstance(robot.drive, Tracks)
-        words = f", motors as {motors or MOTORS[0]}" if has_motors else ""
-        return InMujoco(name=by, title=f"{required_simulator('ratings need')}{words}", cost=0.5, plan=plan)
+        words = "" if isinstance(robot.drive, Tracks) else f", motors as {motors or MOTORS[0]}"
+        title = f"{required_simulator('ratings need')}{words}"
+        return InMujoco(name=by, title=title, cost=0.5, robot=robot, duration=duration, motors=motors)
     if by == "prediction":
         return Predicted(name=by, title="the prediction by its poses", cost=0.02, robot=robot)
     here = choose_installation("both", by)

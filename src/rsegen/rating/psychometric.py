@@ -12,9 +12,9 @@ The posterior of the three is held on a grid: first a coarse one over all middle
 trials leave (Watson and Pelli, QUEST, Perception & Psychophysics 33, 1983, with all parameters unknown as in Watson,
 QUEST+, J. Vision 17(3), 2017). The next trial is put where its outcome is expected to tell most about the middle,
 which is the Psi method (Kontsevich and Tyler, Vision Research 39, 1999) with spread and lapse as nuisances (Prins,
-J. Vision 13(7), 2013): with the spread as an aim of its own it took a third more trials. Several trials are chosen
-together: after each, an outcome is drawn from what is known so far, and the next is chosen as if it had come. So they
-do not depend on who makes them, or how many at a time.
+J. Vision 13(7), 2013): with the spread as an aim of its own it took a fifth to two fifths more trials. Several trials
+are chosen together: after each, an outcome is drawn from what is known so far, and the next is chosen as if it had
+come. So they do not depend on who makes them, or how many at a time.
 
 Priors: middles even over the axis and a factor of 3 beyond it; spreads log-normal around 0.2; lapses up to 8 %, small
 ones more likely. Cost: some 10 ms for a batch of eight trials. What breaks it: outcomes that depend on each other, as

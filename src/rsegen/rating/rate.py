@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Callable, Sequence
@@ -15,7 +16,7 @@ import numpy as np
 from rsegen.driving.drive import drivable
 from rsegen.driving.many import ManyPlan, make_drives
 from rsegen.driving.routes import Straight
-from rsegen.errors import ParameterError, Stopped, shown
+from rsegen.errors import ParameterError, Stopped
 from rsegen.input_files import checksum_of
 from rsegen.obstacles.random import NormalRandom
 from rsegen.params.sorts import Json
@@ -73,16 +74,13 @@ class Rated:
         limits = {name: value for name, value in self.limits.items() if name not in ("wheels", "tracks")}
         return drivable(self.robot, self.limits["wheels"], self.limits["tracks"], **limits)  # type: ignore[arg-type]  # no function
 
-    def judges(self, names: Sequence[str], recipe: Recipe) -> list[Judge]:
+    def judges(self, names: Sequence[str]) -> list[Judge]:
         """Return the judges of these names."""
         if callable(self.robot):
             self._refuse_for_function(names)
             return [judge_by(self.robot)]
-        for name in names:
-            if name not in BY:
-                raise ParameterError("by", f"{shown(name)} is not one of {', '.join(BY)}")
-        model, duration = self.model(), self.seconds(recipe)
-        return [judge_of(name, model, self.motors, recipe, duration) for name in dict.fromkeys(names)]
+        model = self.model()
+        return [judge_of(name, model, self.motors, self.duration) for name in dict.fromkeys(names)]
 
     def _refuse_for_function(self, names: Sequence[str]) -> None:
         given = {**self.limits, "motors": self.motors, "duration": self.duration}
@@ -92,35 +90,34 @@ class Rated:
         if tuple(names) != BY[:1]:
             raise ParameterError("by", "is for a robot; a function judges by itself")
 
-    def seconds(self, recipe: Recipe) -> float:
-        """Return how long a drive takes at most."""
-        return self.duration or usual_duration(self.model(), build(recipe))
+    @property
+    def is_registered(self) -> bool:
+        """Whether a shell can name it: a kind of robot or a file, and no robot that was made in Python."""
+        return isinstance(self.robot, str | os.PathLike) or any(self.robot is known for known in ROBOTS.values())
 
-    def replay(self, recipe: Recipe) -> tuple[str, ...]:
-        """Return what `rsegen drive` needs to know of the robot; empty for a function, or a robot made in Python."""
-        known = self.robot if isinstance(self.robot, str | os.PathLike) else getattr(self.robot, "kind", None)
-        if self.is_function or (not isinstance(self.robot, str | os.PathLike) and known not in ROBOTS):
+    def replay(self) -> tuple[str, ...]:
+        """Return what `rsegen drive` needs to know of the robot; empty if a shell cannot name it."""
+        if not self.is_registered:
             return ()
-        values = {**self.limits, "motors": self.motors, "duration": f"{self.seconds(recipe):g}"}
-        words = [str(known)]
-        for name, value in values.items():
+        words = [str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.model().kind]
+        for name, value in {**self.limits, "motors": self.motors}.items():
             if value is not None:
                 words += [f"--{name}", ",".join(f"{part:g}" for part in value) if name == "size" else f"{value}"]
         return ("--robot", *words)
 
-    def described(self, recipe: Recipe) -> dict[str, Json]:
+    def described(self) -> dict[str, Json]:
         """Return what decides its trials, for the journal; a file by its checksum, as it may be changed."""
         if callable(self.robot):
             return {"function": judge_by(self.robot).title}
         is_file = isinstance(self.robot, str | os.PathLike) and is_robot_file(self.robot)
         checksum = checksum_of(Path(with_arguments(self.robot)[0])) if is_file else None  # type: ignore[arg-type]  # a path
-        limits = {name: list(value) if isinstance(value, tuple) else value for name, value in self.limits.items()}
         return {
-            "robot": str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.robot.kind,
+            "robot": str(self.robot) if isinstance(self.robot, str | os.PathLike) else self.model().kind,
+            "made": "" if self.is_registered else hashlib.sha256(repr(self.robot).encode()).hexdigest(),
             "file": checksum.sha256 if checksum else None,
-            "limits": limits,
+            "limits": {name: list(value) if isinstance(value, tuple) else value for name, value in self.limits.items()},
             "motors": self.motors,
-            "duration": self.seconds(recipe),
+            "duration": self.duration,
         }
 
 
@@ -138,9 +135,9 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
     axis, recipe = AXES[axis_name], replace(recipe, maps=1, first_map=0)
     refuse_unusable(axis, recipe)
     refuse_too_large(recipe)
-    judges = rated.judges(by, recipe)
+    judges = rated.judges(by)
     plan = RatingPlan(recipe=recipe, axis=axis, trials=trials, precision=precision)
-    of: Json = json.loads(json.dumps({**rated.described(recipe), "axis": axis.name, "recipe": encode(recipe)}))
+    of: Json = json.loads(json.dumps({**rated.described(), "axis": axis.name, "recipe": encode(recipe)}))
     with opened(target.output, of, force=target.force) if target.output else nullcontext() as store:
         if store:
             store.announce_files(FILES)
@@ -150,7 +147,7 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
             robot=judges[0].title if rated.is_function else rated.model().kind,
             axis=axis,
             curves=tuple(curves),
-            replay=rated.replay(recipe),
+            replay=rated.replay(),
             notes=tuple(_notes(recipe, axis, curves)),
         )
         if store:
@@ -222,13 +219,14 @@ def reliability_shown(  # as `rsegen.rate`
         raise ParameterError("recipe", "has nothing random, so all repetitions would be the same drive")
     if target.output is not None:
         refuse_taken([target.output], force=target.force, holds="files")
+    robot = rated.model()
     plan = ManyPlan(
         recipe=recipe,
-        robot=rated.model(),
+        robot=robot,
         motors=rated.motors,
         route=Straight.name,
         best="length",
-        duration=rated.seconds(recipe),
+        duration=rated.duration or usual_duration(robot, build(recipe)),
     )
     made = 0
 

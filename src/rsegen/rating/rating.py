@@ -216,7 +216,7 @@ class Rating:
         field = ["recipe.json", "--map", str(trial.map), *flags]
         if not self.replay or curve.by == "function":
             return {"parameters": values}
-        robot = [*self.replay]
+        robot = [*self.replay, *(["--duration", f"{trial.duration:g}"] if trial.duration else [])]
         if curve.by in ("classic", "sim"):  # whose motors are their own
             at = robot.index("--motors") if "--motors" in robot else len(robot)
             robot = [*robot[:at], *robot[at + 2 :], "--simulator", curve.by]

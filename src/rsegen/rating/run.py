@@ -159,9 +159,10 @@ _SORTS: dict[str, Any] = {
     "seconds": Float(0),
     "x": Float(),
     "tipped": Integer(0),
+    "duration": Float(0),
     "failed": Text(r".*", "a line"),
 }
-_OPTIONAL = {"crossed", "seconds", "x", "tipped"}
+_OPTIONAL = {"crossed", "seconds", "x", "tipped", "duration"}
 
 
 def read_entries(store: Store) -> dict[str, list[Trial]]:
