@@ -38,8 +38,11 @@ def judged(robot: str, unit: float, seed: int) -> dict[str, Any]:
     from rsegen.recipe.examples import EXAMPLES
     from rsegen.standing.ways import Lattice, reach
 
-    recipe = rsegen.Recipe(seed=seed, unit_cm=unit, boundary="none", obstacles=[rsegen.NormalRandom(levels=5)])
-    field, body = rsegen.build(recipe if unit else rsegen.load(EXAMPLES[COURSE])), rsegen.robot_of(robot).body
+    if unit:
+        recipe = rsegen.Recipe(seed=seed, unit_cm=unit, boundary="none", obstacles=[rsegen.NormalRandom(levels=5)])
+    else:
+        recipe = rsegen.load(EXAMPLES[COURSE])
+    field, body = rsegen.build(recipe), rsegen.robot_of(robot).body
     began = time.process_time()
     found = reach(field, body)
     seconds = time.process_time() - began

@@ -220,6 +220,16 @@ def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: 
         assert (found.length if found else np.inf) == pytest.approx(lengths.min())
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("unit", "most"), [(0.02, 0.4), (0.06, 0.7), (0.1, 1.0)])
+def test_a_region_is_that_of_all_moves_but_needs_few_where_a_robot_gets_around(unit: float, most: float) -> None:
+    lattice = Lattice(field_of(np.random.default_rng(7).integers(0, 4, (8, 7)), unit), BODIES["crawler"])
+    region, driven = lattice.region(), lattice._is_driven.mean()
+    lattice._find_from(np.arange(lattice.moves.size))
+    assert np.array_equal(lattice.region(), region)
+    assert driven < most
+
+
 def test_on_flat_ground_a_way_between_places_is_straight_and_from_a_place_to_itself_none_is_driven() -> None:
     lattice = Lattice(field_of(np.zeros((8, 5), int)), BURGER)
     way = lattice.between((-0.35, 0.0), (0.35, 0.0))
