@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from heapq import heapify, heappop, heappush, nsmallest
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,8 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import report_share
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import (
+    BESIDE,
+    FALL_ROOM,
     End,
     Lanes,
     across,
@@ -123,6 +126,9 @@ _LANES = 2000
 
 _PLACES_AT_ONCE = 512
 """Places whose moves are found together in a search that needs all: a second of work."""
+
+_CHECKED = 64
+"""Ways whose straight pieces are driven as a whole, before there is said to be none."""
 
 Watch = Callable[[float], object]
 """Called now and then with the share of a search that is done; what it raises ends the search."""
@@ -296,8 +302,57 @@ class Lattice:
             return None
         self._explore(starts)
         last = self.field.shape[axis] - 1
-        best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
-        return self._way_of(axis, *best) if best else None
+        for _ in range(_CHECKED):
+            best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
+            if best is None:
+                return None
+            ending = self._ending(axis, best[1])
+            if ending is None:
+                return self._way_of(axis, *best)
+            # The next way is another one: a planner that checks lazily bars edges (Bohlin and Kavraki 2000).
+            if ending == 0:
+                del starts[best[1][0]]
+            elif ending == len(best[1]):
+                del goals[best[1][-1]]
+            else:
+                self.moves[best[1][ending - 1]] = False
+        return None
+
+    def _ending(self, axis: int, places: Sequence[_Place]) -> int | None:
+        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or beside them.
+
+        0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
+        """
+        line, heading = self._line(axis, places)
+        for begin, end in pairwise(_straight_pieces(heading)):
+            run = np.append(0.0, np.hypot(*np.diff(line[begin : end + 1], axis=0).T).cumsum())
+            driven = self._surely_driven(line[begin], heading[begin] * np.pi / 4, float(run[-1])) if run[-1] else 1.0
+            if driven < 1:
+                return int(begin + np.searchsorted(run[1:-1], driven * run[-1], side="right"))
+        return None
+
+    def _surely_driven(self, begin: Array, yaw: float, length: float) -> float:
+        """Return the share of a straight piece that is driven, and of lanes beside it; more aside where it drops."""
+        room = BESIDE
+        while True:
+            x, y = begin[:, None] + np.array([[-np.sin(yaw)], [np.cos(yaw)]]) * np.array([0.0, -room, room])
+            lanes = drive_lanes(self.ground, self.body, x, y, np.full(3, yaw), length)
+            if not lanes.passed.all():
+                return float(lanes.last[~lanes.passed].min() / lanes.drops.shape[1])
+            if room == FALL_ROOM or not lanes.drops.any():
+                return 1.0
+            room = FALL_ROOM
+
+    def _line(self, axis: int, places: Sequence[_Place]) -> tuple[Array, Ints]:
+        """Return the line of a way, its places and both its ends (n + 2, 2), and the heading of each lane, (n + 1,)."""
+        i, j, k = np.array(places).T
+        points = np.stack([self.x[i], self.y[j]], axis=1)
+        ends = points[[0, -1]].copy()
+        ends[:, axis] = (
+            -entry_distance(self.field, self.body, axis),
+            self.field.extent[axis] / 2 - float(self.body.low[0]),
+        )
+        return np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
 
     def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
         """Return the best way between two places, x and y in metres, at any heading; None if there is none.
@@ -428,17 +483,12 @@ class Lattice:
 
     def _way_of(self, axis: int, cost: float, places: list[_Place]) -> Way:
         """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
-        i, j, k = np.array(places).T
-        points = np.stack([self.x[i], self.y[j]], axis=1)
-        ends = points[[0, -1]].copy()
-        ends[:, axis] = (
-            -entry_distance(self.field, self.body, axis),
-            self.field.extent[axis] / 2 - float(self.body.low[0]),
-        )
+        k = np.array(places)[:, 2]
+        line, heading = self._line(axis, places)
+        points, ends = line[1:-1], line[[0, -1]]
         length = cost + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
         # Once more its lanes from turn to turn, with those at both ends, and where it turns.
-        line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
-        turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(line) - 1)
+        turns = _straight_pieces(heading)
         lanes = [
             drive_lanes(self.ground, self.body, begin[:1], begin[1:], np.array([yaw]), float(np.hypot(*(end - begin))))
             for begin, end, yaw in zip(line[turns[:-1]], line[turns[1:]], heading[turns[:-1]] * np.pi / 4, strict=True)
@@ -492,6 +542,11 @@ class Lattice:
                 x, y = np.tile(points[m], (_TURN_POSES, 1)).T
                 yield settle(self.ground, self.body, x, y, headings)
             begin = m + 1
+
+
+def _straight_pieces(heading: Ints) -> Ints:
+    """Return the numbers of the first lane of each straight piece, and that beyond the last, for headings of lanes."""
+    return np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
 
 
 def _run_starts(which: Mask) -> list[int]:
