@@ -41,6 +41,7 @@ from rsegen.standing.lanes import (
     entry_distance,
     lines_along,
     origins,
+    safely_passed,
     step_of,
     straight,
     surely_passed,
@@ -628,7 +629,7 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
     passed = surely_passed(lanes, field, body, axis, middles)
     if not passed.any():
         return None
-    best = int(np.where(passed, lanes.tilt, np.inf).argmin())
+    best = _safest(lanes, passed, field, body, axis, middles)
     low, high = -entry_distance(field, body, axis), field.extent[axis] / 2 - float(body.low[0])
     points = np.array([(low, middles[best]), (high, middles[best])])
     return Way(
@@ -638,6 +639,21 @@ def _straight_way(lanes: Lanes, field: StepField, body: Body, axis: int) -> Way 
         points=points if axis == 0 else points[:, ::-1].copy(),
         **_summary(PaddedGround.of(field, outer_radius(body)), body, [lanes.lane(best)]),
     )
+
+
+def _safest(lanes: Lanes, passed: Mask, field: StepField, body: Body, axis: int, middles: Array) -> int:
+    """Return the number of the lane with the least tilt of those that are driven with room to spare, or else of all."""
+    by_tilt = np.argsort(lanes.tilt + np.where(passed, 0.0, np.inf), kind="stable")[: np.count_nonzero(passed)]
+    for begin in range(0, len(by_tilt), _TRIED):
+        some = by_tilt[begin : begin + _TRIED]
+        safe = safely_passed(field, body, axis, middles[some])
+        if safe.any():
+            return int(some[safe.argmax()])
+    return int(by_tilt[0])
+
+
+_TRIED = 2
+"""Lanes that are driven with room to spare at a time: mostly one of the first is."""
 
 
 def no_way(lanes: Lanes, body: Body) -> Way:
