@@ -31,6 +31,7 @@ SOURCES: Mapping[str, Source] = {
     "busy": Source("[busy machines](busy.md)", "python -m benchmarks.busy"),
     "contact": Source("[what a wheel feels](contact.md)", "make bench-contact"),
     "contact-sim": Source("[the same, Gazebo Sim](contact.md)", "make bench-contact"),
+    "crossable": Source("[made for robots](constraints.md)", "python -m benchmarks.crossable"),
     "crash": Source("[kills](reliability.md)", "make crash"),
     "crossings": Source("[robots across](poses.md)", "python -m benchmarks.crossings"),
     "datasets": Source("[data sets](datasets.md)", "python -m benchmarks.datasets"),
