@@ -36,7 +36,8 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
             crossable[name] = {"crosses": way.crosses, "length_m": way.length}
             if isinstance(way, Crossing):
                 crossable[name]["cells"] = way.path.tolist()
-                on_way[tuple(way.path.T)] = True
+                inside = ((way.path >= 0) & (way.path < scene.field.shape)).all(axis=1)  # it begins on the ground
+                on_way[tuple(way.path[inside].T)] = True
             else:
                 crossable[name]["points_m"] = np.round(way.points, 6).tolist()
                 on_way |= _cells_near(scene.field, way.points, crosser.width)
