@@ -19,7 +19,19 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rsegen
-from benchmarks import agreement, busy, certainty, crossings, datasets, learning, rests, scan, starts, training
+from benchmarks import (
+    agreement,
+    busy,
+    certainty,
+    crossable,
+    crossings,
+    datasets,
+    learning,
+    rests,
+    scan,
+    starts,
+    training,
+)
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, protocol, records, reliability
@@ -69,6 +81,7 @@ MUJOCO = DOCS / "mujoco.md"
 CERTAINTY = DOCS / "certainty.md"
 TRAINING = DOCS / "training.md"
 POSES = DOCS / "poses.md"
+CONSTRAINTS = DOCS / "constraints.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
@@ -180,6 +193,9 @@ def texts() -> dict[Path, str]:
         DOCS / "benchmarks.md": page(figures),
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         POSES: filled(POSES.read_text("utf-8"), _predictions()),
+        CONSTRAINTS: filled(
+            CONSTRAINTS.read_text("utf-8"), crossable.table(json.loads(crossable.FILE.read_text("utf-8")))
+        ),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
         MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),

@@ -32,6 +32,7 @@ SOURCES: Mapping[str, Source] = {
     "certainty": Source("[does it get across](certainty.md)", "python -m benchmarks.certainty --classic"),
     "contact": Source("[what a wheel feels](contact.md)", "make bench-contact"),
     "contact-sim": Source("[the same, Gazebo Sim](contact.md)", "make bench-contact"),
+    "crossable": Source("[made for robots](constraints.md)", "python -m benchmarks.crossable"),
     "crash": Source("[kills](reliability.md)", "make crash"),
     "crossings": Source("[robots across](poses.md)", "python -m benchmarks.crossings"),
     "datasets": Source("[data sets](datasets.md)", "python -m benchmarks.datasets"),

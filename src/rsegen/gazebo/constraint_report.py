@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.numbers import lengths_in
 from rsegen.recipe.building import build
 from rsegen.scene.scene import Scene
@@ -28,13 +30,21 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
         report["max_step"] = {"asked": recipe.max_step, "is": int(differences(scene.field).max(initial=0))}
     if (crosser := recipe.crosser) is not None:
         crossable = _crossing_parameters(recipe)
+        on_way = np.zeros(scene.field.shape, bool)
         for axis, name in enumerate(("west_east", "south_north")):
             way = crosser.crossing(scene.field, axis)
             crossable[name] = {"crosses": way.crosses, "length_m": way.length}
             if isinstance(way, Crossing):
                 crossable[name]["cells"] = way.path.tolist()
+                inside = ((way.path >= 0) & (way.path < scene.field.shape)).all(axis=1)  # it begins on the ground
+                on_way[tuple(way.path[inside].T)] = True
             else:
                 crossable[name]["points_m"] = np.round(way.points, 6).tolist()
+                on_way |= _cells_near(scene.field, way.points, crosser.width)
+        crossable["roughness"] = {
+            "on_ways": _roughness(scene.field, on_way),
+            "beside": _roughness(scene.field, ~on_way),
+        }
         if not recipe.inventory:
             # Blocks that are lower than they would be if nothing had to get across.
             lower = scene.field.levels < _built(replace(recipe, crossable_by=None), scene.index).levels
@@ -44,6 +54,31 @@ def constraint_report(scene: Scene) -> dict[str, Any]:
     if recipe.inventory is not None:
         report["inventory"] = _inventory(scene, recipe.inventory)
     return report
+
+
+def _cells_near(field: StepField, points: Array, width: float) -> Mask:
+    """Return the cells whose middles are within half a width [m] of a line through points (k, 2), (n_x, n_y)."""
+    near, middles = np.zeros(field.shape, bool), np.stack(np.meshgrid(*field.middles(), indexing="ij"), axis=-1)
+    for begin, end in pairwise(points):
+        along = end - begin
+        share = np.clip((middles - begin) @ along / max(float(along @ along), 1e-12), 0, 1)
+        away = np.linalg.norm(middles - begin - share[..., None] * along, axis=-1)
+        near |= away <= max(width, field.block_width) / 2
+    return near
+
+
+def _roughness(field: StepField, cells: Mask) -> dict[str, float | None]:
+    """Return the mean step between neighbouring blocks in a mask, in units, and the share of them at level 0."""
+    cells, levels = cells & ~field.frame, field.levels.astype(np.int64)
+    steps = [
+        np.abs(np.diff(levels, axis=axis))[np.take(cells, range(1, n), axis) & np.take(cells, range(n - 1), axis)]
+        for axis, n in enumerate(levels.shape)
+    ]
+    step, own = np.concatenate(steps), levels[cells]
+    return {
+        "mean_step": round(float(step.mean()), 3) if len(step) else None,
+        "level_0": round(float((own == 0).mean()), 3) if len(own) else None,
+    }
 
 
 def _crossing_parameters(recipe: Recipe) -> dict[str, Any]:
@@ -73,10 +108,17 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         if "lowered" in crossable:
             blocks, at_0 = crossable["lowered"].values()
             of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"
-            all_flat = "all of these at level 0, so its ways are flat; a max_step keeps them rough"
+            all_flat = "all of these at level 0"
             at_level_0 = f"{at_0:,} of these at level 0" if at_0 < blocks else all_flat
             lowered = f"{of_all} are lower for that than they would be, {at_level_0}"
             yield lowered if blocks else "no block is lower for that than it would be"
+        way, beside = (crossable["roughness"][part] for part in ("on_ways", "beside"))
+        if None not in (*way.values(), *beside.values()):
+            yield (
+                "on its ways neighbouring blocks differ by {mean_step:.1f} units on average, and {level_0:.0%} of the "
+                "blocks are at level 0; ".format(**way)
+                + "beside them {mean_step:.1f}, and {level_0:.0%}".format(**beside)
+            )
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
         nearness = _nearness(scene, scene.recipe.inventory or ())

@@ -1,24 +1,50 @@
 """Lower blocks until a robot drives across: the constraint `crossable_by` of a kind of robot.
 
-A lane is straight, and as wide as the robot. Where it drives none, the steps of one are limited, from the largest limit
-that changes anything down to none, on the lane where that lowers the fewest levels, until it is driven.
+A lane is straight, and as wide as the robot. If none is driven with room to spare, blocks of some lanes are lowered
+where the robot's drive ends, and nowhere else, so a lane stays as rough as the robot takes it:
+
+1. Lanes are cut into pieces that overlap. Each is driven by itself, also to either side, and turned to either side,
+   with less momentum and friction than the robot has: what is left is room to spare.
+2. Where a piece ends, the largest step between neighbouring blocks under the robot is made smaller by a unit, or, if
+   it is one unit, the highest blocks there are lowered by one.
+3. Again, with the pieces that have changed, until all are driven; then the lane as a whole, from side to side.
+
+Of these lanes the one with the fewest lowered units counts, first those with blocks in at least half of their cells. If
+the robot climbs no block of one unit, or no lane is driven, a lane is made level.
+
+Cost: some seconds; some thousand poses. What breaks it: what breaks lanes, above all robots that are turned.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.crossing import NO_CAP
-from rsegen.field.stepfield import Ints, Mask, StepField
+from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.field.traversability import cells_to_each_side
 from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.meeting import envelope
 from rsegen.standing.body import Body
-from rsegen.standing.lanes import across, lines_along, straight_lane
+from rsegen.standing.lanes import (
+    across,
+    careful,
+    drive_lanes,
+    entry_distance,
+    lines_along,
+    origins,
+    room_beside,
+    safely_passed,
+    step_of,
+    straight,
+    straight_lane,
+    surely_passed,
+)
+from rsegen.standing.settling import PaddedGround, outer_radius
 
 if TYPE_CHECKING:
     from rsegen.standing.kinds import RobotOnField
@@ -27,12 +53,34 @@ _FIRST_LANES, _LANES = 2, 8
 """Straight lanes that are driven at a time, first and then: few, as one of the first, most even ones is mostly
 driven to its end, but enough for one call."""
 
+_ON_BLOCKS = 0.5
+"""Least share of the cells of a lane that have blocks, where that can be."""
+
+_TRIED = 2
+"""Lanes that are lowered, of which the best one counts."""
+
+_DRIVEN = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
+"""How pieces are driven: on the lane, to either side of it, and turned to either side."""
+
+_TURNED = 0.1
+"""Radians by which a robot is turned: blocks under one wheel, or track, turn robots by some ten degrees."""
+
+_ROUNDS = 80
+"""Rounds of lowering at most; most lanes take ten to forty."""
+
+_PIECE = 1.5
+"""Length of a piece in blocks; they begin a block apart, so that no step is only at an end."""
+
 
 def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     """Return the highest levels along a straight lane that the robot drives; None if there is one already."""
     body, search = robot.body, robot.search
     turned = field if axis == 0 else replace(field, levels=field.levels.T, frame=field.frame.T)
     aside = cells_to_each_side(field, body.width)
+    lines = [
+        line for line in np.flatnonzero(lines_along(field, axis)).tolist() if aside <= line < turned.shape[1] - aside
+    ]
+    lines = lines or [turned.shape[1] // 2]
     # Lanes are driven some at a time, the most even ones first, until one is driven to its end. Each axis is half of
     # the search: up to a half of that for the lanes as they are, the rest for lower and lower ones.
     steps = np.pad(np.abs(np.diff(turned.levels.astype(np.int64), axis=0)).sum(axis=0), aside)
@@ -40,41 +88,182 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
     middles = across(field, axis)[np.argsort(unevenness, kind="stable")]
     driven, count = 0, _FIRST_LANES
     while driven < len(middles):
-        if straight_lane(field, body, axis, middles[driven : driven + count]) is not None:
+        if _is_safe(field, body, axis, middles[driven : driven + count]):
             return None
         driven, count = min(driven + count, len(middles)), _LANES
         report_share(search, (axis + driven / len(middles) / 2) / 2)
-    lines = [
-        line for line in np.flatnonzero(lines_along(field, axis)).tolist() if aside <= line < turned.shape[1] - aside
-    ]
-    lines = lines or [turned.shape[1] // 2]
-    highest = int(field.levels.max(initial=0))
-    for limit in range(highest - 1, -1, -1):
-        report_share(search, (axis + 1 - (limit + 1) / highest / 2) / 2)
-        # The lane whose levels need the least lowering, with the level ground at both ends.
-        lanes = ((line, _lane_levels(turned, line, aside, limit)) for line in lines)
-        line, caps = min(lanes, key=lambda lane: int((turned.levels - np.minimum(turned.levels, lane[1])).sum()))
+    *rough, level = _lowered_lanes(turned, body, lines, aside, search, axis)
+    for line, levels in (*rough, level):
+        lane = slice(max(line - aside, 0), line + aside + 1)
+        caps = np.full(turned.shape, NO_CAP)
+        caps[:, lane] = np.where(turned.frame[:, lane], NO_CAP, levels)
         caps = caps if axis == 0 else caps.T
-        middle = field.edges()[1 - axis][line] + field.block_width / 2
         lowered = replace(field, levels=np.minimum(field.levels, caps).astype(np.int16))
-        if straight_lane(lowered, body, axis, np.array([middle])) is not None:
-            return caps
+        middle = np.array([field.edges()[1 - axis][line] + field.block_width / 2])
+        if straight_lane(lowered, body, axis, middle) is not None:
+            # Between other blocks, even a level lane may have less room than was asked for.
+            return caps if (field.levels > caps).any() else None
     raise ParameterError(
         "crossable_by",
         f"{robot.kind} does not get over frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
     )
 
 
+def _is_safe(field: StepField, body: Body, axis: int, middles: Array) -> bool:
+    """Return whether a robot drives one of the lanes at some places across, metres, with room to spare."""
+    passed = surely_passed(straight(field, body, axis, middles), field, body, axis, middles)
+    return bool(passed.any() and safely_passed(field, body, axis, middles[passed]).any())
+
+
+def _lowered_lanes(
+    field: StepField, body: Body, lines: list[int], aside: int, search: str, axis: int
+) -> list[tuple[int, Ints]]:
+    """Return lines of cells along x with lowered levels of their lanes, from the best to a level one."""
+    _, line = min((_units(field, line, aside, _lane_levels(field, line, aside, 0)), line) for line in lines)
+    level = line, _lane_levels(field, line, aside, 0)
+    robot = careful(field, body)
+    if robot is None:  # of blocks as high as these it climbs none
+        return [level]
+    least = sorted((_units(field, line, aside, _lane_levels(field, line, aside, 1)), line) for line in lines)
+    tried = [line for _, line in least[:_TRIED]]
+    strips = _Strips.of(field, tried, aside)
+    lowered = strips.smoothed(robot, lambda share: report_share(search, (axis + 0.5 + share / 2) / 2))
+    ranked = []
+    for line, levels in zip(tried, lowered, strict=True):
+        first, count = max(aside - line, 0), len(field.levels[0, max(line - aside, 0) : line + aside + 1])
+        own = levels[:, 1:-1][:, first : first + count]
+        is_level = float((own > 0).mean()) < _ON_BLOCKS
+        ranked.append((is_level, _units(field, line, aside, own), line, own))
+    return [*((line, own) for *_, line, own in sorted(ranked, key=lambda lane: lane[:3])), level]
+
+
+def _units(field: StepField, line: int, aside: int, levels: Ints) -> int:
+    """Return by how many units in all the blocks of a lane are lowered to levels."""
+    own = field.levels[:, max(line - aside, 0) : line + aside + 1].astype(np.int64)
+    return int((own - np.minimum(own, levels)).sum())
+
+
 def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
-    """Return the highest levels along x, about a line of cells, whose steps are within a limit; NO_CAP elsewhere."""
-    caps = np.full(field.shape, NO_CAP)
+    """Return the highest levels along x, about a line of cells, whose steps are within a limit, from the ground on."""
     lane = slice(max(line - aside, 0), line + aside + 1)
     levels = field.levels[:, lane].astype(np.int64)
     steps = np.minimum(np.arange(len(levels)), np.arange(len(levels))[::-1]) + 1
     levels = np.minimum(levels, limit * steps[:, None])
     part = replace(field, levels=levels.astype(np.int16), frame=field.frame[:, lane])
-    caps[:, lane] = np.where(part.frame, NO_CAP, envelope(part.levels, part, limit))
-    return caps
+    return np.where(part.frame, NO_CAP, envelope(part.levels, part, limit))
+
+
+@dataclass(slots=True, eq=False)
+class _Strips:
+    """Lanes with the cells beside them, one next to the other as a field of their own, S of them.
+
+    levels: (S, n, w), frame: (S, n, w); beside: cells to each side of a lane that stay as they are
+    """
+
+    field: StepField
+    levels: Ints
+    frame: Mask
+    beside: int
+
+    @classmethod
+    def of(cls, field: StepField, lines: list[int], aside: int) -> _Strips:
+        """Return the strips of lanes about lines of cells."""
+        beside, width = 1, 2 * (aside + 1) + 1
+        levels, frame = (np.pad(values, ((0, 0), (aside + 1, aside + 1))) for values in (field.levels, field.frame))
+        return cls(
+            field=field,
+            levels=np.stack([levels[:, line : line + width] for line in lines]).astype(np.int64),
+            frame=np.stack([frame[:, line : line + width] for line in lines]),
+            beside=beside,
+        )
+
+    def smoothed(self, body: Body, progress: Callable[[float], object]) -> Ints:
+        """Return the levels with which all pieces of the lanes are driven, as far as lowering helps, (S, n, w)."""
+        width, begin = self.field.block_width, -entry_distance(self.field, body, 0)
+        end = self.field.extent[0] / 2 - min(float(body.low[0]), 0.0) + step_of(body)
+        starts = np.arange(begin, end - width / 2, width)
+        shape = (len(self.levels), len(starts), len(_DRIVEN))
+        # What is to be driven, and what no lowering helps; each piece first as it last ended, then in all other ways.
+        is_open, is_lost, last = np.ones(shape, bool), np.zeros(shape, bool), np.zeros(shape[:2], int)
+        for turn in range(_ROUNDS):
+            progress(turn / _ROUNDS)
+            first = is_open & ~is_lost & (np.arange(len(_DRIVEN)) == last[..., None])
+            chosen = np.argwhere(first if first.any() else is_open & ~is_lost)
+            if not len(chosen):
+                break
+            ends = self._ends(body, chosen, starts)
+            is_open[tuple(chosen.T)] = ~np.isnan(ends)
+            changed = np.zeros((shape[0], self.levels.shape[1] + 2), bool)
+            for (strip, piece, way), x in zip(chosen.tolist(), ends.tolist(), strict=True):
+                if np.isnan(x):
+                    continue
+                last[strip, piece] = way
+                window = self._window(x, body)
+                if changed[strip, window].any():
+                    continue
+                is_lost[strip, piece, way] = not self._lower(strip, window)
+                changed[strip, window] = True
+            for strip, piece in np.argwhere(np.ones(shape[:2], bool)).tolist():
+                near = slice(
+                    self._window(float(starts[piece]), body).start,
+                    self._window(float(starts[piece] + _PIECE * width), body).stop,
+                )
+                is_open[strip, piece] |= changed[strip, near].any()
+        return self.levels
+
+    def _window(self, x: float, body: Body) -> slice:
+        """Return the lines of cells under a robot whose origin is at some x, and half a block before it, with ground
+        at both ends as the first and last line.
+        """
+        width, count = self.field.block_width, self.levels.shape[1]
+        low, high = x + float(body.low[0]), x + float(body.high[0]) + width / 2
+        first, last = (int(np.floor(at / width + count / 2)) + 1 for at in (low, high))
+        return slice(min(max(first, 0), count + 1), min(max(last, 0), count + 1) + 1)
+
+    def _ends(self, body: Body, pieces: Ints, starts: Array) -> Array:
+        """Return where pieces end, x of the robot's origin, metres; NaN if driven.
+
+        pieces: (n, 3) strip, number of the start, and number of how it is driven
+        """
+        wide, width = self.levels.shape[2], self.field.block_width
+        levels, frame = (np.concatenate(list(values), axis=1) for values in (self.levels, self.frame))
+        field = replace(self.field, levels=levels.astype(np.int16), frame=frame)
+        side, turn = np.array(_DRIVEN)[pieces[:, 2]].T
+        y = ((pieces[:, 0] + 0.5) * wide - levels.shape[1] / 2) * width + side * room_beside(body)
+        ground = PaddedGround.of(field, outer_radius(body))
+        lanes = drive_lanes(ground, body, starts[pieces[:, 1]], y, turn * _TURNED, _PIECE * width)
+        count, ended = len(lanes.poses.x) // len(pieces), np.flatnonzero(~lanes.passed)
+        ends = np.full(len(pieces), np.nan)
+        ends[ended] = origins(lanes.poses.some(ended * count + lanes.last[ended]), body)[0]
+        return ends
+
+    def _lower(self, strip: int, window: slice) -> bool:
+        """Make the largest step of the lane in a window of lines smaller by a unit, or its highest blocks lower.
+
+        Return whether that lowers a block.
+
+        window: lines of cells along x, counted from the ground before the field
+        """
+        inner = slice(self.beside, self.levels.shape[2] - self.beside)
+        own, frame = self.levels[strip, :, inner], self.frame[strip, :, inner]
+        padded, walls = np.pad(own, ((1, 1), (0, 0))), np.pad(frame, ((1, 1), (0, 0)))
+        part, wall = padded[window], walls[window]
+        largest = max(int((np.abs(np.diff(part, axis=axis)) * ~_either(wall, axis)).max(initial=0)) for axis in (0, 1))
+        if largest > 1:
+            lower = envelope(part, replace(self.field, levels=part.astype(np.int16), frame=wall), largest - 1)
+            lower = np.minimum(part, lower)
+        else:
+            lower = np.where((part == part[~wall].max(initial=0)) & ~wall, part - 1, part)
+        padded[window] = np.maximum(lower, 0)
+        lowered = np.where(frame, own, padded[1:-1])
+        self.levels[strip, :, inner] = lowered
+        return bool((lowered < own).any())
+
+
+def _either(mask: Mask, axis: int) -> Mask:
+    """Return which neighbours along an axis have one that is in a mask."""
+    first, second = (slice(-1), slice(1, None))
+    return mask[first] | mask[second] if axis == 0 else mask[:, first] | mask[:, second]
 
 
 def lane_cells(field: StepField, body: Body) -> Mask:

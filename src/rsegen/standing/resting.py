@@ -229,7 +229,7 @@ def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tu
     clearance = np.where(body.drives | bears, np.inf, above).min(axis=1)
     return (
         at + centres,
-        _loads(at),
+        loads_on(at),
         corners + centres,
         np.maximum(clearance, 0.0),
         np.arctan2(aside, high),
@@ -237,7 +237,7 @@ def _measured(ground: PaddedGround, body: Body, rest: Settled, rows: Ints) -> tu
     )
 
 
-def _loads(at: Array) -> Array:
+def loads_on(at: Array) -> Array:
     """Return the share of the weight on each of three contacts around the origin: barycentric coordinates, (n, 3)."""
     x, y = at[..., 0], at[..., 1]
     areas = np.stack([x[:, j] * y[:, k] - x[:, k] * y[:, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1)

@@ -28,6 +28,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from heapq import heapify, heappop, heappush, nsmallest
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -37,13 +38,14 @@ from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.params.watch import report_share
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import (
-    End,
+    BESIDE,
+    FALL_ROOM,
     Lanes,
     across,
     drive_lanes,
     entry_distance,
     lines_along,
-    origins,
+    safely_passed,
     step_of,
     steps_on,
     straight,
@@ -144,6 +146,9 @@ least, as fewer cost as much."""
 
 _TURNING = 0.2
 """Share of the search for a region that turns take; the others are moves."""
+
+_CHECKED = 64
+"""Ways whose straight pieces are driven as a whole, before there is said to be none."""
 
 Watch = Callable[[float], object]
 """Called now and then with the share of a search that is done; what it raises ends the search."""
@@ -387,8 +392,57 @@ class Lattice:
             return None
         self._explore(starts)
         last = self.field.shape[axis] - 1
-        best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
-        return self._way_of(axis, best[1]) if best else None
+        for _ in range(_CHECKED):
+            best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
+            if best is None:
+                return None
+            ending = self._ending(axis, best[1])
+            if ending is None:
+                return self._way_of(axis, best[1])
+            # The next way is another one: a planner that checks lazily bars edges (Bohlin and Kavraki 2000).
+            if ending == 0:
+                del starts[best[1][0]]
+            elif ending == len(best[1]):
+                del goals[best[1][-1]]
+            else:
+                self.moves[best[1][ending - 1]] = False
+        return None
+
+    def _ending(self, axis: int, places: Sequence[_Place]) -> int | None:
+        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or beside them.
+
+        0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
+        """
+        line, heading = self._line(axis, places)
+        for begin, end in pairwise(_straight_pieces(heading)):
+            run = np.append(0.0, np.hypot(*np.diff(line[begin : end + 1], axis=0).T).cumsum())
+            driven = self._surely_driven(line[begin], heading[begin] * np.pi / 4, float(run[-1])) if run[-1] else 1.0
+            if driven < 1:
+                return int(begin + np.searchsorted(run[1:-1], driven * run[-1], side="right"))
+        return None
+
+    def _surely_driven(self, begin: Array, yaw: float, length: float) -> float:
+        """Return the share of a straight piece that is driven, and of lanes beside it; more aside where it drops."""
+        room = BESIDE
+        while True:
+            x, y = begin[:, None] + np.array([[-np.sin(yaw)], [np.cos(yaw)]]) * np.array([0.0, -room, room])
+            lanes = drive_lanes(self.ground, self.body, x, y, np.full(3, yaw), length)
+            if not lanes.passed.all():
+                return float(lanes.last[~lanes.passed].min() / lanes.drops.shape[1])
+            if room == FALL_ROOM or not lanes.drops.any():
+                return 1.0
+            room = FALL_ROOM
+
+    def _line(self, axis: int, places: Sequence[_Place]) -> tuple[Array, Ints]:
+        """Return the line of a way, its places and both its ends (n + 2, 2), and the heading of each lane, (n + 1,)."""
+        i, j, k = np.array(places).T
+        points = np.stack([self.x[i], self.y[j]], axis=1)
+        ends = points[[0, -1]].copy()
+        ends[:, axis] = (
+            -entry_distance(self.field, self.body, axis),
+            self.field.extent[axis] / 2 - float(self.body.low[0]),
+        )
+        return np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
 
     def between(self, start: tuple[float, float], goal: tuple[float, float]) -> DrivenWay | None:
         """Return the best way between two places, x and y in metres, at any heading; None if there is none.
@@ -524,17 +578,12 @@ class Lattice:
 
     def _way_of(self, axis: int, places: list[_Place]) -> Way:
         """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
-        i, j, k = np.array(places).T
-        points = np.stack([self.x[i], self.y[j]], axis=1)
-        ends = points[[0, -1]].copy()
-        ends[:, axis] = (
-            -entry_distance(self.field, self.body, axis),
-            self.field.extent[axis] / 2 - float(self.body.low[0]),
-        )
+        k = np.array(places)[:, 2]
+        line, heading = self._line(axis, places)
+        points, ends = line[1:-1], line[[0, -1]]
         length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
         # Once more its lanes from turn to turn, with those at both ends, and where it turns.
-        line, heading = np.concatenate([ends[:1], points, ends[1:]]), np.append(k[0], k)
-        turns = np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(line) - 1)
+        turns = _straight_pieces(heading)
         lanes = [
             drive_lanes(self.ground, self.body, begin[:1], begin[1:], np.array([yaw]), float(np.hypot(*(end - begin))))
             for begin, end, yaw in zip(line[turns[:-1]], line[turns[1:]], heading[turns[:-1]] * np.pi / 4, strict=True)
@@ -594,6 +643,11 @@ class Lattice:
                 x, y = np.tile(points[m], (_TURN_POSES, 1)).T
                 yield settle(self.ground, self.body, x, y, headings)
             begin = m + 1
+
+
+def _straight_pieces(heading: Ints) -> Ints:
+    """Return the numbers of the first lane of each straight piece, and that beyond the last, for headings of lanes."""
+    return np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
 
 
 def _run_starts(which: Mask) -> list[int]:
@@ -681,11 +735,12 @@ def best_way(field: StepField, body: Body, axis: int, best: str = "length") -> W
 
 
 def _straight_way(field: StepField, body: Body, axis: int) -> Way | None:
-    """Return the straight way with the least tilt; None if no lane is driven to its end.
+    """Return the straight way with the least tilt, if there is one with room to spare; None if no lane is driven.
 
     Lanes are driven from that whose tilt is the least at some of its poses, until none that is left can have less.
     """
     middles, passed, end = across(field, axis), dict[int, Lanes](), 0
+    narrow: Way | None = None
     bounds = _least_tilts(field, body, axis, middles)
     order = np.argsort(bounds, kind="stable")[: np.isfinite(bounds).sum()]
     while end < len(order):
@@ -699,9 +754,12 @@ def _straight_way(field: StepField, body: Body, axis: int) -> Way | None:
             if lane.tilt[0] >= left:
                 break
             if surely_passed(lane, field, body, axis, middles[best : best + 1]).all():
-                return _way_along(lane, field, body, axis, float(middles[best]))
+                way = _way_along(lane, field, body, axis, float(middles[best]))
+                if safely_passed(field, body, axis, middles[best : best + 1]).all():
+                    return way
+                narrow = narrow or way
             del passed[best]
-    return None
+    return narrow
 
 
 def _least_tilts(field: StepField, body: Body, axis: int, middles: Array) -> Array:
@@ -731,16 +789,3 @@ def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: flo
 def no_way(lanes: Lanes, body: Body, number: int | None = None) -> Way:
     """Return what ends a straight lane, by default the one that gets farthest."""
     best = int(lanes.last.argmax()) if number is None else number
-    count = len(lanes.poses.x) // len(lanes.end)
-    place = best * count + int(lanes.last[best])
-    x, y = origins(lanes.poses.some(slice(place, place + 1)), body)
-    return Way(
-        crosses=False,
-        length=None,
-        length_ratio=None,
-        tilt=None,
-        margin=None,
-        points=np.empty((0, 2)),
-        reason=End(int(lanes.end[best])).words,
-        at=(float(x[0]), float(y[0])),
-    )

@@ -36,7 +36,7 @@ RANDOM = (rsegen.Random(levels=5),)
 
 
 def recipe(**values: object) -> rsegen.Recipe:
-    return rsegen.Recipe(seed=3, **{"obstacles": RANDOM, **values})  # type: ignore[arg-type]
+    return rsegen.Recipe(**{"seed": 3, "obstacles": RANDOM, **values})  # type: ignore[arg-type]
 
 
 def crosses(field: rsegen.StepField, climb: float, drop: float, width: float) -> bool:
@@ -236,6 +236,45 @@ def test_a_robot_crosses_the_maps_that_were_made_for_it(kind: str, unit_cm: floa
     assert (made.levels <= free.levels).all()
     lanes = 2 * (2 * ceil(body.width / made.block_width / 2) + 1) * made.shape[0]
     assert (made.levels != free.levels).sum() <= lanes
+
+
+@pytest.mark.slow
+def test_lanes_stay_as_rough_as_a_robot_takes_them() -> None:
+    """Of blocks of 2 cm a jackal climbs many, and a few are in its way."""
+    rough = recipe(seed=610100, boundary="none", unit_cm=2)
+    free, made = (rsegen.build(replace(rough, crossable_by=robot)) for robot in (None, "jackal"))
+    lowered = free.levels > made.levels
+    assert (made.levels <= free.levels).all()
+    assert 0 < lowered.sum() < 30
+    scene = rsegen.compose(replace(rough, crossable_by="jackal"))
+    report = constraint_report(scene)["crossable_by"]
+    assert report["west_east"]["crosses"]
+    assert report["south_north"]["crosses"]
+    assert report["roughness"]["on_ways"]["level_0"] < 0.5
+    assert report["roughness"]["on_ways"]["mean_step"] > 0.5
+
+
+@pytest.mark.slow
+def test_a_robot_that_climbs_no_block_gets_level_lanes() -> None:
+    made = recipe(boundary="none", chunk_size=6, crossable_by="burger")
+    report = constraint_report(rsegen.compose(made))["crossable_by"]
+    assert report["roughness"]["on_ways"] == {"mean_step": 0.0, "level_0": 1.0}
+    assert report["roughness"]["beside"]["mean_step"] > 0
+
+
+def test_the_roughness_of_ways_is_that_of_their_cells() -> None:
+    scene = rsegen.compose(recipe(crossable_by=(10, 20, 10)))
+    report = constraint_report(scene)["crossable_by"]
+    cells = {tuple(cell) for way in ("west_east", "south_north") for cell in report[way]["cells"]}
+    blocks = set(zip(*np.nonzero(~scene.field.frame), strict=True))
+    levels = {cell: int(scene.field.levels[cell]) for cell in cells & blocks}
+    steps = [abs(level - levels[i + 1, j]) for (i, j), level in levels.items() if (i + 1, j) in levels]
+    steps += [abs(level - levels[i, j + 1]) for (i, j), level in levels.items() if (i, j + 1) in levels]
+    on_ways = report["roughness"]["on_ways"]
+    assert len(steps) > 10
+    assert on_ways["mean_step"] == pytest.approx(np.mean(steps), abs=1e-3)
+    assert on_ways["level_0"] == pytest.approx(np.mean([level == 0 for level in levels.values()]), abs=1e-3)
+    assert report["roughness"]["beside"]["mean_step"] > on_ways["mean_step"]
 
 
 @pytest.mark.slow

@@ -8,9 +8,8 @@
    sides.
 2. Crossing, within limits of steps: along the cheapest of the paths whose highest step is least (the percolation step),
    blocks are lowered until each step of the path is within the limits.
-   Crossing, for a robot: if it drives across on no straight lane (poses), the steps of a lane of its width are limited,
-   from the largest one that changes anything down to none, on the lane where that lowers the fewest levels, until it
-   does; the lanes a little to either side have to be driven too, as no robot keeps to a line.
+   Crossing, for a robot: if it drives across on no straight lane with room to spare (poses), blocks of a lane of its
+   width are lowered where its drive ends, until it does (standing/lowering.py).
 3. Inventory: inventory.py.
 
 Only lowering is repeated, and a flat field meets every constraint, so it ends; each round lowers at least one block by

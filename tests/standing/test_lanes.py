@@ -1,0 +1,124 @@
+"""Where and why lanes end: parts that are held, steps that stop a robot, falls, and the room beside a lane."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from rsegen.field.stepfield import Array, Ints
+from rsegen.standing.lanes import FALL_ROOM, End, Lanes, _grip, drive_lanes, entry_distance, straight, surely_passed
+from rsegen.standing.settling import PaddedGround, outer_radius
+from rsegen.standing.ways import Lattice
+from tests.standing.stands import BODIES, cart, field_of, settled
+
+BURGER = BODIES["burger"]
+FLAT = field_of(np.zeros((12, 7), int))
+
+
+def ridge() -> Ints:
+    """Levels of a ridge along the middle line, one block wide: a burger's wheels are beside it, its caster is not."""
+    levels = np.zeros((12, 7), int)
+    levels[4:, 3] = 1
+    return levels
+
+
+def end_of(lanes: Lanes) -> End:
+    """Why the only lane ends."""
+    return End(int(lanes.end[0]))
+
+
+@pytest.mark.parametrize(("rise", "end"), [(0.004, End.NONE), (0.007, End.HELD)])
+def test_a_caster_without_friction_is_held_at_a_rise_above_its_radius(rise: float, end: End) -> None:
+    """A burger's ball has a radius of 5 mm, and its hull is 10 mm above the ground."""
+    field = field_of(ridge(), rise)
+    lanes = straight(field, BURGER, 0, np.zeros(1))
+    assert end_of(lanes) is end
+    assert end_of(straight(field, BURGER, 0, np.zeros(1), reaction=False)) is End.NONE, "Gazebo Classic lifts it"
+    if end:
+        (caster,) = (number for number, part in enumerate(BURGER.parts) if part.name == "base::caster")
+        front = float(BURGER.points[BURGER.part == caster, 0].max())
+        origin = float(lanes.last[0]) / (lanes.drops.shape[1] - 1) * (2 * 0.6 + BURGER.length) - entry_distance(
+            field, BURGER, 0
+        )
+        assert origin + front == pytest.approx(-0.2, abs=0.006)
+
+
+def test_a_larger_caster_rolls_over_the_step_that_holds_a_smaller_one() -> None:
+    """As a cart's, of 10 mm."""
+    body, field = cart(0.1, base=0.25, speed=0.2), field_of(ridge(), 0.007)
+    assert end_of(straight(field, body, 0, np.zeros(1))) is End.NONE
+    assert end_of(straight(field_of(ridge(), 0.012), body, 0, np.zeros(1))) is End.HELD
+
+
+def test_the_grip_of_a_robot_is_the_load_on_its_wheels() -> None:
+    """By the rule of the lever, from the axle in its middle to the caster 81 mm behind it."""
+    rest = settled(FLAT, BURGER, 0.0, 0.0, 0.0)
+    assert _grip(BURGER, rest)[0] == pytest.approx(1 + BURGER.centre[0] / 0.081, abs=0.02)
+    assert _grip(BODIES["jackal"], settled(FLAT, BODIES["jackal"], 0.0, 0.0, 0.0))[0] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("kind", sorted(BODIES))
+@pytest.mark.parametrize("height", [0.15, 0.5])
+def test_a_robot_at_a_wall_does_not_tip_over(kind: str, height: float) -> None:
+    """Its pose on top of the wall, or half up it, would be none in which it stands; it stays before it."""
+    levels = np.zeros((12, 7), int)
+    levels[7:] = 1
+    lanes = straight(field_of(levels, height), BODIES[kind], 0)
+    assert (lanes.last > 10).all(), "it drives up to there"
+    assert not (lanes.end == End.TIPS).any()
+    if kind != "crawler" or height > 0.2:  # which it climbs
+        assert (lanes.end != End.NONE).all()
+
+
+def test_a_robot_that_drives_off_a_tower_tips_over() -> None:
+    levels = np.zeros((12, 7), int)
+    levels[:6] = 1
+    field = field_of(levels, 0.3)
+    ground = PaddedGround.of(field, outer_radius(BURGER))
+    lanes = drive_lanes(ground, BURGER, np.array([-0.3]), np.zeros(1), np.zeros(1), 0.6)
+    assert end_of(lanes) is End.TIPS
+    assert "tips over" in end_of(lanes).words
+
+
+def test_beside_a_lane_with_drops_there_is_room_to_fall() -> None:
+    fallen = 0
+    for seed in range(12):
+        field = field_of(np.random.default_rng(seed).integers(0, 3, (8, 14)), 0.05)
+        body, middles = BODIES["crawler"], field.middles()[1]
+        lanes = straight(field, body, 0, middles)
+        drops = lanes.drops.any(axis=1)
+        chosen = surely_passed(lanes, field, body, 0, middles) & drops
+        for beside in (-FALL_ROOM, FALL_ROOM):
+            if chosen.any():
+                assert straight(field, body, 0, middles[chosen] + beside).passed.all()
+        fallen += int(chosen.sum())
+    assert fallen > 0
+
+
+def pieces(points: Array) -> list[tuple[Array, Array]]:
+    """The ends of the straight pieces of a way."""
+    ahead = np.diff(points, axis=0)
+    ahead /= np.hypot(*ahead.T)[:, None]
+    turns = np.flatnonzero(np.abs(np.diff(ahead, axis=0)).max(axis=1) > 1e-6) + 1
+    return [(points[a], points[b]) for a, b in pairwise([0, *turns.tolist(), len(points) - 1])]
+
+
+@pytest.mark.slow
+def test_straight_pieces_of_ways_are_driven_and_the_lanes_3_mm_beside_them() -> None:
+    driven = bends = 0
+    for kind, unit in (("burger", 0.004), ("jackal", 0.035)):
+        body = BODIES[kind]
+        for seed in range(6):
+            field = field_of(np.random.default_rng(seed).integers(0, 4, (8, 8)), unit)
+            way, ground = Lattice(field, body).way(0), PaddedGround.of(field, outer_radius(body))
+            ends = pieces(way.points) if way else []
+            for begin, end in ends:
+                yaw = np.arctan2(*(end - begin)[::-1])
+                x, y = begin[:, None] + np.array([[-np.sin(yaw)], [np.cos(yaw)]]) * np.array([-0.003, 0, 0.003])
+                length = float(np.hypot(*(end - begin)))
+                assert drive_lanes(ground, body, x, y, np.full(3, yaw), length).passed.all()
+            driven, bends = driven + len(ends), bends + len(ends[1:])
+    assert driven > 4
+    assert bends > 0
