@@ -157,7 +157,7 @@ def test_no_way_is_better_than_the_best_one(seed: int) -> None:
 
 
 def test_the_command_knows_what_a_way_is_the_best_of(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(ParameterError, match="best: 'speed' is not one of length, tilt, margin"):
+    with pytest.raises(ParameterError, match="best: 'speed' is not one of safe, length, tilt, margin"):
         rsegen.drive("peak", route="way", best="speed")
     with pytest.raises(ParameterError, match="best: is for route way, not for straight"):
         rsegen.drive("peak", best="tilt")

@@ -40,11 +40,13 @@ from rsegen.standing.body import Body
 from rsegen.standing.lanes import (
     BESIDE,
     FALL_ROOM,
+    End,
     Lanes,
     across,
     drive_lanes,
     entry_distance,
     lines_along,
+    origins,
     safely_passed,
     step_of,
     steps_on,
@@ -789,3 +791,16 @@ def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: flo
 def no_way(lanes: Lanes, body: Body, number: int | None = None) -> Way:
     """Return what ends a straight lane, by default the one that gets farthest."""
     best = int(lanes.last.argmax()) if number is None else number
+    count = len(lanes.poses.x) // len(lanes.end)
+    place = best * count + int(lanes.last[best])
+    x, y = origins(lanes.poses.some(slice(place, place + 1)), body)
+    return Way(
+        crosses=False,
+        length=None,
+        length_ratio=None,
+        tilt=None,
+        margin=None,
+        points=np.empty((0, 2)),
+        reason=End(int(lanes.end[best])).words,
+        at=(float(x[0]), float(y[0])),
+    )
