@@ -47,14 +47,13 @@ def judged(robot: str, unit: float, seed: int) -> dict[str, Any]:
     found = reach(field, body)
     seconds = time.process_time() - began
     lattice = Lattice(field, body)
-    if unit:
-        lattice._find_from(np.arange(lattice.moves.size))
+    lattice._find_from(np.arange(lattice.moves.size if unit else 0))  # of the course it would take as long again
     ways = [way.length if way.crosses else np.inf for way in (found.west_east, found.south_north)]
     lines = [np.round(way.points, 6).ravel() for way in (found.west_east, found.south_north)]
     return {
         "seconds": seconds,
-        "moves": lattice.moves,
-        "turns": lattice.turns,
+        "moves": lattice.moves[lattice._is_driven],
+        "turns": lattice.turns[lattice._is_turned],
         "region": found.region,
         "ways": np.round(np.array(ways, float), 6),
         "line": np.concatenate(lines),
