@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rsegen
-from benchmarks import agreement, busy, crossings, datasets, learning, rests, scan, starts, training
+from benchmarks import agreement, busy, crossings, datasets, learning, rating, rests, scan, starts, training
 from benchmarks.figures import RESULTS, loaded
 from benchmarks.report import filled, page, with_table
 from docs import catalogue, difficulty, gallery, protocol, records, reliability
@@ -68,6 +68,7 @@ LEARNING = DOCS / "learning.md"
 MUJOCO = DOCS / "mujoco.md"
 TRAINING = DOCS / "training.md"
 POSES = DOCS / "poses.md"
+RATING = DOCS / "rating.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
@@ -156,6 +157,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "robots/xacro_files",
         "driving/routes",
         "driving/drive_metrics",
+        "rating/psychometric",
+        "rating/run",
         "spawning/spawning",
         "simulators/patience",
         "simulators/connecting",
@@ -180,6 +183,7 @@ def texts() -> dict[Path, str]:
         DRIVING: filled(DRIVING.read_text("utf-8"), starts.table(json.loads(starts.FILE.read_text("utf-8")))),
         POSES: filled(POSES.read_text("utf-8"), _predictions()),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
+        RATING: filled(RATING.read_text("utf-8"), rating.table(json.loads(rating.FILE.read_text("utf-8")))),
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
         MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
