@@ -61,7 +61,7 @@ PLANS: Mapping[str, tuple[float, ...]] = {
 ROUNDS, LANES, JUDGES, FIRST_JUDGE = 1, 3, 3, 1000
 """Fields of each kind, robot and unit; lanes on each; drives that judge a prediction, and the number of the first."""
 
-_SECONDS, _CLASSIC_SECONDS = 20.0, 40.0
+_SECONDS, _CLASSIC_SECONDS = 20.0, 20.0
 """CPU seconds of a field, about; simulated seconds of a drive in Gazebo Classic."""
 
 COLUMNS = ("robot", "field", "unit_cm", "seed", "route", "motors", "line", "told", "drives", "judge", "crossed", "of")
@@ -109,7 +109,9 @@ def _rows(field: Field, *, classic: bool) -> Iterator[list[Any]]:
             predicted += [(run, found) for run in runs_along(scene.field, robot, found.way)]
         for run, told in predicted:
             yield _row(field, run, told, "mujoco", _in_mujoco(scene, run, motors))
-            if classic and motors == (MOTORS[0] if isinstance(robot.drive, Tracks) else MOTORS[1]):
+            # A drive in Classic costs ten times as much; of the lanes it judges the first.
+            of_classic = run.name == runs[0].name or run.way is not None
+            if classic and of_classic and motors == (MOTORS[0] if isinstance(robot.drive, Tracks) else MOTORS[1]):
                 yield _row(field, run, told, "classic", _in_classic(scene, run))
 
 

@@ -27,6 +27,7 @@ from benchmarks import (
     crossings,
     datasets,
     learning,
+    rating,
     rests,
     scan,
     starts,
@@ -82,6 +83,7 @@ CERTAINTY = DOCS / "certainty.md"
 TRAINING = DOCS / "training.md"
 POSES = DOCS / "poses.md"
 CONSTRAINTS = DOCS / "constraints.md"
+RATING = DOCS / "rating.md"
 RELIABILITY = DOCS / "reliability.md"
 ROBOTS_PAGE = DOCS / "robots.md"
 FORMATS_PAGE = DOCS / "formats.md"
@@ -170,6 +172,8 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "robots/xacro_files",
         "driving/routes",
         "driving/drive_metrics",
+        "rating/psychometric",
+        "rating/run",
         "spawning/spawning",
         "simulators/patience",
         "simulators/connecting",
@@ -197,6 +201,7 @@ def texts() -> dict[Path, str]:
             CONSTRAINTS.read_text("utf-8"), crossable.table(json.loads(crossable.FILE.read_text("utf-8")))
         ),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
+        RATING: filled(RATING.read_text("utf-8"), rating.table(json.loads(rating.FILE.read_text("utf-8")))),
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
         MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),

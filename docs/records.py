@@ -40,6 +40,7 @@ SOURCES: Mapping[str, Source] = {
     "experiment": Source("[the paper's experiment](experiment.md)", "make bench-experiment"),
     "fuzz": Source("[hostile input](reliability.md)", "make fuzz"),
     "learning": Source("[other engines](learning.md)", "python -m benchmarks.learning"),
+    "rating": Source("[ratings of robots](rating.md)", "python -m benchmarks.rating"),
     "representations": Source("[boxes and models](representations.md)", "rsegen experiment representations"),
     "rests": Source("[robots at rest](poses.md)", "python -m benchmarks.rests"),
     "scan": Source("[scans](scan.md)", "python -m benchmarks.scan"),
