@@ -10,8 +10,11 @@ from rsegen.datasets.series import Series as Series
 from rsegen.datasets.tiles import Tiles as Tiles
 from rsegen.driving.commands import drive as drive
 from rsegen.driving.commands import drive_many as drive_many
+from rsegen.driving.commands import predict as predict
 from rsegen.driving.drive import DriveResult as DriveResult
 from rsegen.driving.many import ManyDrives as ManyDrives
+from rsegen.driving.prediction import Outcome as Outcome
+from rsegen.driving.prediction import Prediction as Prediction
 from rsegen.errors import RsegenError as RsegenError
 from rsegen.errors import UserError as UserError
 from rsegen.experiments.commands import experiment as experiment
@@ -120,11 +123,13 @@ __all__ = [
     "NormalRandom",
     "Obstacle",
     "OpenResult",
+    "Outcome",
     "Pallet",
     "Peak",
     "Pit",
     "Platform",
     "Poses",
+    "Prediction",
     "Rails",
     "Random",
     "Rating",
@@ -172,6 +177,7 @@ __all__ = [
     "next_rows",
     "open",
     "poses",
+    "predict",
     "preview",
     "rate",
     "remove",

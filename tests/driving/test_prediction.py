@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is n
 
 def scene_of(rows: list[list[int]], unit_cm: float = 5.0, **given: Any) -> Scene:
     """Return the scene of a matrix of levels, its rows from north to south."""
-    matrix = rsegen.Matrix(rows=tuple(tuple(row) for row in rows))
+    matrix = rsegen.Matrix(rows=tuple(" ".join(map(str, row)) for row in rows))
     return compose(
         rsegen.Recipe(
             name="given", boundary="none", seed=1, unit_cm=unit_cm, chunk_size=len(rows), obstacles=[matrix], **given

@@ -387,8 +387,11 @@ class Lattice:
             self._turn_at(places[begin : begin + _TURNS_AT_ONCE])
             self.watch(_TURNING * float(self._is_turned.mean()))
 
-    def way(self, axis: int) -> Way | None:
-        """Return the best way across along an axis, with straight lanes at both ends; None if there is none."""
+    def way(self, axis: int, *, checked: bool = True) -> Way | None:
+        """Return the best way across along an axis, with straight lanes at both ends; None if there is none.
+
+        checked: whether its straight pieces are driven as a whole too, and the lanes beside them
+        """
         starts, goals = self._ends(axis)
         if not starts or not goals:
             return None
@@ -398,7 +401,7 @@ class Lattice:
             best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
             if best is None:
                 return None
-            ending = self._ending(axis, best[1])
+            ending = self._ending(axis, best[1]) if checked else None
             if ending is None:
                 return self._way_of(axis, best[1])
             # The next way is another one: a planner that checks lazily bars edges (Bohlin and Kavraki 2000).
