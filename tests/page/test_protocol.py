@@ -41,6 +41,7 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
     "pose": OF_ROBOT | {"x": 0.0, "y": 0.0, "heading": 0.0},
     "tilt": OF_ROBOT | {"heading": 0.0},
     "reach": OF_ROBOT,
+    "crossing": OF_ROBOT,
     "way": OF_ROBOT | {"start": [-1, 0], "goal": [1, 0]},
     "stop": {"of": "reach"},
     "save": {},
