@@ -50,7 +50,7 @@ PRIOR = 0.25
 LEAVES = "leaves the map,"
 """The reason of a drive that ends beside the map, before its side."""
 
-_HELD, _WITHIN = 5.0, 0.02
+_HELD, _WITHIN = 3.0, 0.02
 """Seconds in which a robot comes on by less than these metres, and is held for good: flippers swing in two."""
 
 _SECONDS = 0.5
@@ -188,31 +188,34 @@ class Predictor:
     drives: int = MOST
     workers: int = 1
 
-    def tried(self, scene: Scene, run: RobotRun, failures: int = MOST) -> Prediction:
-        """Return what the first drives say, up to a number of them that do not cross; SimulatorFailed without any."""
-        outcomes: list[Outcome] = []
-        for number in range(min(FIRST, self.drives)):
+    def tried(self, scene: Scene, run: RobotRun, failures: int = MOST, known: Prediction | None = None) -> Prediction:
+        """Return what the first drives say, up to a number of them that do not cross; SimulatorFailed without any.
+
+        known: what the first of them have said already
+        """
+        outcomes, number = (list(known.outcomes), known.next_drive) if known else ([], 0)
+        while number < min(FIRST, self.drives):
             outcomes += self._outcomes(scene, run, [number])
+            number += 1
             if sum(outcome.seconds is None for outcome in outcomes) >= failures:
                 break
-        return self._prediction(outcomes, run, next_drive=number + 1)
+        return self._prediction(outcomes, run, number)
 
-    def predict(self, scene: Scene, run: RobotRun, tried: Prediction | None = None) -> Prediction:
+    def predict(self, scene: Scene, run: RobotRun, known: Prediction | None = None) -> Prediction:
         """Return whether a robot crosses on its run; SimulatorFailed if no drive has a result.
 
-        tried: what is known already
+        known: what the first drives have said already
         """
-        tried = tried or self.tried(scene, run)
-        first = tried.next_drive
-        if first >= self.drives or (first >= FIRST and tried.crossed in (0, tried.drives)):
+        tried = self.tried(scene, run, known=known)
+        if tried.next_drive >= self.drives or tried.crossed in (0, tried.drives):
             return tried
-        rest, outcomes = range(first, self.drives), list(tried.outcomes)
+        rest, outcomes = range(tried.next_drive, self.drives), list(tried.outcomes)
         work = partial(self._outcomes, scene, run)
         for batch in execute(work, rest, _SECONDS, Execution(workers=self.workers)):
             outcomes += batch
             report_share(_BAR, len(outcomes) / self.drives)
         report_share(_BAR, 1)
-        return self._prediction(outcomes, run, next_drive=self.drives)
+        return self._prediction(outcomes, run, self.drives)
 
     def _outcomes(self, scene: Scene, run: RobotRun, numbers: Sequence[int]) -> list[Outcome]:
         """Return the outcomes of drives; one whose physics fails counts neither way."""
