@@ -199,9 +199,9 @@ def test_a_drive_tells_before_how_surely_it_crosses() -> None:
 
 def test_metrics_tell_how_surely_a_robot_gets_across(capsys: pytest.CaptureFixture[str]) -> None:
     command = ["metrics", "--obstacle", "random levels=2", "--boundary", "none", "--unit-cm", "1", "--seed", "2"]
-    assert main([*command, "--robot", "jackal", "--json"]) == 0
+    assert main([*command, "--robot", "jackal", "--verify", "--json"]) == 0
     ((told),) = json.loads(capsys.readouterr().out)
     assert told["predictions"]["west_east"]["probability"] > 0.9
     assert told["predictions"]["south_north"]["drives"] == FIRST
-    assert main([*command, "--robot", "jackal", "--no-verify", "--json"]) == 0
+    assert main([*command, "--robot", "jackal", "--json"]) == 0
     assert "predictions" not in json.loads(capsys.readouterr().out)[0]

@@ -181,7 +181,7 @@ def test_a_picture_shows_existing_paths(climb_cm: float) -> None:
 def test_the_search_of_a_robot_has_progress(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "small.yaml"
     path.write_text("{chunk_size: 5, boundary: none, unit_cm: 2, seed: 7, obstacles: [{kind: random, levels: 3}]}")
-    assert main(["metrics", str(path), "--robot", "jackal", "--no-verify", "--progress", "json"]) == 0
+    assert main(["metrics", str(path), "--robot", "jackal", "--progress", "json"]) == 0
     said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
     done = [each["done"] for each in said]
     assert done == sorted(done)

@@ -8,7 +8,7 @@ One that is crossed is driven with the whole spread of errors (prediction.py), a
 one the best of those that were tried is taken. If poses find no way, the straight lanes are tried on which the robot
 gets farthest.
 
-Cost: up to a dozen tries of a second. What breaks it: a map whose ways all lead through one place that is crossed by
+Cost: up to eight tries of one to three seconds. What breaks it: a map whose ways all lead through one place that is crossed by
 chance.
 """
 
@@ -43,7 +43,7 @@ SURE = 0.9
 _FAILURES = 2
 """Drives that fail, after which a way is left for the next one."""
 
-_TRIES, _LANES = 12, 4
+_TRIES, _LANES = 8, 4
 """Ways that are tried, and straight lanes if poses find no way: some ten seconds."""
 
 
