@@ -8,8 +8,8 @@ One that is crossed is driven with the whole spread of errors (prediction.py), a
 one the best of those that were tried is taken. If poses find no way, the straight lanes are tried on which the robot
 gets farthest.
 
-Cost: up to eight tries of one to three seconds. What breaks it: a map whose ways all lead through one place that is crossed by
-chance.
+Cost: up to eight tries of one to three seconds. What breaks it: a map whose ways all lead through one place that is
+crossed by chance.
 """
 
 from __future__ import annotations
