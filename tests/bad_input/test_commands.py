@@ -25,7 +25,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         [
             "'genrate'",
             "did you mean 'generate'?",
-            "info, man, metrics, obstacles, open, predict, preview, rate, remove, respawn, scan, schema, series, sheet, sim",
+            "info, man, metrics, obstacles, open, predict, preview, rate, remove, respawn, scan, schema, series, sheet",
         ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
