@@ -20,7 +20,6 @@ import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -58,8 +57,8 @@ PLANS: Mapping[str, tuple[float, ...]] = {
 }
 """The robots with their units, cm: from all fields crossed to none, and of 10 cm."""
 
-ROUNDS, LANES, JUDGES, FIRST_JUDGE = 1, 3, 3, 1000
-"""Fields of each kind, robot and unit; lanes on each; drives that judge a prediction, and the number of the first."""
+ROUNDS, LANES, JUDGES, FIRST_JUDGE = 2, 2, 3, 1000
+"""Fields of each robot and unit, of one kind after the other; lanes on each; drives that judge a prediction, and the number of the first."""
 
 _SECONDS, _CLASSIC_SECONDS = 20.0, 20.0
 """CPU seconds of a field, about; simulated seconds of a drive in Gazebo Classic."""
@@ -87,9 +86,10 @@ class Field(NamedTuple):
 
 def fields(plans: Mapping[str, Sequence[float]], seed: int, rounds: int) -> list[Field]:
     """Return the fields of all robots, each with a seed of its own."""
-    every = product(plans, range(rounds), crossings.OBSTACLES)
-    named = [(robot, kind, unit) for robot, _, kind in every for unit in plans[robot]]
-    return [Field(*name, (seed + number) % SEEDS) for number, name in enumerate(named)]
+    kinds = list(crossings.OBSTACLES)
+    named = [(robot, unit) for robot, units in plans.items() for unit in units for _ in range(rounds)]
+    every = [(robot, kinds[number % len(kinds)], unit) for number, (robot, unit) in enumerate(named)]
+    return [Field(*name, (seed + number) % SEEDS) for number, name in enumerate(every)]
 
 
 def judged(classic: bool, batch: Sequence[Field]) -> list[list[Any]]:  # noqa: FBT001  # of `partial`
@@ -304,7 +304,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--classic", action="store_true", help="drive in Gazebo Classic too")
     parser.add_argument("--seed", type=int, help="seed of the first field; by default it is drawn")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
-    parser.add_argument("--rounds", type=int, default=ROUNDS, help="fields of each kind, robot and unit")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="fields of each robot and unit")
     parser.add_argument("--quick", action="store_true", help="the record is not kept")
     return parser.parse_args(arguments)
 
