@@ -2,8 +2,8 @@
 
 python -m benchmarks.certainty               predicts and drives in MuJoCo, with both models of motors, on lanes and on
                                              planned ways of fresh fields; keeps benchmarks/results/certainty.json and
-                                             its picture; forty minutes on two cores
-python -m benchmarks.certainty --classic     in Gazebo Classic too, with the motors that it has; half an hour more
+                                             its picture; a quarter of an hour on two cores
+python -m benchmarks.certainty --classic     in Gazebo Classic too, with the motors that it has; as long again
 python -m benchmarks.certainty --seed 7      the same fields again; by default the seed is drawn
 python -m benchmarks.certainty --quick       the record is not kept
 python -m benchmarks.certainty --robot FILE --unit 0.5 --unit 1    a robot of a file too, such as a maker's
@@ -58,7 +58,8 @@ PLANS: Mapping[str, tuple[float, ...]] = {
 """The robots with their units, cm: from all fields crossed to none, and of 10 cm."""
 
 ROUNDS, LANES, JUDGES, FIRST_JUDGE = 2, 2, 3, 1000
-"""Fields of each robot and unit, of one kind after the other; lanes on each; drives that judge a prediction, and the number of the first."""
+"""Fields of each robot and unit, of one kind after the other; lanes on each; drives that judge a prediction, and the
+number of the first."""
 
 _SECONDS, _CLASSIC_SECONDS = 20.0, 20.0
 """CPU seconds of a field, about; simulated seconds of a drive in Gazebo Classic."""
