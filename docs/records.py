@@ -29,7 +29,7 @@ SOURCES: Mapping[str, Source] = {
     "agreement": Source("[MuJoCo and Gazebo Classic](mujoco.md)", "python -m benchmarks.agreement"),
     "burgers": Source("[at full speed](burgers.md)", "rsegen experiment burgers"),
     "busy": Source("[busy machines](busy.md)", "python -m benchmarks.busy"),
-    "certainty": Source("[does it get across](certainty.md)", "python -m benchmarks.certainty --classic"),
+    "certainty": Source("[does it get across](certainty.md)", "python -m benchmarks.certainty"),
     "contact": Source("[what a wheel feels](contact.md)", "make bench-contact"),
     "contact-sim": Source("[the same, Gazebo Sim](contact.md)", "make bench-contact"),
     "crossable": Source("[made for robots](constraints.md)", "python -m benchmarks.crossable"),

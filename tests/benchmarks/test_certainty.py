@@ -1,0 +1,31 @@
+"""What the record of predictions amounts to: every drive is counted once, and a told probability is judged by Brier."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks import certainty
+from benchmarks.certainty import BINS, COLUMNS, PLANS, brier, fields, loaded, table
+
+
+def test_brier_is_the_mean_squared_difference() -> None:
+    rows = [{"told": 0.9, "crossed": 2, "of": 3}, {"told": 0.1, "crossed": 0, "of": 1}]
+    assert brier(rows) == pytest.approx((2 * 0.01 + 0.81 + 0.01) / 4)
+
+
+def test_every_prediction_of_the_record_is_in_one_bin() -> None:
+    rows = [dict(zip(COLUMNS, row, strict=True)) for row in loaded()["rows"] if row[-1]]
+    found = [certainty._Bin.of(rows, low, high) for low, high in BINS]
+    assert sum(part.predictions for part in found if part) == len(rows) > 50
+    assert sum(part.drives for part in found if part) == sum(row["of"] for row in rows)
+    assert f"{len(rows)} predictions" in "\n".join(table(loaded()))
+
+
+def test_fields_are_fresh_and_the_same_for_a_seed() -> None:
+    first, again, other = (fields(PLANS, seed, 2) for seed in (5, 5, 900))
+    assert first == again
+    assert not {field.seed for field in first} & {field.seed for field in other}
+    assert {(field.robot, field.unit_cm) for field in first} == {(kind, unit) for kind in PLANS for unit in PLANS[kind]}
+    levels = first[0].scene.field.levels
+    assert levels.any()
+    assert (levels != other[0].scene.field.levels).any()
