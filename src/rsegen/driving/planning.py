@@ -3,9 +3,9 @@
     Lattice --way--> drive --held at a place--> close that place --way--> drive --crossed--> spread of drives --> way
 
 Poses find ways in a second, but know neither swing, nor slip, nor what a robot does after it has fallen. So a way is
-driven with the errors of a spread (prediction.py). Once two drives have failed, its moves about the places at which they
-failed are closed, and the next way is planned. One that is sure is taken, or else the best of those that were tried. If
-poses find no way, the straight lanes are tried on which the robot gets farthest.
+driven with the errors of a spread (prediction.py). Once two drives have failed, its moves about the places at which
+they failed are closed, and the next way is planned. One that is sure is taken, or else the best of those that were
+tried. If poses find no way, the straight lanes are tried on which the robot gets farthest.
 
 Cost: up to eight tries of one to three seconds. What breaks it: a map whose ways all lead through one place that is
 crossed by chance.
