@@ -187,6 +187,7 @@ class Lattice:
         self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
         level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
         self._tips_at = float(margins(level, body, settle(level, body, origin, origin, origin))[0])
+        self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
         self._settled: list[tuple[Ints, Settled]] = []
 
@@ -566,10 +567,9 @@ class Lattice:
             along_x, along_y = (int(cells) for cells in _MOVES[k])
             length = self.field.block_width * (2**0.5 if k % 2 else 1.0)
             yield (i + along_x, j + along_y, k), length, float(self.worst_of_moves[i, j, k])
-        length = self.body.width / 2 * np.pi / 4
         for turn, after in ((k, k + 1), (k - 1, k - 1)):
             if self.turns[i, j, turn]:
-                yield (i, j, after % HEADINGS), length, float(self.worst_of_turns[i, j, turn])
+                yield (i, j, after % HEADINGS), self._turn_length, float(self.worst_of_turns[i, j, turn])
 
     def _ends(self, axis: int) -> tuple[dict[_Place, float], dict[_Place, float]]:
         """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
@@ -618,7 +618,7 @@ class Lattice:
         """Return the length of a way over places, metres; a turn by 45 degrees is as long as the path of its sides."""
         turned = np.diff(np.array(places), axis=0)
         moves = float(np.hypot(*turned[:, :2].T).sum()) * self.field.block_width
-        return moves + np.count_nonzero(turned[:, 2]) * self.body.width / 2 * np.pi / 4
+        return moves + np.count_nonzero(turned[:, 2]) * self._turn_length
 
     def _driven_way(self, length: float, places: list[_Place]) -> DrivenWay:
         """Return the way over places, pose by pose."""
