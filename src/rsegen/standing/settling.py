@@ -33,7 +33,7 @@ with shorter turns, and ends there before it is still.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -169,6 +169,12 @@ def joined(parts: Sequence[_Rows]) -> _Rows:
 def outer_radius(body: Body) -> float:
     """Return the radius around its centre of mass that holds a whole robot, metres."""
     return float(np.linalg.norm(body.points - body.centre, axis=1).max())
+
+
+def settled_on_level(ground: PaddedGround, body: Body) -> tuple[PaddedGround, Settled]:
+    """Return a level ground as large as another one, and a robot at rest at its middle."""
+    level, origin = replace(ground, heights=np.zeros_like(ground.heights)), np.zeros(1)
+    return level, settle(level, body, origin, origin, origin)
 
 
 def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> Settled:

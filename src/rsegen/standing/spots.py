@@ -34,7 +34,7 @@ from rsegen.standing.body import Body, CollisionPart, body_of_shapes, sample_dis
 from rsegen.standing.lanes import drive_lanes
 from rsegen.standing.pushing import TOUCHING, sample_heights
 from rsegen.standing.resting import GRAVITY, Poses, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settled_on_level
 
 MOST_TILT = radians(3)
 """Largest tilt at which a robot may rest at its start. A robot 40 cm wide then stands on heights that differ by 2 cm at
@@ -289,8 +289,7 @@ class _Judge:
         frame = np.pad(field.frame, self.ground.border).ravel()
         self.blocks = replace(self.ground, heights=np.where(frame, np.nan, self.ground.heights))
         # All else follows from how it stands on level ground.
-        level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
-        rest = settle(level, body, origin, origin, origin)
+        level, rest = settled_on_level(self.ground, body)
         pose = of_settled(level, body, rest)
         _, above = sample_heights(level, body, rest, np.zeros(1, np.intp))
         bearing = np.isin(np.arange(len(body.parts)), body.part[above[0] < TOUCHING])

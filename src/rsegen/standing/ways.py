@@ -25,7 +25,7 @@ breaks lanes; and each move begins at the robot's full speed, which a straight l
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from heapq import heapify, heappop, heappush, nsmallest
 from itertools import pairwise
@@ -54,7 +54,7 @@ from rsegen.standing.lanes import (
     surely_passed,
 )
 from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, statistics_of
-from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle
+from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle, settled_on_level
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -185,8 +185,8 @@ class Lattice:
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
         self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
-        level, origin = replace(self.ground, heights=np.zeros_like(self.ground.heights)), np.zeros(1)
-        self._tips_at = float(margins(level, body, settle(level, body, origin, origin, origin))[0])
+        # The tilt at which it tips over on level ground, in which the risk of a safe way is counted.
+        self._tips_at = _margin_on_level(self.ground, body) if best == "safe" else np.inf
         self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
         self._settled: list[tuple[Ints, Settled]] = []
@@ -661,6 +661,12 @@ class Lattice:
 def _straight_pieces(heading: Ints) -> Ints:
     """Return the numbers of the first lane of each straight piece, and that beyond the last, for headings of lanes."""
     return np.append(np.append(0, np.flatnonzero(np.diff(heading)) + 1), len(heading))
+
+
+def _margin_on_level(ground: PaddedGround, body: Body) -> float:
+    """Return the tilt at which a robot tips over on level ground, radians."""
+    level, rest = settled_on_level(ground, body)
+    return float(margins(level, body, rest)[0])
 
 
 def _run_starts(which: Mask) -> list[int]:
