@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -23,7 +22,7 @@ from rsegen.robots.lookup import robot_of
 from rsegen.simulators.embedded import PlacedRobot
 from rsegen.simulators.poses import adjacent_pose
 from tests.support.complaints import the_line
-from tests.support.missing import missing
+from tests.support.screen import xvfb
 
 Capture = pytest.CaptureFixture[str]
 RECIPE = rsegen.Recipe(seed=1, chunk_size=4, obstacles=(rsegen.Random(levels=4),))
@@ -139,23 +138,15 @@ def test_a_window_without_its_library_or_a_screen_that_answers_is_said_in_a_line
 
 @pytest.mark.long(reason="a window without a graphics card")
 def test_mujoco_s_window_shows_the_map_in_its_colours(tmp_path: Path) -> None:
-    """Xvfb keeps what is on its screen in a file, in the format of xwd."""
-    screen = shutil.which("Xvfb") or missing("no virtual screen: run scripts/screen")
-    (tmp_path / "frame").mkdir()
-    server = [screen, ":97", "-screen", "0", "1280x800x24", "+extension", "GLX", "-fbdir", str(tmp_path / "frame")]
-    variables = {**os.environ, "DISPLAY": ":97", "LIBGL_ALWAYS_SOFTWARE": "1"}
     words = [sys.executable, "-m", "rsegen", "open", "mixed-course", "--simulator", "mujoco", "--robot", "crawler"]
-    with subprocess.Popen(server, stderr=subprocess.DEVNULL) as display:
-        try:
-            time.sleep(2)
-            with subprocess.Popen([*words, "--seconds", "12"], env=variables) as program:
-                best = 0.0
-                while program.poll() is None:
-                    time.sleep(1)
-                    best = max(best, colours(tmp_path / "frame" / "Xvfb_screen0"))
-            assert program.returncode == 0
-        finally:
-            display.terminate()
+    with xvfb(tmp_path) as number:
+        variables = {**os.environ, "DISPLAY": number, "LIBGL_ALWAYS_SOFTWARE": "1"}
+        with subprocess.Popen([*words, "--seconds", "12"], env=variables) as program:
+            best = 0.0
+            while program.poll() is None:
+                time.sleep(1)
+                best = max(best, colours(tmp_path / "Xvfb_screen0"))
+        assert program.returncode == 0
     assert best > 0.003
 
 

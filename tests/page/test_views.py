@@ -18,7 +18,7 @@ from PIL import Image
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.page.shown_map import ShownMap, shown_content
 from tests.support.browser import chromium, complaints, resize
-from tests.support.screen import missing
+from tests.support.missing import missing
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome

@@ -42,7 +42,7 @@ def gazebo_sim() -> Installation:
 @pytest.fixture
 def screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A virtual screen, on which cameras of simulators and of MuJoCo render."""
-    for number in xvfb():
+    with xvfb() as number:
         for name, value in {"LIBGL_ALWAYS_SOFTWARE": "1", "DISPLAY": number, "MUJOCO_GL": "glfw"}.items():
             monkeypatch.setenv(name, value)
         yield

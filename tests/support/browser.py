@@ -11,7 +11,7 @@ from shutil import which
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from tests.support.screen import missing
+from tests.support.missing import missing
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome

@@ -5,32 +5,34 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from shutil import which
-from typing import NoReturn
 
-import pytest
+from tests.support.missing import missing
 
 
-def xvfb() -> Iterator[str]:
-    """The number of a display as long as this lasts; the test is skipped, and in CI fails, if there can be none."""
+@contextmanager
+def xvfb(frames: Path | None = None) -> Iterator[str]:
+    """The number of a free display that is ready; the test is skipped, and in CI fails, if there can be none.
+
+    What is on it lies in `frames`/Xvfb_screen0, in the format of xwd, if a folder is given.
+    """
     if not which("Xvfb"):
-        missing("no Xvfb: apt-get install xvfb")
+        missing("no virtual screen: run scripts/screen")
+    kept = [] if frames is None else ["-fbdir", str(frames)]
     read, write = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"],
-        pass_fds=[write],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(write)
-    with os.fdopen(read) as pipe:
-        number = pipe.readline().strip()
-    yield f":{number}" if number else missing("Xvfb did not start")
-    server.terminate()
-    server.wait()
-
-
-def missing(why: str) -> NoReturn:
-    """Skip the test, and say why; in CI nothing may be missing."""
-    if os.environ.get("CI") == "true":
-        pytest.fail(why)
-    pytest.skip(why)
+    with (
+        os.fdopen(read) as pipe,
+        subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset", *kept],
+            pass_fds=[write],
+            stderr=subprocess.DEVNULL,
+        ) as server,
+    ):
+        os.close(write)
+        try:
+            number = pipe.readline().strip()
+            yield f":{number}" if number else missing("Xvfb did not start")
+        finally:
+            server.terminate()
