@@ -235,6 +235,30 @@ def test_changes_survive_a_kill(host: Host, what: str, state_folder: Path) -> No
 
 
 @pytest.mark.slow
+def test_a_draft_does_not_go_over_a_file_that_changed_since(host: Host, state_folder: Path) -> None:
+    words = [sys.executable, "-c", _EDITOR, str(host.folder), "course.yaml"]
+    subprocess.run(words, check=False, capture_output=True)
+    newer = TEXT.replace("seed: 3", "seed: 6")
+    (host.folder / "course.yaml").write_text(newer)
+    opened = host.opened(calls.open(host, what="course.yaml")["doc"])
+    state = calls.state(opened)
+    assert state["recovered"]
+    assert (state["values"]["unit_cm"], state["changed_on_disk"]) == (5, True)
+    act(opened, {"do": "set", "name": "unit_cm", "value": 7})
+    with pytest.raises(Question, match="changed by somebody else since these changes were begun"):
+        calls.save(host, doc=opened.id)
+    assert (host.folder / "course.yaml").read_text() == newer
+    # A second crash does not make it forget.
+    left, own = sorted(drafts(state_folder), key=lambda name: f"-{os.getpid()}." in name)
+    (state_folder / own).replace(state_folder / left)
+    again = host.__class__(folder=host.folder)
+    assert calls.state(again.opened(calls.open(again, what="course.yaml")["doc"]))["changed_on_disk"]
+    # What the file has now, taken over or reached by undo, is no conflict any more.
+    assert calls.reload(opened)["changed_on_disk"] is False
+    assert calls.save(host, doc=opened.id)["values"]["seed"] == 6
+
+
+@pytest.mark.slow
 def test_changes_of_a_process_that_still_runs_are_left_to_it(host: Host, state_folder: Path) -> None:
     waits = _EDITOR.replace("os.kill(os.getpid(), signal.SIGKILL)", "print('waits', flush=True); sys.stdin.read()")
     words = [sys.executable, "-c", waits, str(host.folder), "course.yaml"]

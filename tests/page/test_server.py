@@ -89,7 +89,7 @@ def test_this_machine_is_answered_by_any_of_its_names(client: Client, name: str)
     assert client.get(f"/?token={TOKEN}", Host=name).status == 200
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://localhost:9999", "http://localhost", "["])
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://localhost:9999", "http://localhost", "[", "http://["])
 def test_no_other_page_may_ask(client: Client, origin: str) -> None:
     assert client.post("/api/state", {}, Origin=origin).status == 403
     assert client.post("/api/open", {}, Origin=f"http://localhost:{client.port}").status == 200
@@ -130,6 +130,7 @@ CALL_BODIES = [
     b'{"why": ""}',
     b'{"what": "/etc/passwd"}',
     b'{"what": "../../etc/passwd"}',
+    b'{"what": "' + b"a" * 5000 + b'"}',
     b'{"what": "x#99999999999999999999"}',
 ]
 
@@ -318,10 +319,11 @@ def test_a_slow_call_delays_no_event_and_no_change(tmp_path: Path, monkeypatch: 
 
 
 @contextmanager
-def command(folder: Path, *arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """`rsegen gui` with arguments, and the address that it prints."""
-    words = [sys.executable, "-m", "rsegen", "gui", "--no-browser", "--port", "0", *arguments]
-    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+def command(folder: Path, *arguments: str, **variables: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """`rsegen gui` with arguments and environment variables, and the address that it prints."""
+    words = [sys.executable, "-m", "rsegen", "gui", "--port", "0", *arguments]
+    kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    environment = {**kept, **variables}
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(words, cwd=folder, env=environment, **pipes) as run:
         assert run.stdout
@@ -331,9 +333,38 @@ def command(folder: Path, *arguments: str) -> Iterator[tuple[subprocess.Popen[st
 
 
 @pytest.mark.slow
+def test_the_token_is_in_no_command_line(tmp_path: Path) -> None:
+    """A browser is started with a file that leads to the page, which no other user can read, and which goes then."""
+    place, seen = tmp_path / "maps", tmp_path / "seen"
+    place.mkdir()
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {seen}.new && mv {seen}.new {seen}\n')
+    browser.chmod(0o700)
+    with command(place, DISPLAY=":4711", BROWSER=f"{browser} %s") as (_, url):
+        for _ in range(100):
+            if seen.exists():
+                break
+            time.sleep(0.1)
+        door = Path(seen.read_text().strip().removeprefix("file://"))
+        token = re.findall(r"token=([\w-]+)", url)[0]
+        assert token not in seen.read_text()
+        assert f'url={url.replace("&", "&amp;")}"' in door.read_text()
+        assert door.stat().st_mode & 0o077 == 0
+        assert Client(int(re.findall(r":(\d+)/", url)[0]), token).get(f"/?token={token}").status == 200
+        assert not list(place.iterdir())
+
+
+def test_a_file_that_leads_to_the_page_goes_with_its_server(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        door = service.write_door(service.url())
+        assert door.parent == tmp_path
+    assert not door.exists()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_command_in_a_line(tmp_path: Path, number: signal.Signals) -> None:
-    with command(tmp_path, "--seed", "5") as (run, url):
+    with command(tmp_path, "--no-browser", "--seed", "5") as (run, url):
         match = re.fullmatch(r"http://localhost:(\d+)/\?token=([\w-]{32})&doc=d1", url)
         assert match, url
         client = Client(int(match[1]), match[2])

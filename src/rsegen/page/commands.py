@@ -116,7 +116,7 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
     elif not arguments.no_browser and has_screen():
         import webbrowser
 
-        webbrowser.open(url)
+        webbrowser.open(service.write_door(url).as_uri())
 
 
 def _maps_in(given: str | None) -> Iterator[str]:

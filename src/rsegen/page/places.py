@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, ParameterError, shown
 from rsegen.page.model.document import SUFFIXES
 
 HOLDS: Mapping[str, Literal["drive", "dataset", "recipe"]] = {
@@ -38,8 +38,11 @@ class Places(NamedTuple):
             raise FileError("a path has no NUL character")
         try:
             path = (self.folder / text).resolve()
-        except (OSError, RuntimeError) as error:  # a loop of links
-            raise FileError(f"{text}: {error}") from None
+            path.exists()  # so that a name that no disk can have is refused here
+        except RuntimeError as error:  # a loop of links
+            raise FileError(f"{shown(text)}: {error}") from None
+        except OSError as error:
+            raise FileError(f"{shown(text)}: {error.strerror}") from None
         for folder in (self.folder.resolve(), *([self.sent.resolve()] if self.sent else [])):
             if path.is_relative_to(folder):
                 if any(part.startswith(".") for part in path.relative_to(folder).parts):

@@ -2,7 +2,8 @@
 
     request --Guard: host, origin--> route --token, size, JSON--> types --> call in a thread --> JSON
 
-Nothing that comes in is trusted. The token is in the address that is printed, as Jupyter has it. A web page that
+Nothing that comes in is trusted. The token is in the address that is printed, as Jupyter has it, and not
+in the command line of a browser that is opened, which other users of the machine can read. A web page that
 somebody else made can send requests to this machine too: it has no token, and of the answers it can read none, as no
 other origin is allowed. A name that was made to lead here ("DNS rebinding") is not among the hosts that are answered.
 """
@@ -83,9 +84,8 @@ class Guard:
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             return "this address is not the one that rsegen gui printed"
         origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc.lower() != hosts[0].lower():
-            return "only the page of this server may ask"
-        return ""
+        own = {f"{scheme}://{hosts[0].lower()}" for scheme in ("http", "https")}
+        return "only the page of this server may ask" if origin is not None and origin.lower() not in own else ""
 
     def _is_ours(self, host: str) -> bool:
         """Return whether a Host header names this machine; an address cannot be made to lead here, as names can."""
@@ -222,6 +222,7 @@ class Desk:
 
     ended: set when the server ends, which ends all streams
     last_page: when the last page was closed, by the clock of the loop; None while there is one, or was none
+    door: a file that leads the first page to its address, and is removed then
     """
 
     host: Host
@@ -229,6 +230,7 @@ class Desk:
     ended: asyncio.Event = field(default_factory=asyncio.Event)
     streams: int = 0
     last_page: float | None = None
+    door: Path | None = None
 
     def application(self, names: frozenset[str] = frozenset(), *, any_address: bool = False) -> ASGIApp:
         """Return the application; names: other ones of this machine; any_address: it may be asked by any of its own."""
@@ -260,7 +262,15 @@ class Desk:
         given = request.query_params.get("token", "")
         if not secrets.compare_digest(given.encode(), self.token.encode()):
             return Response("the address lacks its token: use the one that rsegen gui printed\n", 403)
+        self.remove_door()
         return HTMLResponse(editor_page())
+
+    def remove_door(self) -> None:
+        """Remove the file that led a browser here."""
+        if self.door is not None:
+            with contextlib.suppress(OSError):
+                self.door.unlink()
+            self.door = None
 
     async def call(self, request: Request) -> Response:
         """Answer a call, in a thread."""

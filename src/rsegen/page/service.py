@@ -8,6 +8,7 @@ import ipaddress
 import os
 import secrets
 import socket
+import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, field
 from html import escape
@@ -18,7 +19,7 @@ from urllib.parse import quote
 import uvicorn
 from starlette.types import ASGIApp
 
-from rsegen.errors import ParameterError, library_message, shown
+from rsegen.errors import FileError, ParameterError, library_message, shown
 from rsegen.page.host import Host
 from rsegen.page.host import open as open_document
 from rsegen.page.model.session import Session
@@ -74,6 +75,7 @@ class Service:
     is_open_to_others: bool = field(init=False)
     _ip: ipaddress.IPv4Address | ipaddress.IPv6Address = field(init=False)
     _socket: socket.socket = field(init=False)
+    _desk: Desk = field(init=False)
     _server: _Server = field(init=False)
     _thread: Thread | None = None
 
@@ -83,9 +85,9 @@ class Service:
         self._ip = ipaddress.ip_address(ip)
         self.is_open_to_others = not self._ip.is_loopback
         names = [self.address.lower(), *([socket.gethostname().lower()] if self._ip.is_unspecified else [])]
-        desk = Desk(host=self.host, token=self.token)
-        app = desk.application(frozenset(names), any_address=self.is_open_to_others)
-        self._server = _Server(app, desk, keep=self.keep)
+        self._desk = Desk(host=self.host, token=self.token)
+        app = self._desk.application(frozenset(names), any_address=self.is_open_to_others)
+        self._server = _Server(app, self._desk, keep=self.keep)
 
     def url(self, doc: str = "", play: str = "") -> str:
         """Return the address of the page, with its token, of a document on it, and of a drive that plays over it."""
@@ -94,12 +96,32 @@ class Service:
         shown = "".join(f"&{key}={quote(value)}" for key, value in (("doc", doc), ("play", play)) if value)
         return f"http://{name}:{self.listening_port}/?token={self.token}{shown}"
 
+    def write_door(self, url: str) -> Path:
+        """Write a file that leads a browser to an address, which only this user can read; it is removed when it did.
+
+        An address that a browser is started with stands in the list of processes, which every user of the machine can
+        read. The file is in the folder of the page: browsers of snap and flatpak see no temporary folder and no hidden
+        file. Only where that folder cannot be written to is it a temporary one.
+        """
+        page = f'<!doctype html><meta http-equiv="refresh" content="0;url={escape(url)}"><title>rsegen</title>\n'
+        for folder in (self.host.folder, None):
+            with suppress(OSError):
+                file, name = tempfile.mkstemp(".html", "rsegen-", folder)
+                break
+        else:
+            raise FileError("no file can be written that leads the browser to the page; open the address above")
+        with os.fdopen(file, "w", encoding="utf-8") as written:
+            written.write(page)
+        self._desk.door = Path(name)
+        return self._desk.door
+
     def run(self) -> None:
         """Serve until a signal, or the end of the last page."""
         try:
             with self._socket:
                 self._server.run(sockets=[self._socket])
         finally:  # a signal is raised once more when the server has ended
+            self._desk.remove_door()
             self.host.close()
 
     def start(self) -> None:

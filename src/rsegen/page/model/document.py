@@ -4,8 +4,10 @@ A journal has drafts on disk after every change, so that a crash or a kill loses
 
     $XDG_STATE_HOME/rsegen/HASH-PID.json   the draft of a document whose path has this hash, in the process PID
 
-A draft is there exactly as long as it is not in its file. One of a process that has ended is found by the next one that
-opens the same document. It is written whole, beside its place, and then renamed, so a kill leaves the one before.
+A draft knows the checksum of the text that it began with, so one that is brought back over a file that somebody has
+changed since is told as a conflict. A draft is there exactly as long as it is not in its file. One of a process that has
+ended is found by the next one that opens the same document. It is written whole, beside its place, and then renamed, so
+a kill leaves the one before.
 """
 
 from __future__ import annotations
@@ -50,14 +52,17 @@ class Document:
     recovered: str | None = None
     _start: Draft = field(init=False)
     _stamp: tuple[int, int] | None = None
+    _began_with: str = field(init=False)
 
     def __post_init__(self) -> None:
         self._start = self.session.draft
         self._stamp = self._stamp_now()
+        self._began_with = _checksum(self.text.encode())
         self.session.changed = self._session_changed
         if recovered := self.journal.recovered():
-            draft, self.recovered = recovered
+            draft, self.recovered, self._began_with = recovered
             self.session.restore(draft)
+            self.changed_on_disk = self._differs()
 
     @classmethod
     def of_file(cls, path: Path) -> Document:
@@ -121,25 +126,26 @@ class Document:
 
     def _session_changed(self) -> None:
         if self.session.unsaved:
-            self.journal.write(self.session.draft)
+            self.journal.write(self.session.draft, self._began_with)
         else:
             self.journal.remove()
-            self.recovered = None
+            self.recovered, self._began_with = None, _checksum(self.text.encode())
+            self.changed_on_disk = self._differs()
 
     def _ask_before(self, target: Path) -> None:
         if target == self.path:
             if self._differs():
                 self.changed_on_disk = True
-                raise Question(f"{target.name} was changed by somebody else since it was opened", "changed")
+                raise Question(f"{target.name} was changed by somebody else since these changes were begun", "changed")
         elif os.path.lexists(target):
             raise Question(f"{target.name} exists already", "exists")
 
     def _differs(self) -> bool:
-        """Return whether the file has another text than it had; one that is gone can be written anew."""
+        """Return whether the file has another text than the draft began with; one that is gone can be written anew."""
         if self.path is None or not self.path.exists():
             return False
         try:
-            return self.path.read_bytes() != self.text.encode()
+            return _checksum(self.path.read_bytes()) != self._began_with
         except OSError:
             return True
 
@@ -160,6 +166,10 @@ class Document:
 
 
 _DEFAULT_NAME = next(each.default for each in fields(Recipe) if each.name == "name")
+
+
+def _checksum(content: bytes) -> str:
+    return blake2b(content, digest_size=16).hexdigest()
 
 
 def _read(path: Path) -> str:
@@ -184,12 +194,13 @@ class DraftFile:
     name: str
     failed: str = ""
 
-    def write(self, draft: Draft) -> None:
-        """Write the draft; if that fails, as on a full disk, the work goes on."""
+    def write(self, draft: Draft, began_with: str) -> None:
+        """Write the draft and the checksum of the text that it began with; if that fails (disk full), work goes on."""
         path = self._path(os.getpid())
         new = path.with_suffix(f".{os.urandom(4).hex()}")
         when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-        content = {"name": self.name, "when": when, "values": dict(draft.values), "rows": [*map(dict, draft.rows)]}
+        values, rows = dict(draft.values), [*map(dict, draft.rows)]
+        content = {"name": self.name, "when": when, "began_with": began_with, "values": values, "rows": rows}
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
             with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
@@ -207,14 +218,18 @@ class DraftFile:
             with suppress(OSError):
                 path.unlink(missing_ok=True)
 
-    def recovered(self) -> tuple[Draft, str] | None:
-        """Return the latest draft of processes that have ended, if one can be read, and when it was made."""
+    def recovered(self) -> tuple[Draft, str, str] | None:
+        """Return the latest draft of processes that have ended, if one can be read.
+
+        With it come the time at which it was made, and the checksum of the text that it began with.
+        """
         for path in sorted(self._left(), key=_changed_at, reverse=True):
             with suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
                 content = json.loads(path.read_text("utf-8"))
                 rows = tuple(MappingProxyType(dict(row)) for row in content["rows"])
                 if content["name"] == self.name:
-                    return Draft(values=MappingProxyType(dict(content["values"])), rows=rows), str(content["when"])
+                    draft = Draft(values=MappingProxyType(dict(content["values"])), rows=rows)
+                    return draft, str(content["when"]), str(content["began_with"])
         return None
 
     def _left(self) -> list[Path]:
