@@ -179,6 +179,7 @@ class Lattice:
 
     def __init__(self, field: StepField, body: Body, best: str = "length", watch: Watch = _unwatched) -> None:
         self.field, self.body, self.best, self.watch = field, body, best, watch
+        self._share = 0.0
         self.ground = PaddedGround.of(field, outer_radius(body))
         self.x, self.y = field.middles()
         shape = (*field.shape, HEADINGS)
@@ -190,6 +191,11 @@ class Lattice:
         self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
         self._settled: list[tuple[Ints, Settled]] = []
+
+    def _tell(self, share: float) -> None:
+        """Tell who watches how far the search is, never less than before: a way may be searched after a region."""
+        self._share = max(self._share, share)
+        self.watch(self._share)
 
     def close(self, x: float, y: float, heading: int) -> None:
         """Let no way lead past a place, metres, in a heading from now on: a robot got stuck there, whatever poses say.
@@ -299,7 +305,7 @@ class Lattice:
         before = np.ravel_multi_index((i, j, (k - 1) % HEADINGS), self.moves.shape)
         self._drive_from(places)
         self._turn_at(np.unique(np.concatenate([places, before])))
-        self.watch(float(self._is_driven.mean()))
+        self._tell(float(self._is_driven.mean()))
         return before
 
     def _driven(self, x: Array, y: Array, yaw: Array, length: float) -> tuple[Mask, Array]:
@@ -344,9 +350,9 @@ class Lattice:
             matters &= self._sizes(possible)[tails] >= region.sum()
             is_open = matters & ~passed
             if not is_open.any():
-                self.watch(1.0)
+                self._tell(1.0)
                 return region
-            self.watch(_TURNING + (1 - _TURNING) * (1 - float(is_open.sum()) / self.moves.size))
+            self._tell(_TURNING + (1 - _TURNING) * (1 - float(is_open.sum()) / self.moves.size))
             from_, to = known[tails[matters]], known[heads[matters]]
             chosen = np.flatnonzero(matters)[_connecting(from_, to, tails[matters] % 2, ~passed[matters])]
             self._drive_from(tails[chosen[:_MOVES_AT_ONCE]])
@@ -390,7 +396,7 @@ class Lattice:
         places = np.arange(self.turns.size)
         for begin in range(0, places.size, _TURNS_AT_ONCE):
             self._turn_at(places[begin : begin + _TURNS_AT_ONCE])
-            self.watch(_TURNING * float(self._is_turned.mean()))
+            self._tell(_TURNING * float(self._is_turned.mean()))
 
     def way(self, axis: int, *, checked: bool = True) -> Way | None:
         """Return the best way across along an axis, with straight lanes at both ends; None if there is none.
