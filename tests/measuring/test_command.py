@@ -55,7 +55,25 @@ def test_a_page_stays_short_for_any_steps(capsys: pytest.CaptureFixture[str], tm
     path.write_text("unit_cm: 0.1\nseed: 1\nobstacles:\n  - {kind: random, levels: 500}\n")
     page = printed(capsys, path)
     assert "sizes, which --json lists" in page
-    assert len(page.splitlines()) < 15
+    assert len(page.splitlines()) < 18
+
+
+LOW = ("--obstacle", "random levels=2", "--unit-cm", "1", "--boundary", "none", "--seed", "1")
+
+
+def test_a_page_begins_with_what_a_person_came_for(capsys: pytest.CaptureFixture[str]) -> None:
+    """How rough the map is, or whether the robot gets across; then an empty line, and all figures."""
+    _, rough, climb, empty, *_ = printed(capsys, "peak").splitlines()
+    assert rough == "Blocks are 0 to 40 cm high; neighbours differ by 5.33 cm on average, by 40 cm at most."
+    assert climb == "To cross it, a robot must climb steps of 10 cm west to east and 10 cm south to north."
+    assert empty == ""
+    _, across, surely, empty, *_ = printed(capsys, *LOW, "--robot", "crawler").splitlines()
+    assert across == "Predicted: the crawler can cross west to east and south to north."
+    assert surely == "How surely, drives tell: add --verify, or use rsegen predict."
+    assert empty == ""
+    _, west, south, *_ = printed(capsys, "peak", "--robot", "burger").splitlines()
+    assert west.startswith("Predicted: the burger cannot cross west to east: it ")
+    assert south.startswith("Predicted: the burger cannot cross south to north: it ")
 
 
 def test_names_of_nist_are_used_for_analogues_only(capsys: pytest.CaptureFixture[str]) -> None:

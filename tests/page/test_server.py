@@ -89,7 +89,9 @@ def test_this_machine_is_answered_by_any_of_its_names(client: Client, name: str)
     assert client.get(f"/?token={TOKEN}", Host=name).status == 200
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://localhost:9999", "http://localhost", "[", "http://["])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://localhost:9999", "http://localhost", "[", "http://["]
+)
 def test_no_other_page_may_ask(client: Client, origin: str) -> None:
     assert client.post("/api/state", {}, Origin=origin).status == 403
     assert client.post("/api/open", {}, Origin=f"http://localhost:{client.port}").status == 200

@@ -28,9 +28,7 @@ CAPABILITY = Capability(
             "list what is installed, what is missing and what it is needed for",
             "rsegen.cli.doctor",
         ),
-        Command(
-            "completion", _INFORMATION, "print what makes bash, zsh or fish complete commands and flags", _REFERENCE
-        ),
+        Command("completion", _INFORMATION, "print a shell completion script, for bash, zsh or fish", _REFERENCE),
         Command("man", _INFORMATION, "print the manual page of rsegen or of a command", "rsegen.cli.man"),
     ),
     public={

@@ -158,7 +158,7 @@ def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.group("input")
     add_input(group, f"{_WHERE}; or none, but --obstacle", name="target", metavar="RECIPE-or-DIR")
-    group.add_argument("--map", metavar="INDEX", help=f"which map, by its index or its name (default: {default})")
+    group.add_argument("--map", metavar="INDEX", help=f"index or name of the map (default: {default})")
 
 
 def is_of_flags(arguments: argparse.Namespace) -> bool:

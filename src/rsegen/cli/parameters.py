@@ -13,19 +13,18 @@ if TYPE_CHECKING:
     pass
 
 
-Force = Annotated[bool, Flag(help="replace the file, or a folder that rsegen wrote and nobody has changed since")]
+Force = Annotated[
+    bool, Flag(help="overwrite the file, or a folder that rsegen wrote and that nobody has changed since")
+]
 
 Resume = Annotated[
     bool,
-    Flag(
-        help="continue a stopped run: keep what is complete and as it would be made now, and make the rest; needs the "
-        "same recipe, seed and options"
-    ),
+    Flag(help="continue a stopped run: keep what is complete, make the rest; needs the same recipe, seed and options"),
 ]
 
 Workers = Annotated[
     int,
-    Integer(1, help="processes that work at the same time"),
+    Integer(1, help="number of processes that run in parallel"),
     Shell(metavar="N", default="the number of cores"),
 ]
 
@@ -54,7 +53,7 @@ OutputFolder = Annotated[
 
 MapReference = Annotated[
     int | str | None,
-    Reference("an index or a name", help="which map, by its index or its name", types=(str, int)),
+    Reference("an index or a name", help="index or name of the map", types=(str, int)),
     Shell(metavar="INDEX", default="the first"),
 ]
 

@@ -52,7 +52,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     seed: DriveSeed = None,
     predict: Annotated[
         bool,
-        Flag(help="tell before how surely the robot gets across, from drives in MuJoCo"),
+        Flag(help="first predict how surely the robot gets across, by drives in MuJoCo"),
         Shell(help="do not tell before how surely the robot gets across; ways are then planned by poses alone"),
     ] = True,
     output: Annotated[
@@ -249,7 +249,7 @@ def predict(  # noqa: PLR0913  # each is a flag
     turn: Turn = None,
     motors: MotorModel = None,
     route: Annotated[
-        str, Choice(("way", "straight"), help="on the way on which it gets across most surely, or straight across")
+        str, Choice(("way", "straight"), help="along the safest way that is found, or straight across")
     ] = "way",
     best: Best = None,
     drives: Drives = 20,

@@ -168,11 +168,11 @@ class DriveResult:
     def report(self) -> Iterator[str]:
         """Yield the lines that `rsegen drive` prints: robots, their contacts, notes and warnings."""
         seed = f", seed {self.seed}" if self.route == Wandering.name else ""
-        if self.way:
-            yield f"predicted for {self.scene.name}: {_foreseen(self.way)}"
         if self.prediction:
-            yield f"predicted for {self.scene.name}: {self.prediction}"
-        yield f"{self.scene.name} in {self.simulator}, {self.route}{seed}:"
+            yield f"predicted: {self.prediction}"
+        if self.way:
+            yield f"planned: {_foreseen(self.way)}"
+        yield f"driven on {self.scene.name} in {self.simulator}, route {self.route}{seed}:"
         for robot in self.robots:
             metrics = robot.metrics
             crossed = "" if self.route == Wandering.name else _crossed(robot)
@@ -183,7 +183,7 @@ class DriveResult:
             if metrics.touched:
                 most = list(metrics.touched.items())[:_PARTS]
                 shares = ", ".join(f"{part} {share:.0%}" for part, share in most)
-                yield f"    parts on blocks or ground (link::shape, share of the time): {shares}"
+                yield f"    contact time per part (link::shape): {shares}"
         yield from (f"note: {line}" for line in self.notes)
         yield from (f"warning: {line}" for line in dict.fromkeys(self.errors))
 
@@ -207,10 +207,10 @@ def _foreseen(way: PlannedWay) -> str:
     """Return the forecast for the way that the robots follow."""
     if way.length is not None:
         tilt, margin = (whole_degrees(angle or 0.0) for angle in (way.tilt, way.margin))
-        steepest = f"tilts by up to {tilt}, {margin} from tipping over"
-        return f"the way across is {way.length:.2f} m long, and the robot on it {', '.join([steepest, *events(way)])}"
+        steepest = f"the robot tilts by up to {tilt}, {margin} from tipping over"
+        return f"a way of {way.length:.2f} m across; {', '.join([steepest, *events(way)])}"
     x, y = way.at or (0.0, 0.0)
-    return f"no way across for this robot: on the best straight lane it {way.reason} at {x:.2f}, {y:.2f} m"
+    return f"no way across; on the best straight lane the robot {way.reason} at {x:.2f}, {y:.2f} m"
 
 
 def _crossed(robot: DrivenRobot) -> str:

@@ -47,7 +47,7 @@ RouteName = Annotated[
     str,
     Choice(
         ("straight", "random", "way"),
-        help="straight across the map, randomly on it, or across it on a way on which the robot's poses are good",
+        help="straight across, at random over the map, or across along a planned way",
     ),
 ]
 
@@ -55,15 +55,17 @@ Best = Annotated[
     str | None,
     Choice(
         ("safe", "length", "tilt", "margin"),
-        help="for route way: a short and safe way, the shortest, that with the least tilt, or with the largest angle "
-        "to tip over",
+        help="for route way: a short and safe way, the shortest, the one with the least tilt, or the one "
+        "that stays farthest from tipping over",
     ),
     Shell(default="safe"),
 ]
 
 Drives = Annotated[
     int,
-    Integer(1, 10_000, help="drives, each with other errors, that tell at most how surely the robot gets across"),
+    Integer(
+        1, 10_000, help="number of drives at most, each with its own errors of start, friction, heights and steering"
+    ),
     Shell(metavar="N"),
 ]
 

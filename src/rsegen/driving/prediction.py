@@ -159,10 +159,10 @@ class Prediction:
         return tuple(sorted(ends, key=lambda end: -end.drives))
 
     def __str__(self) -> str:
-        counts = f"{self.crossed} of {self.drives} drives in {self.simulator}, motors {self.motors}"
-        often = "if not, it" if self.crossed else "it"
-        end = f"; {often} {self.ends[0]}" if self.ends else ""
-        return f"crosses, {self.probability:.2f} ({counts}){end}"
+        counts = f"{self.crossed} of {self.drives} drives in {self.simulator}, {self.motors} motors"
+        rest = "otherwise it mostly" if self.crossed else "it mostly"
+        end = f"; {rest} {self.ends[0]}" if self.ends else ""
+        return f"crosses with probability {self.probability:.2f} ({counts}){end}"
 
     def as_json(self) -> dict[str, object]:
         """Return it for JSON."""
@@ -255,7 +255,7 @@ def spread_drive(simulator: EmbeddedSimulator, scene: Scene, run: RobotRun, numb
     if off := next((incident for incident in metrics.incidents if incident.kind == Incident.OFF), None):
         return Outcome(seconds=None, path=path, reason=f"{LEAVES} {off.reason}")
     part = world.held_by(run.name)
-    return Outcome(seconds=None, path=path, reason=f"is held at {part}" if part else "does not come on")
+    return Outcome(seconds=None, path=path, reason=f"gets stuck on its {part}" if part else "makes no progress")
 
 
 def _time_limit(scene: Scene, run: RobotRun) -> float:

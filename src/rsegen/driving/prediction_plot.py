@@ -32,5 +32,6 @@ def prediction_plot(scene: Scene, found: Prediction, format: str = "png") -> byt
         axes.legend(loc="upper right")
     axes.autoscale_view()
     end = f"\nmost often ends: it {found.ends[0]}" if found.ends else ""
-    axes.set_title(f"{scene.name}: crosses, {found.probability:.2f} ({found.crossed} of {found.drives} drives){end}")
+    counts = f"{found.crossed} of {found.drives} drives"
+    axes.set_title(f"{scene.name}: crosses with probability {found.probability:.2f} ({counts}){end}")
     return figure_bytes(figure, scene, format)

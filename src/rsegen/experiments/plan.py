@@ -72,7 +72,9 @@ class TableRow:
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
     levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 3
-    unit_cm: Annotated[float, Float(0.001, 1000, unit="cm", help="height discretization step")] = 0.3
+    unit_cm: Annotated[
+        float, Float(0.001, 1000, unit="cm", help="unit of height; each block is a whole number of units high")
+    ] = 0.3
     recipe: Mapping[str, Json] | None = None
     simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="default: the newest that is installed")] = None
 

@@ -97,27 +97,27 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         crossable, asked = report["crossable_by"], _crossing_parameters(scene.recipe)
         # Who or what gets across, from which sides, and which blocks are lower for it.
         paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
-        what = f"{asked.get('robot')} drives"
+        # What a report of a map says is proven by poses or by a path, and not driven.
+        what, lacks = (f"predicted: the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
         if "robot" not in asked:
             written = lengths_in(scene.units)
             climb, drop, width = (
                 written.with_unit(asked[f"{name}_cm"] / 100, 3) for name in ("climb", "drop", "width")
             )
-            what = f"a path of steps of {climb} up and {drop} down, {width} wide, leads"
-        yield f"{what} across from {' and from '.join(paths or ['no side'])}"
+            steps = f"path of steps of {climb} up and {drop} down, {width} wide, leads"
+            what, lacks = f"a {steps}", f"no {steps}"
+        yield f"{what} across from {' and from '.join(paths)}" if paths else f"{lacks} across"
         if "lowered" in crossable:
             blocks, at_0 = crossable["lowered"].values()
             of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"
-            all_flat = "all of these at level 0"
-            at_level_0 = f"{at_0:,} of these at level 0" if at_0 < blocks else all_flat
-            lowered = f"{of_all} are lower for that than they would be, {at_level_0}"
-            yield lowered if blocks else "no block is lower for that than it would be"
+            to_0 = f"{at_0:,} of them" if 0 < at_0 < blocks else "all of them" if at_0 else "none of them"
+            yield f"{of_all} were lowered for that, {to_0} to level 0" if blocks else "no blocks had to be lowered"
         way, beside = (crossable["roughness"][part] for part in ("on_ways", "beside"))
         if None not in (*way.values(), *beside.values()):
             yield (
                 "on its ways neighbouring blocks differ by {mean_step:.1f} units on average, and {level_0:.0%} of the "
                 "blocks are at level 0; ".format(**way)
-                + "beside them {mean_step:.1f}, and {level_0:.0%}".format(**beside)
+                + "beside its ways by {mean_step:.1f} units, and {level_0:.0%} are".format(**beside)
             )
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))

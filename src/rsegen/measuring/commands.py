@@ -260,6 +260,8 @@ def _page(
     width = written.short(round(scene.field.block_width * 1e9))
     size = f"{width} x {width} {written.unit}"
     yield f"{scene.name}, seed {scene.recipe.seed}: {blocks:,} blocks of {size}; frames are not blocks"
+    yield from _verdict(scene, measures, predicted, crosser)
+    yield ""
     # From single blocks to their neighbours, to the whole map, and at last to what crosses it.
     spread, plane = measures.spread, measures.plane
     of_mean = "" if spread.variation is None else f" ({spread.variation:.3f} of the mean)"
@@ -282,14 +284,41 @@ def _page(
     yield f"climb    that is needed to cross{wide}: {ways}"
     if measures.reach and crosser:
         yield from _reach(measures.reach, crosser, scene.units)
-    for number, (side, found) in enumerate(predicted.items()):
-        yield f"{'' if number else 'driven':<8} {side.replace('_', ' to ')}: {found}"
-    if measures.reach and crosser and crosser.search and not predicted:
-        yield "driven   not yet; with --verify it is, and tells how surely it gets across"
     from rsegen.measuring.catalogue import METRICS, custom
 
     for name, value in custom(scene.field).items():
         yield f"{name:<8} {_plain(value)} {METRICS[name].unit} ({METRICS[name].help.rstrip('.')})"
+
+
+_SIDES = {"west_east": "west to east", "south_north": "south to north"}
+
+
+def _verdict(
+    scene: Scene, measures: Metrics, predicted: Mapping[str, Any], crosser: CrossingModel | None
+) -> Iterator[str]:
+    """Yield what a person came for: how rough the map is, or whether a robot gets across, with its certainty."""
+    written = lengths_in(scene.recipe.units)
+    if measures.reach is None or crosser is None:
+        steps, opens = measures.steps, measures.opening
+        heights = f"{written.measured(measures.spread.lowest)} to {written.with_unit(measures.spread.highest)}"
+        mean, highest = (written.with_unit(step) for step in (steps.mean, steps.highest))
+        climbs = " and ".join(f"{written.with_unit(getattr(opens, side))} {name}" for side, name in _SIDES.items())
+        yield f"Blocks are {heights} high; neighbours differ by {mean} on average, by {highest} at most."
+        yield f"To cross it, a robot must climb steps of {climbs}."
+        return
+    subject = f"the {crosser.in_words(scene.units)}" if crosser.search else crosser.in_words(scene.units)
+    can, cannot = ("can cross", "cannot cross") if crosser.search else ("leads", "does not lead")
+    ways = {name: getattr(measures.reach, side) for side, name in _SIDES.items() if side not in predicted}
+    yield from (f"{_SIDES[side].capitalize()}, the robot {found}." for side, found in predicted.items())
+    if across := [name for name, way in ways.items() if way.length is not None]:
+        yield f"Predicted: {subject} {can} {' and '.join(across)}."
+    for name, way in ways.items():
+        if way.length is None:
+            reason, at = getattr(way, "reason", None), getattr(way, "at", None)
+            why = "" if reason is None or at is None else f": it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
+            yield f"Predicted: {subject} {cannot} {name}{why}."
+    if ways and crosser.search:
+        yield "How surely, drives tell: add --verify, or use rsegen predict."
 
 
 def _steps(steps: Steps, written: Lengths) -> Iterator[str]:
@@ -323,14 +352,14 @@ def _spectrum(spectrum: Spectrum) -> str:
 
 
 def _reach(reach: Any, crosser: CrossingModel, units: str) -> Iterator[str]:
-    yield f"{crosser.in_words(units)}:"
+    yield f"\n{crosser.in_words(units)}:"
     written = lengths_in(units)
     climbable, droppable = getattr(reach, "climbable", None), getattr(reach, "droppable", None)
     if climbable is not None and droppable is not None:
         yield f"steps    {climbable:.1%} it goes up, {droppable:.1%} it goes down"
     if poses := getattr(reach, "poses", None):
         yield from _poses(poses, written)
-    yield f"region   {reach.coverage:.1%} of the blocks, from each to each (analogue of coverability)"
+    yield f"region   {reach.coverage:.1%} of the blocks, all mutually reachable (analogue of coverability)"
     yield f"ways     west to east: {_way(reach.west_east)} (analogue of crossability)"
     yield from (f"           {event}" for event in crosser.events(reach.west_east))
     yield f"         south to north: {_way(reach.south_north)}"

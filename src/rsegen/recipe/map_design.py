@@ -101,10 +101,12 @@ _CENTIMETRES = Float(0.001, 100_000, unit="cm")
 class MapDesign:
     """Parameters that decide the levels of the blocks of every map, in the words of the recipe file."""
 
-    chunk_size: Annotated[int, Integer(1, 1000, unit="blocks", help="side of a single chunk (pallet)")] = 10
+    chunk_size: Annotated[int, Integer(1, 1000, unit="blocks", help="blocks along one side of a chunk (pallet)")] = 10
     chunks: Annotated[Cell, Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
-    unit_cm: Annotated[float, replace(_CENTIMETRES, help="height discretization step")] = 10.0
-    block_width_cm: Annotated[float, replace(_CENTIMETRES, help="side of a block, and depth of a frame")] = 10.0
+    unit_cm: Annotated[
+        float, replace(_CENTIMETRES, help="unit of height; each block is a whole number of units high")
+    ] = 10.0
+    block_width_cm: Annotated[float, replace(_CENTIMETRES, help="width of a block, and of a frame")] = 10.0
     boundary: Annotated[
         str, Choice(("none", "divided", "outer"), help="frames: none, around every chunk, or one around the map")
     ] = "divided"
@@ -121,8 +123,8 @@ class MapDesign:
     difficulty: Annotated[
         Difficulty,
         DifficultySort(
-            help="how rough the map is: 1 as designed, 0 flat; a range is drawn for each map, with a third number "
-            "it rises in this number of steps from map to map, and begins again"
+            help="how rough the map is: 1 as designed, 0 flat; a value is drawn for each map from a range; with a "
+            "third number it rises in that many steps from map to map, then starts over"
         ),
     ] = 1.0
     max_step: Annotated[
@@ -145,7 +147,7 @@ class MapDesign:
         tuple[int, ...] | None,
         ListOf(
             Integer(0, 10**9),
-            help="number of blocks in stock of level 1, 2, ...: only these are used",
+            help="blocks in stock, of level 1, 2, ...; no others are used",
             most=MOST_LEVELS,
         ),
     ] = None

@@ -34,9 +34,9 @@ class Run:
             help="name of the maps",
         ),
     ] = "rse"
-    description: Annotated[str, Text(r"[^\x00-\x1f]{0,500}", "one line of up to 500 characters", help="for people")] = (
-        ""
-    )
+    description: Annotated[
+        str, Text(r"[^\x00-\x1f]{0,500}", "one line of up to 500 characters", help="free-text description")
+    ] = ""
     maps: Annotated[int, Integer(1, help="number of maps to generate")] = 1
     first_map: Annotated[int, Integer(0, SEEDS - 1, help="index of the first map")] = 0
 
@@ -105,7 +105,7 @@ class Representation:
     ] = None
     units: Annotated[
         str,
-        Choice(("cm", "in"), help="lengths on build sheets and in reports: centimetres and metres, or inches and feet"),
+        Choice(("cm", "in"), help="units of length on build sheets and in reports: cm and m, or in and ft"),
     ] = "cm"
     look: Annotated[
         str,

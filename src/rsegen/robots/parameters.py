@@ -30,8 +30,8 @@ MotorModel = Annotated[
     str | None,
     Choice(
         MOTORS,
-        help="how motors of wheels act in MuJoCo: with their reaction on the chassis, as real ones do, or as those of "
-        "Gazebo Classic, without it",
+        help="how motors of wheels act in MuJoCo: with their reaction on the chassis, as real motors do, or without "
+        "it, as Gazebo Classic's",
     ),
     Shell(default=MOTORS[0]),
 ]

@@ -200,7 +200,7 @@ def add_compare(command: Parser) -> None:
         help="point clouds or depth images of one field, as for rsegen scan, or a map; MAP, the last, is what should "
         "stand: a recipe, an example, the folder of a map",
     )
-    command.add_argument("--map", metavar="INDEX", help="which map, by its index or its name (default: the first)")
+    command.add_argument("--map", metavar="INDEX", help="index or name of the map (default: the first)")
     add_flags(command.group("output"), _Drawing)
     add_flags(command.group("reading a scan"), ScanOptions, without=_OF_THE_MAP)
     add_target_recipe_flags(command)

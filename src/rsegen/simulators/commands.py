@@ -34,7 +34,7 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     headless: Annotated[bool, Flag(help="run without a window; of Gazebo only the server")] = False,
     seconds: Annotated[
         float | None,
-        Float(0, 1e9, unit="s", help="end so long after the world has loaded"),
+        Float(0, 1e9, unit="s", help="stop N seconds after loading"),
         Shell(metavar="N", default="never"),
     ] = None,
     shared: Annotated[bool, Flag(help="use the default address, so that other programs can connect")] = False,

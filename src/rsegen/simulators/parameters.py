@@ -42,7 +42,9 @@ RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]
 
 Timeout = Annotated[
     float,
-    Float(1.0, 1e6, unit="s", help="give a simulator up that shows no progress for so long; more on a busy machine"),
+    Float(
+        1.0, 1e6, unit="s", help="stop waiting if the simulator makes no progress for S seconds; more on a busy machine"
+    ),
     Shell(metavar="S"),
 ]
 

@@ -87,7 +87,7 @@ class End(IntEnum):
             "tips over",
             "hits a block with an upright face",
             "cannot push itself on",
-            "is held at the side of a block by a part that does not drive",
+            "gets stuck at the side of a block on a part that does not drive",
             "is stopped by a step that it cannot climb",
         )[self]
 
