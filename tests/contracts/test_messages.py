@@ -122,6 +122,7 @@ def test_advice_names_parameters_that_some_command_declares() -> None:
         ("name them with tracks='LEFT,RIGHT'", "drive", "name them with --tracks LEFT,RIGHT"),
         ("give by='reach.west_east.cost', or", "series", "give --by reach.west_east.cost, or"),
         ("give output='DIR', or at=[X, Y, Z]", "spawn", "give --output DIR, or --at X,Y,Z"),
+        ("as with rsegen.open('DIR')", "spawn", "as with rsegen open DIR"),
         ("as with rsegen.open('DIR', shared=True)", "spawn", "as with rsegen open DIR --shared"),
         ("load it by rsegen.load_plugin('ramp.py')", "info", "load it by --plugin ramp.py"),
         ("'peak levels=5 seed=3': unknown", "generate", "'peak levels=5 seed=3': unknown"),

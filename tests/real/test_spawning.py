@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
 import threading
 import time
 from collections.abc import Iterator
@@ -26,6 +27,8 @@ from rsegen.simulators.server import Server, running_server
 from rsegen.spawning.spawning import SpawnedMap
 from tests.real.bodies import SIZE, body
 from tests.support.complaints import the_line
+from tests.support.patience import PATIENCE
+from tests.support.runs import started, until_it_has
 
 Capture = pytest.CaptureFixture[str]
 BURGER = robot_of_kind("burger")
@@ -62,6 +65,34 @@ def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
             monkeypatch.setenv(name, running.environment.get(name, "http://127.0.0.1:1"))
         monkeypatch.setenv("SIMULATOR", gazebo.simulator.name)
         yield running
+
+
+def test_the_next_shell_finds_what_open_began(
+    gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With no flag and no variable; the heights of the map are known, though its world is a temporary one."""
+    monkeypatch.chdir(tmp_path)
+    rsegen.save(COURSE, tmp_path / "course.yaml")
+    for name in gazebo.simulator.address_variables:
+        monkeypatch.delenv(name, raising=False)
+    with started("open", "course.yaml", "--headless", "--simulator", gazebo.simulator.name) as opened:
+        try:
+            until_it_has(opened, lambda: run("spawn", "burger").returncode == 0)
+            spawned = json.loads(run("respawn", "course.yaml", "--json").stdout)
+            assert (spawned["instead_of"], spawned["name"]) == ("course_0000", "course_0001")
+            assert spawned["put_on_top"] == ["burger"]
+            assert run("remove", "burger", "course_0001").returncode == 0
+            assert "burger" in run("remove", "burger").stderr
+        finally:
+            opened.terminate()
+    assert run("spawn", "burger").stderr.startswith("rsegen: no simulation runs")
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """A command in a shell of its own."""
+    with started(*arguments) as process:
+        out, err = process.communicate(timeout=PATIENCE)
+    return subprocess.CompletedProcess(arguments, process.returncode, out, err)
 
 
 def done(capture: Capture, *arguments: str) -> dict[str, object]:

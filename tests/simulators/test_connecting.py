@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,8 +21,11 @@ from rsegen.simulators.patience import Patience
 class Noted:
     """A simulator whose connections are noted, in the order in which they are made and ended."""
 
+    address_variables = ("NOTED_ADDRESS",)
+
     def __init__(self, name: str) -> None:
         self.name = name
+        self.asked: list[str] = []
         self.runs = True
         self.signs: list[float] = []
         self.made: list[SimpleNamespace] = []
@@ -30,6 +34,7 @@ class Noted:
     @contextmanager
     def connect(self, environment: Mapping[str, str], patience: Patience) -> Iterator[Any]:
         self.signs.append(patience.sign)
+        self.asked.append(environment.get("NOTED_ADDRESS", "default"))
         if not self.runs:
             raise NothingRuns(f"{self.name}: nobody")
         self.made.append(SimpleNamespace(is_current=True, seconds=patience.seconds))
@@ -101,6 +106,47 @@ def test_each_is_asked_for_a_moment_and_then_for_a_tenth_of_the_timeout(simulato
     assert [simulator.signs for simulator in simulators] == [[0.3, 6.0], [0.3, 6.0]]
     simulators[1].runs = True
     assert use() is simulators[1].made[0]
+
+
+def left_by(process: int, name: str, address: str, folder: Path, state: Path) -> None:
+    """What `rsegen open` says of a simulation, as another process would have written it."""
+    with connecting.announced(Noted(name), {"NOTED_ADDRESS": address}, folder):  # type: ignore[arg-type]
+        own = state / f"simulation-{os.getpid()}.json"
+        content = own.read_text()
+    state.joinpath(f"simulation-{process}.json").write_text(content)
+
+
+def test_what_was_opened_is_found_before_what_is_at_a_default_address(
+    simulators: tuple[Noted, Noted], state_folder: Path, tmp_path: Path
+) -> None:
+    newer, older = simulators
+    left_by(os.getppid(), "older", "opened", tmp_path / "maps" / "one", state_folder)
+    left_by(999_999_999, "newer", "of a killed one", tmp_path, state_folder)
+    assert use() is older.made[0]
+    assert (newer.asked, older.asked) == ([], ["opened"])
+    assert connecting.opened_folder(older) == [tmp_path / "maps"]  # type: ignore[arg-type]
+    assert [path.name for path in state_folder.iterdir()] == [f"simulation-{os.getppid()}.json"]
+
+
+def test_an_address_of_the_user_s_own_comes_first(
+    simulators: tuple[Noted, Noted], state_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    newer, _ = simulators
+    left_by(os.getppid(), "older", "opened", tmp_path, state_folder)
+    monkeypatch.setenv("NOTED_ADDRESS", "mine")
+    assert use() is newer.made[0]
+    assert newer.asked == ["mine"]
+    assert connecting.opened_folder(newer) == []  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("content", ["", "[]", "5", '{"simulator": "older"}', '{"simulator": "older", "address": 5}'])
+def test_what_is_no_announcement_is_passed_over(
+    content: str, simulators: tuple[Noted, Noted], state_folder: Path
+) -> None:
+    state_folder.mkdir()
+    state_folder.joinpath(f"simulation-{os.getppid()}.json").write_text(content)
+    assert use() is simulators[0].made[0]
+    assert simulators[0].asked == ["default"]
 
 
 def test_threads_use_it_one_after_the_other(simulators: tuple[Noted, Noted]) -> None:

@@ -37,7 +37,9 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
         Float(0, 1e9, unit="s", help="stop N seconds after loading"),
         Shell(metavar="N", default="never"),
     ] = None,
-    shared: Annotated[bool, Flag(help="use the default address, so that other programs can connect")] = False,
+    shared: Annotated[
+        bool, Flag(help="use the default address, so that other programs can connect (rsegen does without)")
+    ] = False,
     timeout: Timeout = 20.0,
     on_start: Callable[[OpenedWorld], None] | None = None,
     on_error: Callable[[str], None] | None = None,

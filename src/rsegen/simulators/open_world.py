@@ -21,6 +21,7 @@ from pathlib import Path
 from rsegen.errors import NoSimulator, NothingRuns, ParameterError, SimulatorFailed, UserError, shown
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.simulators.base import Installation, OpenRequest
+from rsegen.simulators.connecting import announced
 from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.poses import adjacent_pose
@@ -103,7 +104,8 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
         on_start(opened)
         relay = ErrorRelay(on_error)  # the caller hears each sort of error once
         try:
-            code = _run(here, launch, seconds, relay.add)
+            with announced(here.simulator, dict(address), file.parent):
+                code = _run(here, launch, seconds, relay.add)
         except NothingRuns as error:
             raise SimulatorFailed(f"{here} printed an error: {relay.first}" if relay.first else str(error)) from None
         except KeyboardInterrupt:

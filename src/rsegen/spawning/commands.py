@@ -103,7 +103,8 @@ def spawn(  # noqa: PLR0913  # each is a flag
     """Spawn a map, a robot, or a robot on a map in the running simulation, and give its name and pose there.
 
     With `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher.
-    Gazebo Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses.
+    It is the one at GAZEBO_MASTER_URI or in GZ_PARTITION if one of these variables is set, else the last that
+    `rsegen open` began and that still runs, else the one at a default address.
 
     Parameters
     ----------
@@ -194,8 +195,8 @@ _OWN_OF_SPAWN = ("simulator", "name")
 def add_spawn(command: Parser) -> None:
     """Add the flags of `rsegen spawn`."""
     epilog = (
-        "Gazebo Classic is looked for at GAZEBO_MASTER_URI, Gazebo Sim in GZ_PARTITION, or at their default addresses. "
-        "rsegen open --shared starts a simulation. "
+        "rsegen open, in another shell, starts a simulation; one that another program started is looked for at "
+        "GAZEBO_MASTER_URI or in GZ_PARTITION, or at the default addresses. "
     )
     command.explain(spawn.__doc__, epilog + robot_kinds())
     where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF or Xacro file of a robot"

@@ -36,7 +36,7 @@ from rsegen.robots.links import rotation
 from rsegen.robots.lookup import DrivableRobot, robot_of
 from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
 from rsegen.scene.scene import Scene, compose
-from rsegen.simulators.connecting import connected
+from rsegen.simulators.connecting import connected, opened_folder
 from rsegen.simulators.live_world import LiveWorld
 from rsegen.simulators.poses import DROP_HEIGHT, Pose
 from rsegen.standing.resting import resting_poses
@@ -321,7 +321,8 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
         poses = live.poses()
         if name in poses:
             raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
-        homes = [output, *([what.folder.parent] if isinstance(what, MapModel) else [])]
+        own = [what.folder.parent] if isinstance(what, MapModel) else []
+        homes = [*opened_folder(running), output, *own]
         maps = [
             SpawnedMap(name=known, field=compose(recipe, recipe.first_map).field, at=poses[known])
             for known, recipe in known_recipes(live, poses, homes).items()
@@ -499,7 +500,7 @@ def replace_map(  # as `rsegen.respawn`
         homes += [Path(target), Path(target).parent]
     with connected(simulator, timeout) as (running, live):
         poses = live.poses()
-        known = known_recipes(live, poses, homes)
+        known = known_recipes(live, poses, [*opened_folder(running), *homes])
         current = _current_map(poses, {recipe.name for recipe in recipes}, known, name)
         new = _given_or_next(target, which, output, current)
         new.check_spawnable()

@@ -30,6 +30,7 @@ from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load
 from rsegen.writing.store import write_file
+from rsegen.writing.user_state import state_file, state_files, write_state
 
 SUFFIXES = (".yaml", ".yml", ".json")
 """How the names of recipe files end."""
@@ -178,12 +179,6 @@ def _read(path: Path) -> str:
     return (regular_content(path, most) or b"").decode("utf-8", "replace")
 
 
-def state_folder() -> Path:
-    """Return the folder for what programs keep of a user between their runs, after the XDG base directories."""
-    given = os.environ.get("XDG_STATE_HOME", "")
-    return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "rsegen"
-
-
 @dataclass(kw_only=True, slots=True)
 class DraftFile:
     """The draft of one document on disk.
@@ -196,25 +191,18 @@ class DraftFile:
 
     def write(self, draft: Draft, began_with: str) -> None:
         """Write the draft and the checksum of the text that it began with; if that fails (disk full), work goes on."""
-        path = self._path(os.getpid())
-        new = path.with_suffix(f".{os.urandom(4).hex()}")
         when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
         values, rows = dict(draft.values), [*map(dict, draft.rows)]
         content = {"name": self.name, "when": when, "began_with": began_with, "values": values, "rows": rows}
         try:
-            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
-                json.dump(content, file)
-            new.replace(path)
+            write_state(self._stem, content)
             self.failed = ""
         except OSError as error:
             self.failed = f"changes cannot be kept against a crash: {error.strerror or error}"
-            with suppress(OSError):
-                new.unlink(missing_ok=True)
 
     def remove(self) -> None:
         """Remove the draft, as it is saved or discarded; also those of processes that have ended."""
-        for path in (self._path(os.getpid()), *self._left()):
+        for path in (state_file(self._stem), *self._left()):
             with suppress(OSError):
                 path.unlink(missing_ok=True)
 
@@ -223,7 +211,7 @@ class DraftFile:
 
         With it come the time at which it was made, and the checksum of the text that it began with.
         """
-        for path in sorted(self._left(), key=_changed_at, reverse=True):
+        for path in self._left():
             with suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
                 content = json.loads(path.read_text("utf-8"))
                 rows = tuple(MappingProxyType(dict(row)) for row in content["rows"])
@@ -233,34 +221,10 @@ class DraftFile:
         return None
 
     def _left(self) -> list[Path]:
-        """Return the files of processes that have ended: this one has none before it writes its own."""
-        drafts = self._path(0).parent.glob(f"{self._stem}-*.json")
-        return [path for path in drafts if path.stem.rpartition("-")[2].isdecimal() and not _is_being_edited(path)]
-
-    def _path(self, pid: int) -> Path:
-        return state_folder() / f"{self._stem}-{pid}.json"
+        """Return the files of processes that have ended, the newest first; this one has none before it writes."""
+        own = state_file(self._stem)
+        return [path for path, runs in state_files(self._stem) if path == own or not runs]
 
     @property
     def _stem(self) -> str:
         return blake2b(self.name.encode("utf-8", "surrogateescape"), digest_size=12).hexdigest()
-
-
-def _changed_at(path: Path) -> float:
-    with suppress(OSError):
-        return path.stat().st_mtime
-    return 0.0
-
-
-def _is_being_edited(path: Path) -> bool:
-    """Return whether the other process that wrote a draft runs: its number may have become that of a later one."""
-    import psutil
-
-    pid = int(path.stem.rpartition("-")[2])
-    try:
-        process = psutil.Process(pid)
-        ended = process.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)  # a parent has not asked for it yet
-        return pid != os.getpid() and not ended and process.create_time() < _changed_at(path) + 1
-    except (psutil.NoSuchProcess, OverflowError):
-        return False
-    except psutil.Error:  # of another user, perhaps
-        return True

@@ -1,0 +1,69 @@
+"""Small files of running processes in the user's state folder, which a later process reads: drafts, open simulations.
+
+    $XDG_STATE_HOME/rsegen/NAME-PID.json    what the process PID says under a name; only the user can read it
+
+A file is written whole, beside its place, and then renamed, so a kill leaves the one before. One of a process that was
+killed stays: whether its process still runs is asked of the system, by its id and its time of start.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+
+def state_folder() -> Path:
+    """Return the folder for what programs keep of a user between their runs, after the XDG base directories."""
+    given = os.environ.get("XDG_STATE_HOME", "")
+    return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "rsegen"
+
+
+def state_file(name: str, pid: int | None = None) -> Path:
+    """Return the file of a process, this one if none is given, under a name."""
+    return state_folder() / f"{name}-{os.getpid() if pid is None else pid}.json"
+
+
+def write_state(name: str, content: Any) -> None:
+    """Write the file of this process; an OSError if that fails, which leaves the one before."""
+    path = state_file(name)
+    new = path.with_suffix(f".{os.urandom(4).hex()}")
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    try:
+        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+            json.dump(content, file)
+        new.replace(path)
+    except OSError:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+        raise
+
+
+def state_files(name: str) -> Iterator[tuple[Path, bool]]:
+    """Yield the files under a name, the newest first, and whether the process of each still runs."""
+    found = [path for path in state_folder().glob(f"{name}-*.json") if path.stem.rpartition("-")[2].isdecimal()]
+    for path in sorted(found, key=_changed_at, reverse=True):
+        yield path, _runs(path)
+
+
+def _changed_at(path: Path) -> float:
+    with suppress(OSError):
+        return path.stat().st_mtime
+    return 0.0
+
+
+def _runs(path: Path) -> bool:
+    """Return whether the process that wrote a file runs: its number may have become that of a later one."""
+    import psutil
+
+    try:
+        process = psutil.Process(int(path.stem.rpartition("-")[2]))
+        ended = process.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)  # a parent has not asked for it yet
+        return not ended and process.create_time() < _changed_at(path) + 1
+    except (psutil.NoSuchProcess, OverflowError):
+        return False
+    except psutil.Error:  # of another user, perhaps
+        return True
