@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.driving.drive import DriveResult, draw_trajectories, drive_notes, driven_robot
+from rsegen.driving.drive import DriveResult, drive_notes, driven_robot, frame_notes
 from rsegen.driving.drive_metrics import Trajectory
+from rsegen.driving.plots import trajectory_plot
 from rsegen.driving.recording import DriveRecording, RobotRun, send_commands
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import STOP
@@ -42,6 +43,28 @@ def driven(run: RobotRun, along: Callable[[np.ndarray], np.ndarray], roll: float
 def notes(run: RobotRun, track: Trajectory, route: str, attempts: int = 1) -> Sequence[str]:
     recording = DriveRecording(trajectories={run.name: track}, samples=[], errors=[], attempts=attempts)
     return list(drive_notes(CLASSIC, [run], recording, route, contacts=False, picture=False))
+
+
+@pytest.mark.parametrize(("height", "said"), [(10, "10 cm"), (2.5, "2.5 cm")])
+def test_a_frame_that_stops_a_robot_is_named(height: float, said: str) -> None:
+    recipe = replace(SCENE.recipe, boundary="outer", frame_height_cm=height)
+    framed = compose(recipe)
+    run = robot_runs(framed.field, BURGER, "straight", count=1, seed=1)[0]
+    gap = -framed.field.extent[0] / 2 - BURGER.size[0] / 2 - run.start.x
+    stopped = driven(run, lambda t: np.minimum(0.22 * t, gap))
+
+    def noted(track: Trajectory, on: rsegen.Scene = framed) -> list[str]:
+        return list(frame_notes(on, [run], DriveRecording(trajectories={run.name: track}, samples=[], errors=[])))
+
+    assert noted(stopped) == [
+        f"the frame, {said} high, stopped burger_0; give boundary='none' for maps without frames, "
+        "or robot='crawler', which climbs 10 cm"
+    ]
+    # Not one that moves on, nor one that has not come to it, nor one on a map without a frame.
+    assert noted(driven(run, lambda t: np.minimum(0.22 * t, 1))) == []
+    assert noted(Trajectory(rows=stopped.rows[:8])) == []
+    assert noted(Trajectory(rows=stopped.rows[:0])) == []
+    assert noted(stopped, compose(replace(recipe, boundary="none", chunk_size=12))) == []
 
 
 @pytest.mark.parametrize("route", ["straight", "way"])
@@ -130,8 +153,8 @@ def test_a_robot_beside_the_map_does_not_cross_it() -> None:
 def test_poses_that_are_no_numbers_are_drawn_and_answered_by_a_stop() -> None:
     run = run_of("way")
     track = driven(run, lambda t: np.where(t > 3, nan, 0.2 * t))
-    assert draw_trajectories(SCENE, {"burger_0": track})[:4] == b"\x89PNG"
-    assert draw_trajectories(SCENE, {"burger_0": driven(run, lambda t: nan * t)})[:4] == b"\x89PNG"
+    assert trajectory_plot(SCENE, {"burger_0": track})[:4] == b"\x89PNG"
+    assert trajectory_plot(SCENE, {"burger_0": driven(run, lambda t: nan * t)})[:4] == b"\x89PNG"
     sent: list[object] = []
 
     class World:

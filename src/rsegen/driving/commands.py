@@ -105,6 +105,7 @@ def drive(  # noqa: PLR0913  # each is a flag
         drive_notes,
         driven_robot,
         file_names,
+        frame_notes,
         refuse_best,
         refuse_in_gazebo,
         refuse_output,
@@ -152,7 +153,10 @@ def drive(  # noqa: PLR0913  # each is a flag
         seed=seed,
         robots=tuple(driven_robot(run, scene, recording, route) for run in runs),
         errors=tuple(recording.errors),
-        notes=tuple(drive_notes(here, runs, recording, route, contacts=contacts, picture=picture)),
+        notes=(
+            *drive_notes(here, runs, recording, route, contacts=contacts, picture=picture),
+            *frame_notes(scene, runs, recording),
+        ),
         contact_samples=recording.samples,
         way=runs[0].way,
         prediction=found,
@@ -311,7 +315,7 @@ def add_predict(command: Parser) -> None:
 
 def run_predict(arguments: argparse.Namespace) -> Report:
     """Predict, and draw."""
-    from rsegen.driving.prediction_plot import prediction_plot
+    from rsegen.driving.plots import prediction_plot
     from rsegen.writing.target_worlds import world_of
 
     picture = picture_of(arguments.output, force=arguments.force)

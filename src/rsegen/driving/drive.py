@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
-
-import numpy as np
 
 from rsegen.driving.drive_metrics import (
     SLOW,
@@ -23,14 +21,13 @@ from rsegen.driving.drive_metrics import (
     moves_by_window,
     possible_part,
 )
+from rsegen.driving.plots import trajectory_plot
 from rsegen.driving.prediction import Prediction
 from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contacts_csv
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import AlongWay, PlannedWay, Wandering
 from rsegen.errors import ParameterError, shown
-from rsegen.params.numbers import whole_degrees
-from rsegen.pictures.plan import draw_plan
-from rsegen.pictures.preview import encoded
+from rsegen.params.numbers import lengths_in, whole_degrees
 from rsegen.recipe.codec import map_json
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Tracks
@@ -44,48 +41,6 @@ from rsegen.standing.spots import GAP
 from rsegen.standing.ways import events
 from rsegen.writing.programs import has_screen
 from rsegen.writing.store import refuse_busy, refuse_taken, write_folder
-
-_RIM, _MARGIN = 0.1, 1.5
-"""Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""
-
-
-def draw_trajectories(scene: Scene, trajectories: Mapping[str, Trajectory], way: PlannedWay | None = None) -> bytes:
-    """Draw a PNG: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
-
-    A planned way is a dashed line. Rows that are no numbers are left out.
-    """
-    from matplotlib.figure import Figure
-
-    # On the plan of the map, each line has a white rim, so that it is seen on blocks of every colour.
-    figure = Figure(figsize=(8, 8), dpi=100, layout="constrained")
-    axes = figure.subplots()
-    draw_plan(axes, scene)
-    if way:
-        axes.plot(*way.points.T, color="white", linewidth=3)
-        axes.plot(*way.points.T, color="black", linewidth=1.5, linestyle="--", label="planned way")
-    for index, (name, trajectory) in enumerate(trajectories.items()):
-        x, y = trajectory.rows[:, 1], trajectory.rows[:, 2]
-        colour = f"C{index % 10}"
-        axes.plot(x, y, color="white", linewidth=4)
-        axes.plot(x, y, color=colour, linewidth=2, label=name)
-        axes.plot(x[:1], y[:1], "o", color=colour, markersize=10, markerfacecolor="white", markeredgewidth=2)
-        axes.plot(
-            x[-1:], y[-1:], "X" if trajectory.has_tipped else "o", color=colour, markersize=9, markeredgecolor="white"
-        )
-    axes.set(xlim=_limits(scene.field.extent[0], trajectories, 1), ylim=_limits(scene.field.extent[1], trajectories, 2))
-    axes.legend(loc="upper right")
-    axes.set_title(f"{scene.name}: trajectories")
-    return encoded(figure, "png")
-
-
-def _limits(extent: float, trajectories: Mapping[str, Trajectory], column: int) -> tuple[float, float]:
-    """Return the limits of an axis: the map, and the trajectories near it."""
-    along = [trajectory.rows[np.isfinite(trajectory.rows[:, column]), column] for trajectory in trajectories.values()]
-    half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
-    low = min(values.min(initial=0.0) for values in along) - _RIM
-    high = max(values.max(initial=0.0) for values in along) + _RIM
-    return max(min(low, -half), -far), min(max(high, half), far)
-
 
 _PARTS = 5
 """The parts of a robot with the most contacts that are reported, on one line; drive.json has all."""
@@ -194,7 +149,7 @@ class DriveResult:
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
             "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
             "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
-            "drive.png": [draw_trajectories(self.scene, trajectories, self.way)],
+            **{f"drive.{form}": [trajectory_plot(self.scene, trajectories, self.way, form)] for form in ("png", "pdf")},
         }
         files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
         files |= {PICTURE: [self.image]} if self.image else {}
@@ -233,7 +188,14 @@ PICTURE, VIDEO = "picture.jpg", "drive.webp"
 
 def file_names(runs: Sequence[RobotRun], *, picture: bool, video: bool) -> list[str]:
     """Return the names of the files of a drive in its folder."""
-    names = [*(f"{run.name}.csv" for run in runs), "contacts.csv", "recipe.json", "drive.json", "drive.png"]
+    names = [
+        *(f"{run.name}.csv" for run in runs),
+        "contacts.csv",
+        "recipe.json",
+        "drive.json",
+        "drive.png",
+        "drive.pdf",
+    ]
     return [*names, *(["way.csv"] if runs[0].way else []), *([PICTURE] if picture else []), *([VIDEO] if video else [])]
 
 
@@ -306,6 +268,24 @@ def drive_notes(
         return
     for run in runs:
         yield from _hardly_moved(run, recording.trajectories[run.name], route)
+
+
+def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecording) -> Iterator[str]:
+    """Yield a note if robots stand before the frame in the west at the end: they do not get over it."""
+    field = scene.field
+    west = -field.extent[0] / 2
+    held = []
+    for run in runs:
+        rows = recording.trajectories[run.name].rows
+        last = rows[rows[:, 0] > rows[-1, 0] - _NOTICED, 1] if len(rows) else rows[:, 0]
+        front = last + run.robot.size[0] / 2
+        is_there = (front > west - GAP / 4).all() and (last < west + field.block_width).all()
+        if len(last) > 1 and is_there and last.max() - last.min() < SLOW * _NOTICED * run.robot.driving_speed:
+            held.append(run.name)
+    if held and field.frame[0].all():
+        height = lengths_in(scene.units).with_unit(field.frame_height, 3)
+        advice = "give boundary='none' for maps without frames, or robot='crawler', which climbs 10 cm"
+        yield f"the frame, {height} high, stopped {', '.join(held)}; {advice}"
 
 
 _NOTICED = 1.0

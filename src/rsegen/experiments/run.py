@@ -20,8 +20,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from rsegen.driving.drive import draw_trajectories
 from rsegen.driving.drive_metrics import COLUMNS
+from rsegen.driving.plots import trajectory_plot
 from rsegen.errors import FileError, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
 from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.experiments.report import plot, report_page, trials_csv
@@ -295,7 +295,7 @@ def track_files(plan: ExperimentPlan, cell: Cell, repeat: int, trial: Trial) -> 
     for name, trajectory in trial.trajectories.items():
         rows += [f"{name},{row}" for row in [*trajectory.csv()][1:]]
     files = {file: [row.encode() for row in rows]}
-    return files | {name: [draw_trajectories(trial.scene, trial.trajectories)] for name in picture}
+    return files | {name: [trajectory_plot(trial.scene, trial.trajectories)] for name in picture}
 
 
 def track_names(plan: ExperimentPlan, trials: Collection[tuple[Cell, int]] | None = None) -> Iterator[str]:

@@ -125,7 +125,7 @@ def layout(plan: float, view: float, legend: float) -> PictureLayout:
     )
 
 
-_PAPER: dict[Any, Any] = {
+PAPER: dict[Any, Any] = {
     "font.size": 7,
     "axes.titlesize": 7,
     "axes.linewidth": 0.5,
@@ -134,20 +134,20 @@ _PAPER: dict[Any, Any] = {
 } | {f"{axis}tick.major.{key}": value for axis in "xy" for key, value in (("width", 0.5), ("size", 2), ("pad", 2))}
 """Settings of a picture for a paper: letters of 7 points, but in cells; fonts of a PDF as publishers want them."""
 
-_COLUMN, _DPI, _TALL = 3.5, 300, 5.0
+COLUMN, DPI, _TALL = 3.5, 300, 5.0
 """Inches of a column of a paper with two; pixels per inch; inches of a plan whose heights have their usual size."""
 
 
 def _in_a_column(plan: float, view: float, entries: int) -> PictureLayout:
     """Return the layout for a column of a paper: plan, view, and a legend of some entries below them."""
     number, head, gap = 0.45, 0.2, 0.05
-    width, below = _COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
-    above, middle = min(width / plan, _TALLEST / 2), min((_COLUMN - 2 * gap) / view, _TALLEST / 2)
+    width, below = COLUMN - 2 * number, 0.16 * -(-entries // _ACROSS) + gap
+    above, middle = min(width / plan, _TALLEST / 2), min((COLUMN - 2 * gap) / view, _TALLEST / 2)
     low = below + middle + head + number
     return PictureLayout(
-        size=(_COLUMN, low + above + number + head),
+        size=(COLUMN, low + above + number + head),
         plan=(number, low, width, above),
-        view=(gap, below, _COLUMN - 2 * gap, middle),
+        view=(gap, below, COLUMN - 2 * gap, middle),
         legend=0.0,
     )
 
@@ -305,7 +305,7 @@ def preview(
     title = f"{n_x} x {n_y} cells, {along_x} x {along_y} m"
     if scene:
         title = f"{scene.name}: {title}, seed {scene.recipe.seed}"
-    with rc_context(_PAPER if paper else {}):
+    with rc_context(PAPER if paper else {}):
         coloured, outlined = scene or ColouredField(field=field), scene if outlines else None
         figure = preview_figure(coloured, "" if paper else title, outlined=outlined, robot=drawn, paper=paper)
         return encoded(figure, format, to_json(scene.alone) if scene else "", is_stamped=not paper)
@@ -330,7 +330,7 @@ def preview_figure(
         placed = _in_a_column(*ratios, len(entries) + (len(outlined.recipe.enabled_obstacles) if outlined else 0))
     else:
         placed = layout(*ratios, 2.2 if outlined else 1.6)
-    figure = Figure(figsize=placed.size, dpi=_DPI if paper else 100)
+    figure = Figure(figsize=placed.size, dpi=DPI if paper else 100)
     plan, view = (figure.add_axes(placed.share(box)) for box in (placed.plan, placed.view))
     plan.set_title(draw_heights(plan, drawn, placed.plan[3] / _TALL if paper else 1.0))
     number_cells(plan, drawn.field)

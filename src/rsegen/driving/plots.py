@@ -1,0 +1,140 @@
+"""Pictures of drives on the plan of their map, for a column of a paper: legible in grey, and no line hides a height.
+
+    map, trajectories --trajectory_plot--> drive.png, drive.pdf
+    map, prediction ----prediction_plot--> the picture of `rsegen predict -o`
+
+Heights are colours with a legend, not numbers in the cells, as lines would run over these. Lines have a white rim, so
+that they are seen on blocks of every colour, and differ in dashes and ends as well as in colour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rsegen.driving.drive_metrics import Trajectory
+from rsegen.driving.prediction import Prediction
+from rsegen.driving.routes import PlannedWay
+from rsegen.field.stepfield import Array
+from rsegen.pictures.plan import draw_cells
+from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, swatches
+from rsegen.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_RIM, _MARGIN = 0.1, 1.5
+"""Width, metres, of the ground around the map that is drawn at least, and at most, so that the map stays large."""
+
+_TALLEST = 7.0
+"""Inches of a picture at most, in which its caption has room on a page."""
+
+_HEIGHTS = 6
+"""Heights in the legend at most: more are every second, third, ..."""
+
+_LINES = (
+    *(("black", "-"), ("#d7191c", (0, (6, 1))), ("#2c7bb6", (0, (3, 1))), ("#7b3294", (0, (6, 1, 1, 1)))),
+    *(("#e66101", (0, (3, 1, 1, 1))), ("#01665e", (0, (1, 1)))),
+)
+"""Colour and dashes of each robot; the seventh has those of the first again."""
+
+_CROSSED, _ENDED = ("#1a9850", "-"), ("#d73027", (0, (4, 1)))
+"""Colour and dashes of drives that crossed, and of those that did not, which also end at a cross."""
+
+
+def trajectory_plot(
+    scene: Scene,
+    trajectories: Mapping[str, Trajectory],
+    way: PlannedWay | None = None,
+    format: str = "png",  # noqa: A002  # matplotlib's word
+) -> bytes:
+    """Return a picture: each trajectory begins at a ring and ends at a dot, or at a cross if the robot has tipped over.
+
+    Rows that are no numbers are left out. The file carries the map's recipe.
+    """
+    from matplotlib import rc_context
+
+    with rc_context(PAPER):
+        points = [trajectory.rows[:, 1:3] for trajectory in trajectories.values()]
+        figure, axes = _plan(scene, points)
+        if way:
+            _draw_way(axes, way.points)
+        for index, (name, trajectory) in enumerate(trajectories.items()):
+            colour, dashes = _LINES[index % len(_LINES)]
+            line = trajectory.rows[:, 1:3]
+            _draw_line(axes, line, colour, dashes, name)
+            axes.plot(*line[:1].T, "o", color=colour, markersize=5, markerfacecolor="white", markeredgewidth=1)
+            end = "X" if trajectory.has_tipped else "o"
+            axes.plot(*line[-1:].T, end, color=colour, markersize=5, markeredgecolor="white", markeredgewidth=0.5)
+        _draw_legend(figure, axes, scene)
+        return figure_bytes(figure, scene, format)
+
+
+def prediction_plot(scene: Scene, found: Prediction, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
+    """Return a picture of all drives of a prediction: those that do not cross end at a cross.
+
+    The file carries the map's recipe.
+    """
+    from matplotlib import rc_context
+
+    with rc_context(PAPER):
+        counts = f"{found.crossed} of {found.drives} drives"
+        title = f"{scene.name}: crosses with probability {found.probability:.2f}\n({counts})"
+        figure, axes = _plan(scene, [outcome.path for outcome in found.outcomes], title)
+        named = set()
+        for outcome in found.outcomes:
+            colour, dashes = _ENDED if outcome.reason else _CROSSED
+            label = "did not cross" if outcome.reason else "crossed"
+            _draw_line(axes, outcome.path, colour, dashes, "" if label in named else label)
+            named.add(label)
+            if outcome.reason:
+                cross: dict[str, Any] = {"markersize": 5, "markeredgecolor": "white", "markeredgewidth": 0.5}
+                axes.plot(*outcome.path[-1:].T, "X", color=colour, **cross)
+        if found.way:
+            _draw_way(axes, found.way.points)
+        _draw_legend(figure, axes, scene)
+        return figure_bytes(figure, scene, format)
+
+
+def _plan(scene: Scene, lines: list[Array], title: str = "") -> tuple[Figure, Axes]:
+    """Return a figure as wide as a column, and its plan of the map with the ground on which these lines are."""
+    from matplotlib.figure import Figure
+
+    (left, right), (low, high) = (_limits(scene.field.extent[axis], lines, axis) for axis in (0, 1))
+    height = (COLUMN - 0.5) * (high - low) / (right - left) + 0.85 + (0.35 if title else 0)
+    figure = Figure(figsize=(COLUMN, min(height, _TALLEST)), dpi=DPI, layout="constrained")
+    axes = figure.subplots()
+    draw_cells(axes, scene)
+    axes.set(xlim=(left, right), ylim=(low, high), xlabel="x [m]", ylabel="y [m]", title=title)
+    return figure, axes
+
+
+def _limits(extent: float, lines: list[Array], axis: int) -> tuple[float, float]:
+    """Return the limits of an axis: the map, and the lines near it."""
+    along = [line[np.isfinite(line[:, axis]), axis] for line in lines]
+    half, far = extent / 2 + _RIM, extent / 2 + _MARGIN
+    low = min((values.min(initial=0.0) for values in along), default=0.0) - _RIM
+    high = max((values.max(initial=0.0) for values in along), default=0.0) + _RIM
+    return max(min(low, -half), -far), min(max(high, half), far)
+
+
+def _draw_line(axes: Axes, line: Array, colour: str, dashes: Any, label: str) -> None:
+    axes.plot(*line.T, color="white", linewidth=2.2)
+    axes.plot(*line.T, color=colour, linewidth=1.1, linestyle=dashes, label=label or "_")
+
+
+def _draw_way(axes: Axes, points: Array) -> None:
+    """Draw a planned way, thin and dotted, over what was driven."""
+    axes.plot(*points.T, color="white", linewidth=1.6)
+    axes.plot(*points.T, color="black", linewidth=0.8, linestyle=":", label="planned way")
+
+
+def _draw_legend(figure: Figure, axes: Axes, scene: Scene) -> None:
+    """Draw below the plan which line is what, and which colour is how high."""
+    lines, _ = axes.get_legend_handles_labels()
+    heights = swatches(scene, [level for level in scene.field.level_counts() if level], _HEIGHTS)
+    room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 2.4, "handletextpad": 0.5}
+    figure.legend(handles=[*lines, *heights], loc="outside lower center", ncols=4, frameon=False, **room)
