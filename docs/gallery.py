@@ -13,6 +13,7 @@ from rsegen import KINDS, Recipe, Scene, compose
 from rsegen.field.stepfield import Ints
 from rsegen.pictures.plan import ColouredField
 from rsegen.pictures.preview import draw_view, figure_bytes, view_bounds
+from rsegen.robots.base import ROBOTS
 from rsegen.scene.colours import Colour
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -74,6 +75,8 @@ def picture(path: Path) -> bytes:
 
 def page() -> Iterator[str]:
     """The page, in parts."""
+    yield _ALL
+    yield from _kinds_and_robots()
     yield _SOFTNESS
     for kind, path in _softness().items():
         yield f"\n### `{kind}`\n\n![{kind} with softness 0, 50 and 100](pictures/{path.name})"
@@ -81,10 +84,30 @@ def page() -> Iterator[str]:
     yield f"{_MODELS}\n![One model, four models and a model for each block](pictures/{MESH_TYPES.name})"
 
 
-_SOFTNESS = """# Gallery
+def _kinds_and_robots() -> Iterator[str]:
+    """Yield a table of small pictures: every kind of obstacle, then every robot, four in a row."""
+    shown = {kind: f"`{kind}`" for kind in KINDS}
+    shown |= {kind: f"`{kind}`, {robot.title}" for kind, robot in ROBOTS.items()}
+    cells = [
+        f'<img src="pictures/small-{name}.webp" width="180" alt="{name}"><br>{text}' for name, text in shown.items()
+    ]
+    yield "| " * _ACROSS + "|\n" + "|---" * _ACROSS + "|"
+    for first in range(0, len(cells), _ACROSS):
+        row = cells[first : first + _ACROSS]
+        yield "| " + " | ".join([*row, *[""] * (_ACROSS - len(row))]) + " |"
 
-Made by `make docs`. The kinds with all their parameters are on the page of [obstacles](obstacles.md).
 
+_ACROSS = 4
+
+_ALL = """# Gallery
+
+Made by `make docs`. The kinds with all their parameters are on the page of [obstacles](obstacles.md), the robots on
+that of [robots](robots.md).
+
+## Obstacles and robots
+"""
+
+_SOFTNESS = """
 ## Softness
 
 `softness` is the width of the slopes as a share of the chunk: 0 gives vertical walls, 100 slopes as wide as a chunk;

@@ -70,7 +70,6 @@ from rsegen.robots.base import ROBOTS
 from rsegen.standing.plots import pose_maps
 
 DOCS = Path(__file__).parent
-README = DOCS.parent / "README.md"
 STUB = DOCS.parent / "src" / "rsegen" / "__init__.pyi"
 ARCHITECTURE = DOCS.parent / "ARCHITECTURE.md"
 GAZEBO = DOCS / "gazebo.md"
@@ -228,7 +227,6 @@ def texts() -> dict[Path, str]:
         DIFFICULTY: filled(DIFFICULTY.read_text("utf-8"), difficulty.table()),
         RELIABILITY: filled(RELIABILITY.read_text("utf-8"), reliability.table()),
         FORMATS_PAGE: filled(FORMATS_PAGE.read_text("utf-8"), _formats()),
-        README: filled(README.read_text("utf-8"), _kinds_and_robots()),
         ROBOTS_PAGE: filled(ROBOTS_PAGE.read_text("utf-8"), _robots()),
     }
 
@@ -517,21 +515,6 @@ def _examples() -> Iterator[str]:
     for name, path in EXAMPLES.items():
         yield f"\n## {name}\n\n{load(path).description}: `rsegen generate {name} -o worlds`\n"
         yield f"![{name}](pictures/{name}.png)"
-
-
-def _kinds_and_robots() -> Iterator[str]:
-    """Yield a table of small pictures: every kind of obstacle, then every robot, four in a row."""
-    shown = {kind: f"`{kind}`" for kind in KINDS}
-    shown |= {kind: f"`{kind}`, {robot.title}" for kind, robot in ROBOTS.items()}
-    picture = '<img src="docs/pictures/small-{0}.webp" width="180" alt="{0}"><br>{1}'
-    cells = [picture.format(name, text) for name, text in shown.items()]
-    yield "| " * _COLUMNS + "|\n" + "|---" * _COLUMNS + "|"
-    for first in range(0, len(cells), _COLUMNS):
-        row = cells[first : first + _COLUMNS]
-        yield "| " + " | ".join([*row, *[""] * (_COLUMNS - len(row))]) + " |"
-
-
-_COLUMNS = 4
 
 
 def _robots() -> Iterator[str]:
