@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import threading
 import time
@@ -70,22 +71,28 @@ def server(gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 def test_the_next_shell_finds_what_open_began(
     gazebo: Installation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With no flag and no variable; the heights of the map are known, though its world is a temporary one."""
+    """The tutorial's last step: with no flag and no variable, and the heights of the map are known."""
+    page = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text("utf-8")
+    recipe = re.findall(r"^```yaml\n(# course.yaml\n.*?)^```", page, re.MULTILINE | re.DOTALL)[0]
+    lines = re.findall(r"^    rsegen (\S.*?)(?:  +#.*)?$", page.partition("## 7. In Gazebo")[2], re.MULTILINE)
+    assert [line.split()[0] for line in lines] == ["open", "spawn", "respawn", "remove"]
     monkeypatch.chdir(tmp_path)
-    rsegen.save(COURSE, tmp_path / "course.yaml")
+    (tmp_path / "course.yaml").write_text(recipe)
+    assert main(["generate", "course.yaml", "-o", "worlds"]) == 0
     for name in gazebo.simulator.address_variables:
         monkeypatch.delenv(name, raising=False)
-    with started("open", "course.yaml", "--headless", "--simulator", gazebo.simulator.name) as opened:
+    opening, spawning, replacing, removing = (line.split() for line in lines)
+    with started(*opening, "--headless", "--simulator", gazebo.simulator.name) as opened:
         try:
-            until_it_has(opened, lambda: run("spawn", "burger").returncode == 0)
-            spawned = json.loads(run("respawn", "course.yaml", "--json").stdout)
-            assert (spawned["instead_of"], spawned["name"]) == ("course_0000", "course_0001")
-            assert spawned["put_on_top"] == ["burger"]
-            assert run("remove", "burger", "course_0001").returncode == 0
-            assert "burger" in run("remove", "burger").stderr
+            until_it_has(opened, lambda: run(*spawning).returncode == 0)
+            replaced = json.loads(run(*replacing, "--json").stdout)
+            assert (replaced["instead_of"], replaced["name"]) == ("course_0000", "course_0001")
+            assert replaced["put_on_top"] == ["burger"]
+            assert run(*removing).returncode == 0
+            assert "'burger'" in run(*removing).stderr
         finally:
             opened.terminate()
-    assert run("spawn", "burger").stderr.startswith("rsegen: no simulation runs")
+    assert run(*spawning).stderr.startswith("rsegen: no simulation runs")
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
