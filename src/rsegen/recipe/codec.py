@@ -23,6 +23,7 @@ from rsegen.params.plugins import Source
 from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer
 from rsegen.recipe.building import placed_obstacles
+from rsegen.recipe.map_design import without_derived_keys
 from rsegen.recipe.recipe import Recipe
 
 _SOURCE = Text(r"[^\x00-\x1f]{1,100}", "a package and its version, or a file", "where a kind of obstacle comes from")
@@ -160,16 +161,22 @@ def required_parameters(cls: type[Obstacle]) -> tuple[str, ...]:
     return tuple(name for name in row_parameters(cls) if name in without)
 
 
-def encode(recipe: Recipe) -> dict[str, Json]:
-    """Return the content of a recipe's file, with the seed and the generator's version."""
+def encode(recipe: Recipe, *, derived_keys: bool = True) -> dict[str, Json]:
+    """Return the content of a recipe's file, with the seed and the generator's version.
+
+    derived_keys: also the keys that obstacles have for their content; files for people have those alone that were given
+    """
     needed = needed_plugins(recipe)
     plugins = {"plugins": needed} if needed else {}
-    return {"version": FORMAT, "generator": f"rsegen {__version__}"} | plugins | recipe.entry()
+    content = {"version": FORMAT, "generator": f"rsegen {__version__}"} | plugins | recipe.entry()
+    if not derived_keys and recipe.obstacles:
+        content["obstacles"] = [obstacle.entry() for obstacle in without_derived_keys(recipe.obstacles)]
+    return content
 
 
-def to_json(recipe: Recipe) -> str:
-    """Return a recipe as the text of a JSON file, with one line per obstacle."""
-    content = encode(recipe)
+def to_json(recipe: Recipe, *, derived_keys: bool = False) -> str:
+    """Return a recipe as the text of a JSON file, with one line per obstacle; derived_keys: as in `encode`."""
+    content = encode(recipe, derived_keys=derived_keys)
     rows = [f"    {json.dumps(row)}" for row in content.pop("obstacles")]
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
     obstacles = "[\n" + ",\n".join(rows) + "\n  ]" if rows else "[]"
@@ -189,7 +196,7 @@ def map_json(recipe: Recipe, index: int) -> bytes:
 @lru_cache(maxsize=8)
 def _around_index(recipe: Recipe) -> tuple[bytes, bytes]:
     """Return the parts of a map's JSON file before and after its index: all maps of a recipe have the same ones."""
-    before, _, after = to_json(recipe.alone(1)).encode().partition(b'\n  "first_map": 1,')
+    before, _, after = to_json(recipe.alone(1), derived_keys=True).encode().partition(b'\n  "first_map": 1,')
     return before, after
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from datetime import datetime
@@ -26,7 +27,7 @@ from rsegen.page.model.session import Draft, Session
 from rsegen.page.model.texts import text_after
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load
+from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load, recipe_content
 from rsegen.writing.store import write_file
 
 SUFFIXES = (".yaml", ".yml", ".json")
@@ -63,7 +64,7 @@ class Document:
     def of_file(cls, path: Path) -> Document:
         """Return the document of a recipe file, with the changes that an earlier process did not save."""
         text = _read(path)
-        return cls(session=Session.of(load(path)), journal=DraftFile(name=str(path)), path=path, title="", text=text)
+        return cls(session=session_of_file(path), journal=DraftFile(name=str(path)), path=path, title="", text=text)
 
     @property
     def shown_title(self) -> str:
@@ -99,7 +100,7 @@ class Document:
         """Take over what is in the file, or what a document without one began with; undo takes it back."""
         draft = self._start
         if self.path is not None:
-            self.text, draft = _read(self.path), Session.of(load(self.path)).draft
+            self.text, draft = _read(self.path), session_of_file(self.path).draft
         self.session.saved = draft
         self.session.restore(draft)
         self._saved()
@@ -162,6 +163,14 @@ class Document:
 _DEFAULT_NAME = next(each.default for each in fields(Recipe) if each.name == "name")
 
 
+def session_of_file(path: Path) -> Session:
+    """Return a session with the recipe in a file, whose obstacles keep the keys that they have there."""
+    recipe, content = load(path), recipe_content(path)
+    rows = content.get("obstacles") if isinstance(content, Mapping) else None
+    keys = (row.get("key") for row in rows or () if isinstance(row, Mapping))
+    return Session.of(recipe, frozenset(key for key in keys if isinstance(key, str)))
+
+
 def _read(path: Path) -> str:
     """Return the text of a recipe file, line ends as they are; empty if it has none, which loading it then says."""
     most = MAX_RECIPE_MIB.get(path.suffix.lower(), MAX_RECIPE_MIB[".yaml"]) * 2**20
@@ -190,6 +199,7 @@ class DraftFile:
         new = path.with_suffix(f".{os.urandom(4).hex()}")
         when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
         content = {"name": self.name, "when": when, "values": dict(draft.values), "rows": [*map(dict, draft.rows)]}
+        content["own"] = sorted(draft.own)
         try:
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
             with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
@@ -214,7 +224,8 @@ class DraftFile:
                 content = json.loads(path.read_text("utf-8"))
                 rows = tuple(MappingProxyType(dict(row)) for row in content["rows"])
                 if content["name"] == self.name:
-                    return Draft(values=MappingProxyType(dict(content["values"])), rows=rows), str(content["when"])
+                    values, own = MappingProxyType(dict(content["values"])), frozenset(map(str, content["own"]))
+                    return Draft(values=values, rows=rows, own=own), str(content["when"])
         return None
 
     def _left(self) -> list[Path]:
