@@ -174,7 +174,7 @@ def encode(recipe: Recipe, *, derived_keys: bool = True) -> dict[str, Json]:
     return content
 
 
-def to_json(recipe: Recipe, *, derived_keys: bool = False) -> str:
+def to_json(recipe: Recipe, *, derived_keys: bool = True) -> str:
     """Return a recipe as the text of a JSON file, with one line per obstacle; derived_keys: as in `encode`."""
     content = encode(recipe, derived_keys=derived_keys)
     rows = [f"    {json.dumps(row)}" for row in content.pop("obstacles")]
@@ -196,7 +196,7 @@ def map_json(recipe: Recipe, index: int) -> bytes:
 @lru_cache(maxsize=8)
 def _around_index(recipe: Recipe) -> tuple[bytes, bytes]:
     """Return the parts of a map's JSON file before and after its index: all maps of a recipe have the same ones."""
-    before, _, after = to_json(recipe.alone(1), derived_keys=True).encode().partition(b'\n  "first_map": 1,')
+    before, _, after = to_json(recipe.alone(1)).encode().partition(b'\n  "first_map": 1,')
     return before, after
 
 

@@ -51,7 +51,7 @@ def text_after(before: str, recipe: Recipe, suffix: str) -> str:
 
 def _json_after(before: str, recipe: Recipe) -> str:
     """Return the JSON of a recipe, which keeps the schema that its file names for editors."""
-    text = to_json(recipe)
+    text = to_json(recipe, derived_keys=False)
     try:
         schema = json.loads(before)["$schema"]
     except (ValueError, KeyError, TypeError, RecursionError):
