@@ -140,8 +140,8 @@ def dates(today: str) -> dict[str, dict[str, Any]]:
         checksum = hashlib.sha256(path.read_bytes()).hexdigest()
         entry = known.get(path.stem, {})
         if entry.get("sha256") != checksum:
-            entry = {"date": today, "sha256": checksum, "code": code_of(path.stem)}
-        current[path.stem] = entry
+            entry = {"date": today, "sha256": checksum}
+        current[path.stem] = {"code": code_of(path.stem), **entry}  # that of today for one that came without
     return current
 
 

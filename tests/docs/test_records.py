@@ -121,3 +121,12 @@ def test_comments_docstrings_and_other_code_make_no_record_older(workshop: Path,
     (workshop / name).parent.mkdir(exist_ok=True)
     (workshop / name).write_text(content)
     assert older_now() == {}
+
+
+def test_a_record_that_came_without_a_state_gets_that_of_today_and_keeps_its_date(workshop: Path) -> None:
+    dated = json.loads((workshop / "dates.json").read_text())
+    del dated["scan"]["code"]
+    (workshop / "dates.json").write_text(json.dumps(dated))
+    entry = records.dates("2026-02-02")["scan"]
+    assert (entry["date"], entry["code"]) == ("2026-01-01", records.code_of("scan"))
+    assert len(entry["code"]) == 2
