@@ -225,7 +225,8 @@ class Session:
         self._put(_raised(replace(self.draft, rows=rows), entry), gesture)
 
     def _put(self, draft: Draft, gesture: str | None = None) -> None:
-        draft = draft.keyed()
+        if draft.rows is not self.draft.rows:
+            draft = draft.keyed()
         if draft == self.draft:
             return
         if gesture is None or gesture != self._gesture:
