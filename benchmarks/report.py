@@ -27,9 +27,9 @@ def page(results: Results) -> str:
     return "\n".join(_page(results)) + "\n"
 
 
-def with_table(text: str, results: Results) -> str:
-    """A text, with the table between its marks made anew; the rest as it was."""
-    return filled(text, _small(results))
+def with_table(text: str, results: Results, below: Iterable[str] = ()) -> str:
+    """A text, with the table between its marks, and lines below it, made anew; the rest as it was."""
+    return filled(text, [*_small(results), *below])
 
 
 def filled(text: str, lines: Iterable[str]) -> str:

@@ -190,7 +190,7 @@ def texts() -> dict[Path, str]:
     contact = (RESULTS / "contact.md").read_text("utf-8")
     dated = records.dates(records.today())
     return {
-        MEASURED: with_table(MEASURED.read_text("utf-8"), figures),
+        MEASURED: with_table(MEASURED.read_text("utf-8"), figures, records.in_short(dated, "speed")),
         DOCS / "records.md": "\n".join((_RECORDS, *records.table(dated))) + "\n",
         records.DATES: json.dumps(dated, indent=1) + "\n",
         DOCS / "benchmarks.md": page(figures),
@@ -236,7 +236,10 @@ _RECORDS = """\
 
 Every record of figures in the repository (`benchmarks/results`): when it was measured, by what command, and on what.
 `busy before` are the cores that other work used as it began; figures of speed are CPU time, which that changes little.
-Dates up to 25 November 2026 are those on which a record was committed. What came out worse elsewhere is
+Dates up to 25 November 2026 are those on which a record was committed. `code` is the state of the code that makes the
+figures, in eight digits, without comments; `changed since` are figures older than that code, which their command may
+give otherwise now (`python -m docs.records` says what has changed). The code of maps is not counted: their bytes are
+held by tests. What came out worse elsewhere is
 [on the page of claims](measured.md#where-it-came-out-worse). Each command measures its figures again, and `make docs`
 shows them.
 """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pytest
@@ -27,12 +27,17 @@ EXACT = CutSettings(trim_cm=0, tolerance_mm=0)
 COUNTS = st.dictionaries(st.integers(1, 60).map(lambda length: length * CM), st.integers(1, 40), max_size=6)
 
 
+def cut_length(parts: Sequence[int], saw: CutSettings) -> int:
+    """How much of a piece is needed at most for these parts: each may be too long, with a cut between two of them."""
+    return sum(parts) + len(parts) * saw.tolerance + (len(parts) - 1) * saw.kerf
+
+
 def first_fit_decreasing(counts: Mapping[int, int], saw: CutSettings) -> Counter[tuple[tuple[int, int], ...]]:
     """As the books have it, block by block."""
     pieces: list[list[int]] = []
     for length in sorted(Counter(counts).elements(), reverse=True):
         for piece in pieces:
-            if sum(piece) + length + len(piece) * saw.kerf <= saw.usable:
+            if cut_length([*piece, length], saw) <= saw.usable:
                 piece.append(length)
                 break
         else:
@@ -58,7 +63,9 @@ def test_every_block_is_sawn_and_nothing_is_lost_but_to_the_saw(counts: Mapping[
     assert sawn_of == counts
     assert plan.timber == sum(length * count for length, count in counts.items())
     assert plan.timber + plan.kerf_loss + plan.offcuts + plan.trimmed == plan.pieces * saw.stock
-    assert 0 <= plan.kerf_loss <= saw.kerf * sum(counts.values())
+    assert 0 <= plan.kerf_loss <= (saw.kerf + saw.tolerance) * sum(counts.values())
+    for pattern in plan.patterns:
+        assert cut_length([length for length, count in pattern.parts for _ in range(count)], saw) <= saw.usable
 
 
 def parts(plan: CuttingPlan) -> list[tuple[int, tuple[tuple[int, int], ...], int]]:
@@ -94,8 +101,36 @@ def test_the_ends_of_stock_and_a_tolerance_are_left_over() -> None:
         CutSettings(stock_cm=10, trim_cm=5)
 
 
+@pytest.mark.parametrize(
+    ("length_cm", "number", "tolerance_mm", "pieces"),
+    [
+        (118.85, 2, 0, 1),  # 237.7 cm and a cut of 0.3 cm are the 238 cm between the ends
+        (118.85, 2, 0.5, 2),  # cut too long both are 238.1 cm
+        (118.8, 2, 0.5, 1),
+        (118.82, 2, 0.5, 2),
+        (79.05, 3, 0.5, 1),  # 237.15, two cuts and three tolerances: 237.9
+        (79.1, 3, 0.5, 2),  # 238.05
+        (23.45, 10, 0.5, 1),  # 234.5 + 2.7 + 0.5 = 237.7
+        (23.5, 10, 0.5, 2),  # 238.2
+        (238, 1, 0, 1),
+    ],
+)
+def test_every_part_may_be_too_long(length_cm: float, number: int, tolerance_mm: float, pieces: int) -> None:
+    saw = CutSettings(tolerance_mm=tolerance_mm)
+    assert plan_cuts({nanometres(length_cm): number}, saw).pieces == pieces
+
+
+@pytest.mark.parametrize(("length_cm", "fits"), [(237.95, True), (237.96, False), (238, False)])
+def test_a_single_part_has_its_tolerance_too(length_cm: float, fits: bool) -> None:
+    if fits:
+        assert plan_cuts({nanometres(length_cm): 1}, CutSettings()).pieces == 1
+        return
+    with pytest.raises(ParameterError, match="stock_cm: 240 is too short for the longest block"):
+        plan_cuts({nanometres(length_cm): 1}, CutSettings())
+
+
 def test_a_block_longer_than_the_stock_is_refused() -> None:
-    said = r"stock_cm: 30 is shorter than the longest block, 30\.5 cm; give 32\.5 or more"
+    said = r"stock_cm: 30 is too short for the longest block, 30\.5 cm; give 32\.55 or more"
     with pytest.raises(ParameterError, match=said):
         plan_cuts({nanometres(30.5): 1}, CutSettings(stock_cm=30))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from rsegen import CutSettings, Random, Recipe, build, compose, imported, load, sheet
+from rsegen import CutSettings, Matrix, Random, Recipe, build, compose, imported, load, sheet
 from rsegen.build_sheets.timber import building_order
 from rsegen.cli.edge import main
 from rsegen.errors import FileError, ParameterError
@@ -94,14 +94,14 @@ def test_its_head_is_the_cut_list_of_its_rows() -> None:
 def test_its_head_says_how_every_piece_of_stock_is_sawn() -> None:
     said = [line for line in text_of(load(EXAMPLES["red-diagonal-pallet"])).splitlines() if line.startswith("# s")]
     assert said == [
-        "# stock for the blocks: 9 pieces of 240 cm less 3.5 mm per cut and 2 cm of ends",
+        "# stock for the blocks: 9 pieces of 240 cm less 3 mm per cut + 0.5 mm per part and 2 cm of ends",
         "# saw: 2 pieces into 5 x 40 cm + 1 x 30 cm",
         "# saw: 2 pieces into 7 x 30 cm + 1 x 20 cm",
-        "# saw: 1 pieces into 5 x 30 cm + 4 x 20 cm",
+        "# saw: 1 piece into 5 x 30 cm + 4 x 20 cm",
         "# saw: 2 pieces into 11 x 20 cm + 1 x 10 cm",
-        "# saw: 1 pieces into 5 x 20 cm + 13 x 10 cm",
-        "# saw: 1 pieces into 12 x 10 cm",
-        "# stock for the frames: 2 pieces of 240 cm less 3.5 mm per cut and 2 cm of ends",
+        "# saw: 1 piece into 5 x 20 cm + 13 x 10 cm",
+        "# saw: 1 piece into 12 x 10 cm",
+        "# stock for the frames: 2 pieces of 240 cm less 3 mm per cut + 0.5 mm per part and 2 cm of ends",
         "# saw for frames: 2 pieces into 1 x 120 cm + 1 x 100 cm",
     ]
 
@@ -117,6 +117,35 @@ def test_the_head_has_the_other_materials_and_the_fingerprint() -> None:
     assert f"# weight: {kilograms:.0f} kg blocks + 44 kg frames" in said
     blocks = next(int(line.split()[5]) for line in said if line.startswith("# stock for the blocks"))
     assert f"# cost without base boards: {blocks * 2 + 4 * 1.5:.2f}" in said
+
+
+@pytest.mark.parametrize(
+    ("stock_cm", "chunk_size", "least"), [(100, 10, "122.05"), (240, 30, "322.05"), (121.9, 10, "122.05")]
+)
+def test_boards_longer_than_the_stock_are_said_as_in_the_pdf(stock_cm: float, chunk_size: int, least: str) -> None:
+    scene = compose(Recipe(seed=1, chunk_size=chunk_size, obstacles=BLOCKS))
+    settings = CutSettings(stock_cm=stock_cm, price=2)
+    said = sheet(scene, settings, "csv").decode().splitlines()
+    short = f"{stock_cm:g} cm of stock is too short for them: give {least} cm or more (--stock-cm)"
+    assert f"# stock for the frames: {short}" in said
+    assert "# cost of the frames: the stock is too short" in said
+    blocks = next(int(line.split()[5]) for line in said if line.startswith("# stock for the blocks"))
+    assert f"# cost of the blocks: {blocks * 2:.2f}" in said
+    assert not [line for line in said if line.startswith(("# saw for frames", "# cost without"))]
+    longer = sheet(scene, CutSettings(stock_cm=float(least), price=2), "csv").decode()
+    assert "# saw for frames: 2 pieces into 1 x " in longer
+
+
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_one_is_no_plural(blocks: int) -> None:
+    row = " ".join(["1"] * blocks)
+    recipe = Recipe(
+        seed=1, chunk_size=1, chunks=(blocks, 1), boundary="none", obstacles=[Matrix(levels=2, rows=(row,))]
+    )
+    lines = text_of(recipe).splitlines()
+    assert ("# cut: 1 block of 10 cm" if blocks == 1 else "# cut: 2 blocks of 10 cm") in lines
+    assert f"# saw: 1 piece into {blocks} x 10 cm" in lines
+    assert [line for line in lines if line.startswith("# stock for the blocks: 1 piece of 240 cm")]
 
 
 def as_a_spreadsheet_saves(text: str) -> str:

@@ -153,7 +153,7 @@ def test_the_first_page_lists_the_timber_to_buy() -> None:
     for said in (
         "blocks: 240 cm of 10 x 10 cm 9 pieces",
         "blocks together 19.60 m",
-        "lost to the saw, 3.5 mm per cut 0.32 m",
+        "lost: 3 mm per cut + 0.5 mm per part 0.32 m",
     ):
         assert said in page
     for said in ("2 boards of 120 cm 2.40 m", "2 boards of 100 cm 2.00 m", "frames: 240 cm of 10 x 10 cm 2 pieces"):
@@ -180,7 +180,8 @@ def test_a_page_has_the_frame_cuts_the_weight_and_the_costs() -> None:
     assert "frames: no price given (--frame-price)" in other_sections
     assert "together" not in other_sections
     assert "Frames none Base boards 6 of" in words(read(replace(RECIPES["outer"], boundary="none")).pages[-2])
-    assert "they are longer than 100 cm of stock" in words(read(RECIPES["real"], CutSettings(stock_cm=100)).pages[-2])
+    short = words(read(RECIPES["real"], CutSettings(stock_cm=100)).pages[-2])
+    assert "100 cm of stock is too short for them: give 122.05 cm or more (--stock-cm)" in short
 
 
 def test_the_last_page_is_a_form_for_repetitions() -> None:
@@ -219,7 +220,7 @@ def test_a_long_name_and_a_long_way_to_cut_stay_on_the_page() -> None:
 def test_another_saw_and_stock_are_counted_with() -> None:
     page = words(read(RECIPES["real"], CutSettings(kerf_mm=0, tolerance_mm=0, trim_cm=0, stock_cm=100)).pages[0])
     assert "blocks: 100 cm of 10 x 10 cm 20 pieces" in page
-    assert "lost to the saw, 0 mm per cut 0.00 m" in page
+    assert "lost: 0 mm per cut + 0 mm per part 0.00 m" in page
     assert "frames: 100 cm of 10 x 10 cm too short" in page
 
 
@@ -315,7 +316,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
         (Recipe(seed=1, chunks=(3, 4), chunk_size=60), "chunks: 12 pallets with 43,200 blocks are too many"),
         (
             Recipe(seed=1, unit_cm=61, obstacles=BLOCKS),
-            "stock_cm: 240 is shorter than blocks of the highest level, 244 cm",
+            "stock_cm: 240 is too short for blocks of the highest level, 244 cm",
         ),
     ],
     ids=["large pallets", "many pallets", "many blocks", "long blocks"],

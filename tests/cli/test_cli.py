@@ -240,7 +240,7 @@ def test_info_agrees_with_generated_maps(tmp_path: Path, capsys: pytest.CaptureF
     assert told["bytes"] == sum(path.stat().st_size for path in files)
     assert {key: told[key] for key in one.keys() & told.keys()} == {key: one[key] for key in one.keys() & told.keys()}
     assert set(told) - set(one) == {
-        *("seed", "unit_cm", "fingerprint", "obstacles", "constraints"),
+        *("seed", "unit_cm", "fingerprint", "obstacles", "placed", "constraints"),
         *("mesh_type", "models", "collisions", "faces", "bytes"),
     }
 

@@ -25,7 +25,7 @@ def test_a_sheet_in_inches_is_cut_from_8_feet(tmp_path: Path) -> None:
     lines = (tmp_path / "sheet.csv").read_text("utf-8").splitlines()
     assert "# cut: 27 blocks of 3 1/2 in" in lines
     assert "# cut: 10 blocks of 14 in" in lines
-    assert "# stock for the blocks: 8 pieces of 8 ft less 5/32 in per cut and 1 in of ends" in lines
+    assert "# stock for the blocks: 8 pieces of 8 ft less 1/8 in per cut + 1/32 in per part and 1 in of ends" in lines
     assert "# frames: 2 boards of 42 in" in lines
     assert "pallet,order,x,y,height_in" in lines
     assert "A1,8,9,9,14" in lines
@@ -43,7 +43,9 @@ def test_a_sheet_in_inches_makes_the_map_again(tmp_path: Path) -> None:
 def test_stock_and_kerf_may_be_of_any_unit(tmp_path: Path) -> None:
     flags = ["--stock-cm", "10ft", "--kerf-mm", "0.1in", "--tolerance-mm", "0mm", "-o", str(tmp_path / "sheet.csv")]
     assert main(["sheet", *INCHES, *flags]) == 0
-    assert "pieces of 10 ft less 0.1 in per cut and 1 in of ends" in (tmp_path / "sheet.csv").read_text("utf-8")
+    assert "pieces of 10 ft less 0.1 in per cut + 0 in per part and 1 in of ends" in (tmp_path / "sheet.csv").read_text(
+        "utf-8"
+    )
 
 
 def test_pages_in_inches_have_no_centimetres(tmp_path: Path) -> None:
@@ -67,7 +69,12 @@ def test_a_sheet_in_inches_is_on_letter_with_fractions_and_names_of_lumber(tmp_p
     for page in (first, pallet, materials, form):
         assert [float(side) for side in page.mediabox[2:]] == pytest.approx([8.5 * 72, 11 * 72], abs=0.02)
     texts = [" ".join(page.extract_text().split()) for page in (first, pallet, materials)]
-    for said in ("8 ft of 3 1/2 x 3 1/2 in", "sold as 4x4", "5/32 in per cut", "6 x 14 + 1 x 7 2 29/32 left"):
+    for said in (
+        "8 ft of 3 1/2 x 3 1/2 in",
+        "sold as 4x4",
+        "lost: 1/8 in per cut + 1/32 in per part",
+        "6 x 14 + 1 x 7 2 29/32 left",
+    ):
         assert said in texts[0]
     assert texts[1].count("10 1/2") == 21 + 1  # blocks, and the line of their level
     for said in ("of 31 lb/ft3", "blocks: 8 x 12.50 100.00", "frames: 2 x 12.50 25.00", "base boards 125.00"):

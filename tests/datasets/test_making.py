@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
@@ -210,6 +211,54 @@ def test_how_maps_are_represented_and_named_does_not_decide_a_data_set(tmp_path:
     assert {name: (folder / name).stat().st_ino for name in kept} == kept
     make_dataset(painted, tmp_path / "new", shard_maps=3)
     assert contents(folder) == contents(tmp_path / "new")
+
+
+_AS_ITS_MAPS: Mapping[str, Mapping[str, Any]] = {
+    "the colour of frames": {"frame_colour": "#ff0000"},
+    "colours of levels": {"level_colours": ("#ff0000", "#00ff00")},
+    "a description": {"description": "for people"},
+    "units of reports": {"units": "in"},
+    "a name": {"name": "other"},
+    "all of a representation": {
+        "mesh": "blocks",
+        "collision": "boxes",
+        "simulator": "classic",
+        "look": "friction",
+        "friction": 0.4,
+        "frame_friction": 0.3,
+        "level_friction": (0.2,),
+        "shadows": True,
+        "sky": True,
+    },
+    "an obstacle that is switched off": {
+        "obstacles": (*RECIPE.obstacles, rsegen.Peak(levels=9, enabled=False)),
+    },
+    "an obstacle that is switched off first": {
+        "obstacles": (rsegen.Random(levels=3, enabled=False), *RECIPE.obstacles),
+    },
+}
+
+
+@pytest.mark.parametrize("what", _AS_ITS_MAPS)
+def test_maps_alone_decide_whether_a_data_set_goes_on(tmp_path: Path, what: str) -> None:
+    other, folder = replace(RECIPE, **_AS_ITS_MAPS[what]), tmp_path / "set"
+    assert other != RECIPE
+    make_dataset(RECIPE, folder, shard_maps=3)
+    (folder / "levels-00001.npy").unlink()
+    (folder / "manifest.json").unlink()
+    kept = {path.name: path.stat().st_ino for path in folder.glob("*.npy") if "00001" not in path.name}
+    make_dataset(other, folder, shard_maps=3, resume=True)
+    assert len(kept) > 3
+    assert {name: (folder / name).stat().st_ino for name in kept} == kept
+    make_dataset(other, tmp_path / "new", shard_maps=3)
+    assert contents(folder) == contents(tmp_path / "new")
+    make_dataset(RECIPE, folder, shard_maps=3, resume=True)  # and back
+
+
+def test_an_obstacle_that_is_switched_on_decides(tmp_path: Path) -> None:
+    make_dataset(replace(RECIPE, obstacles=(*RECIPE.obstacles, rsegen.Peak(levels=5, enabled=False))), tmp_path)
+    with pytest.raises(OutputError, match="contains a different data set"):
+        make_dataset(replace(RECIPE, obstacles=(*RECIPE.obstacles, rsegen.Peak(levels=5))), tmp_path, resume=True)
 
 
 def test_a_complete_data_set_is_listed_with_the_recipe_given_last(tmp_path: Path) -> None:

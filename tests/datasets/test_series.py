@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import shutil
 import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
@@ -179,6 +180,15 @@ def test_a_series_that_was_stopped_goes_on(tmp_path: Path) -> None:
     resumed = series(RANDOM, tmp_path / "stopped", resume=True)
     assert [one.index for one in resumed.maps] == list(range(made, 8))
     series(RANDOM, tmp_path / "whole")
+    assert contents(tmp_path / "stopped") == contents(tmp_path / "whole")
+
+
+def test_a_series_of_obstacles_at_random_places_goes_on(tmp_path: Path) -> None:
+    wandering = Recipe(name="rough", seed=7, maps=3, obstacles=(Random(levels=3), rsegen.Peak(levels=5)))
+    series(wandering, tmp_path / "stopped")
+    shutil.rmtree(tmp_path / "stopped/rough_0001")
+    assert [one.index for one in series(wandering, tmp_path / "stopped", resume=True).maps] == [1]
+    series(wandering, tmp_path / "whole")
     assert contents(tmp_path / "stopped") == contents(tmp_path / "whole")
 
 

@@ -10,13 +10,14 @@ from typing import Any
 
 import pytest
 
-from rsegen import build
+from rsegen import build, load
 from rsegen.errors import ParameterError, UserError
 from rsegen.experiments.plan import PLANS, ExperimentPlan, TableRow, load_plan, read_plan
-from rsegen.experiments.report import FIGURES, PublishedRow
+from rsegen.experiments.report import published_figures
 from rsegen.experiments.run import _robot_files
 from rsegen.experiments.trial import _runs, refuse_undrivable
 from rsegen.field.steps import steps
+from rsegen.recipe.examples import EXAMPLES
 from rsegen.robots.lookup import robot_of_kind
 from rsegen.scene.scene import compose
 
@@ -30,17 +31,62 @@ def test_every_plan_that_comes_along_is_whole(name: str) -> None:
     for cell in plan.cells:
         recipe = plan.rows[cell.row].map_of(cell.size, plan.seed)
         assert recipe.grid.shape == (max(cell.size, 10),) * 2
-        assert recipe.boundary == "none"
+        framed = bool(cell.size) and name == "paper" and plan.rows[cell.row].maps != "random"
+        assert recipe.boundary == ("divided" if framed else "none")
+
+
+SINGLE = ("horizontal_barrier", "diagonal_barrier", "peak")
 
 
 def test_the_paper_s_plan_has_the_paper_s_rows() -> None:
+    """Its tables 1 and 2: an empty world, a single obstacle of each kind on 10 x 10 blocks, then 20 to 80 blocks."""
     plan = load_plan("paper")
-    rows = {PublishedRow(row.robot, row.robots, row.unit_cm, row.levels): row for row in plan.rows}
-    assert rows.keys() == FIGURES.keys()
-    for published, row in rows.items():
-        assert {0, *row.sizes} == {0, *FIGURES[published]}
-    assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "burger"} == {(3, 1)}
-    assert {(row.robots, row.unit_cm) for row in plan.rows if row.robot == "crawler"} == {(1, 10)}
+    for robot, robots, unit_cm in (("burger", 3, 1), ("crawler", 1, 10)):
+        rows = [row for row in plan.rows if row.robot == robot]
+        assert {(row.robots, row.unit_cm) for row in rows} == {(robots, unit_cm)}
+        worlds = [(size, row.maps, row.levels) for row in rows if published_figures(row) for size in row.sizes]
+        high = 5 if robot == "burger" else 10
+        assert worlds == [
+            (0, "horizontal_barrier", 5),
+            *((10, maps, 5) for maps in SINGLE),
+            (20, "barriers and peaks", 5),
+            *((size, "barriers and peaks", high) for size in (40, 60, 80)),
+        ]
+        ours = [(size, row.maps, row.levels) for row in rows if not published_figures(row) for size in row.sizes]
+        assert ours == [(10, "random", 5), (20, "random", 5), *((size, "random", high) for size in (40, 60, 80))]
+
+
+@pytest.mark.parametrize("kind", SINGLE)
+def test_the_single_obstacles_of_the_paper_s_plan_are_its_figures_1_to_3(kind: str) -> None:
+    (row,) = [row for row in load_plan("paper").rows if row.maps == kind and row.robot == "crawler"]
+    made, figure = row.map_of(10, seed=3), load(EXAMPLES[kind.replace("_", "-")])
+    assert build(made) == build(figure)
+    assert build(made).frame.sum() == 44
+
+
+def test_larger_worlds_have_every_kind_for_every_pallet_along_a_side_and_frames_of_a_unit() -> None:
+    for row in load_plan("paper").rows:
+        for size in row.sizes:
+            made = row.map_of(size, seed=1)
+            field = build(made)
+            assert field.frame.any() == (size > 0 and row.maps != "random")
+            assert row.maps == "random" or not size or field.frame_height == pytest.approx(field.unit)
+            if row.maps == "barriers and peaks":
+                assert Counter(obstacle.kind for obstacle in made.obstacles) == dict.fromkeys(SINGLE, size // 10)
+                assert field.levels.max() == row.levels - 1
+                assert (field.levels != build(row.map_of(size, seed=2)).levels).any()
+
+
+def test_a_single_obstacle_is_on_ten_blocks() -> None:
+    with pytest.raises(ParameterError, match="sizes: 20: a single peak is on 10 x 10 blocks"):
+        TableRow(maps="peak", sizes=(10, 20))
+
+
+def test_an_empty_world_has_nothing_whatever_the_maps_of_its_row_have() -> None:
+    for recipe in ({"boundary": "outer"}, {"obstacles": [{"kind": "peak", "levels": 5}], "boundary": "divided"}):
+        empty = build(TableRow(maps="peak", sizes=(0, 10), recipe=recipe).map_of(0, 1))
+        assert not empty.levels.any()
+        assert not empty.frame.any()
 
 
 def test_a_plan_with_more_robots_than_its_smallest_map_holds_is_refused_before_any_trial() -> None:
@@ -57,8 +103,9 @@ def test_no_step_of_the_default_plans_and_rows_is_too_high_for_their_robots(rows
         assert found.share_above(robot_of_kind(row.robot).climbs) == 0
 
 
-def test_half_of_the_steps_of_the_paper_s_plan_are_too_high() -> None:
-    paper = steps(build(load_plan("paper").rows[0].map_of(80, seed=1)))
+def test_half_of_the_steps_of_random_blocks_in_the_paper_s_plan_are_too_high() -> None:
+    (row,) = [row for row in load_plan("paper").rows if row.robot == "burger" and row.maps == "random"]
+    paper = steps(build(row.map_of(80, seed=1)))
     assert paper.share_above(0.01) == pytest.approx(12 / 25, abs=0.02)
 
 

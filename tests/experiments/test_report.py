@@ -25,17 +25,24 @@ from rsegen.experiments.report import (
     trials_csv,
 )
 from rsegen.experiments.trial import Outcome, Results
+from rsegen.field.steps import steps
+from rsegen.recipe.building import build
 
 PAPER: dict[str, Any] = {"unit_cm": 1, "levels": 5}
+FRAMED: dict[str, Any] = {"boundary": "divided", "frame_height_cm": 1}
+SMALL: dict[str, Any] = {**PAPER, "maps": "peak", "recipe": FRAMED}
+LARGE: dict[str, Any] = {**PAPER, "maps": "barriers and peaks", "recipe": FRAMED}
+CRAWLED: dict[str, Any] = {"unit_cm": 10, "maps": "barriers and peaks", "recipe": {"boundary": "divided"}}
 PLAN = ExperimentPlan(
     name="known",
     rows=(
-        TableRow(sizes=(0, 10, 80), **PAPER),
+        TableRow(sizes=(0, 10, 80), **LARGE),
         TableRow(robot="jackal", sizes=(0, 20), recipe={"mesh": "blocks"}, **PAPER),
     ),
 )
 COMMAND = "rsegen experiment my/known.yaml --simulator classic -o costs"
 MACHINE = {"processor": "a quick one", "cores": "2"}
+COSTS = ("12 % (mean 12 %)", "170 MB (mean 170 MB)")
 BURGERS = FIGURES[PublishedRow("burger", 3, 1, 5)]
 
 
@@ -67,7 +74,7 @@ def test_the_page_has_costs_drives_and_the_figures_of_the_paper(results: Results
     found = rows(text)
     assert found["processor"] == ["a quick one"]
     assert found["80 x 80"] == [
-        "0.85-1.00 (0.97)", "20 % of a core", "12 %", "170 MB", "1.0 s", "4.0", "0.80",
+        "0.85-1.00 (0.97)", "20 % of a core", "12 % (mean 12 %)", "170 MB (mean 170 MB)", "1.0 s", "4.0", "0.80",
         "1.50 m in 20 s / 1.50 m in 20 s", "10 % / 10 %", "0.00 / 0.00", "2.0 % / 2.0 %", *BURGERS[80],
     ]  # fmt: skip
     assert found["20 x 20"][6] == "0.80"
@@ -75,6 +82,23 @@ def test_the_page_has_costs_drives_and_the_figures_of_the_paper(results: Results
     assert len(found["20 x 20"]) == 11
     assert "## 3 jackal, unit 1 cm, 5 levels, mesh blocks" in text
     assert MARK not in text
+
+
+def test_means_stand_beside_the_paper_s_means_and_nowhere_else(results: Results) -> None:
+    trials = [
+        replace(outcome(4.0, 0.9), machine=machine, memory=memory)
+        for machine, memory in ((0.10, 100.0), (0.11, 110.0), (0.60, 600.0))
+    ]
+    cells = {Cell(row=row, size=size, pace="real"): trials for row, size in ((0, 80), (1, 20))}
+    found = rows(report_page(replace(PLAN, paces=("real",)), cells, MACHINE, COMMAND))
+    assert found["80 x 80"][2:4] == ["11 % (mean 27 %)", "110 MB (mean 270 MB)"]
+    assert found["20 x 20"][2:4] == ["11 %", "110 MB"]
+    said = "The paper has means of three runs of CPU and memory; beside its figures, our means are in brackets."
+    assert said in report_page(PLAN, results, MACHINE, COMMAND)
+    ours = report_page(replace(PLAN, rows=PLAN.rows[1:]), {}, MACHINE, COMMAND)
+    assert said not in ours
+    assert "The paper's computer" in report_page(PLAN, results, MACHINE, COMMAND)
+    assert "paper" not in ours
 
 
 def test_rtf_is_the_least_and_the_most_that_any_trial_registered() -> None:
@@ -99,7 +123,11 @@ def test_the_first_sentence_says_where_robots_stood_still_and_why(results: Resul
 
     assert first().startswith("Made by")
     still = "**Robots stood still**, stuck for more than half of the time, where † is: "
-    high = "3 burger, unit 1 cm, 5 levels, as 48% of the steps are higher than the 1 cm that it climbs"
+    share = steps(build(PLAN.rows[0].map_of(10, PLAN.seed))).share_above(0.01)
+    assert share is not None
+    assert 0.01 < share < 0.6
+    burgers = "3 burger, unit 1 cm, 5 levels, barriers and peaks"
+    high = f"{burgers}, as {share:.0%} of the steps are higher than the 1 cm that it climbs"
     jackal = "3 jackal, unit 1 cm, 5 levels, for a reason that is not known"
     assert first((0, 10), (0, 80)) == f"{still}{high}."
     assert first((0, 0), (0, 10)) == f"{still}3 burger, without a map too, so maps are not the reason."
@@ -156,17 +184,26 @@ def test_the_command_that_made_the_page_is_in_it(results: Results) -> None:
 @pytest.mark.parametrize(
     ("row", "sizes"),
     [
-        (TableRow(**PAPER), [0, 10, 20, 40, 60, 80]),
+        (TableRow(sizes=(0, 10), **SMALL), [0, 10]),
+        (TableRow(**LARGE), [0, 20, 40, 60, 80]),
+        (TableRow(**PAPER), []),
+        (TableRow(recipe=FRAMED, **PAPER), []),
         (TableRow(), []),
-        (TableRow(robots=2, **PAPER), []),
-        (TableRow(unit_cm=0.5, levels=5), []),
-        (TableRow(levels=3, unit_cm=1), []),
-        (TableRow(recipe={"max_step": 1}, **PAPER), []),
-        (TableRow(simulator="sim", **PAPER), []),
-        (TableRow(simulator="classic", **PAPER), [0, 10, 20, 40, 60, 80]),
-        (TableRow(robot="crawler", robots=1, unit_cm=10, levels=5), [0, 10, 20]),
-        (TableRow(robot="crawler", robots=1, unit_cm=10, levels=10), [0, 40, 60, 80]),
-        (TableRow(robot="jackal", **PAPER), []),
+        (TableRow(robots=2, **LARGE), []),
+        (TableRow(**{**LARGE, "unit_cm": 0.5}), []),
+        (TableRow(**{**LARGE, "levels": 3}), []),
+        (TableRow(**{**LARGE, "recipe": None}), []),
+        (TableRow(**{**LARGE, "recipe": {"boundary": "divided"}}), []),
+        (TableRow(**{**LARGE, "recipe": {**FRAMED, "max_step": 1}}), []),
+        (TableRow(simulator="sim", **LARGE), []),
+        (TableRow(simulator="classic", **LARGE), [0, 20, 40, 60, 80]),
+        (
+            TableRow(robot="crawler", robots=1, **{**CRAWLED, "maps": "diagonal_barrier"}, sizes=(10,), levels=5),
+            [0, 10],
+        ),
+        (TableRow(robot="crawler", robots=1, **CRAWLED, levels=5), [0, 20]),
+        (TableRow(robot="crawler", robots=1, **CRAWLED, levels=10), [0, 40, 60, 80]),
+        (TableRow(robot="jackal", **LARGE), []),
     ],
 )
 def test_the_paper_s_figures_are_for_the_paper_s_robots_and_maps_only(row: TableRow, sizes: list[int]) -> None:
@@ -189,8 +226,8 @@ def test_rows_in_two_simulators_are_one_table(results: Results) -> None:
     assert text.count("## ") == 2
     table = [line for line in text.splitlines() if line.startswith("| Gazebo ") and "80 x 80" in line]
     assert [[cell.strip() for cell in line.split("|")[1:10]] for line in table] == [
-        ["Gazebo Sim", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", "12 %", "170 MB", "1.0 s", "1.0", "1.00"],
-        ["Gazebo Classic", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", "12 %", "170 MB", "1.0 s", "2.0", "1.00"],
+        ["Gazebo Sim", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", *COSTS, "1.0 s", "1.0", "1.00"],
+        ["Gazebo Classic", "80 x 80", "0.80-0.91 (0.90)", "20 % of a core", *COSTS, "1.0 s", "2.0", "1.00"],
     ]
     assert [line.count(f"| {BURGERS[80].rtf} |") for line in table] == [0, 1]
     assert next(reading.reader(trials_csv(both, outcomes).splitlines()[1:]))[0] == "sim"

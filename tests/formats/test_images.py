@@ -13,7 +13,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from rsegen import Matrix, Recipe, Scene, build, compose, imported, load
+from rsegen import Matrix, Random, Recipe, Scene, build, compose, imported, load
 from rsegen.cli.edge import main
 from rsegen.errors import ParameterError
 from rsegen.formats.base import Format
@@ -57,7 +57,7 @@ def test_every_pixel_of_a_heightmap_is_its_cell_s_height(scene: Scene, pixels: i
 
 @SCENE
 @PIXELS
-def test_a_heightmap_says_how_it_is_imported_and_so_gives_the_same_levels(
+def test_a_heightmap_says_how_it_is_imported_and_so_gives_the_same_map(
     scene: Scene, pixels: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -66,9 +66,42 @@ def test_a_heightmap_says_how_it_is_imported_and_so_gives_the_same_levels(
     assert main(command[1:]) == 0
     (folder,) = Path("DIR").iterdir()
     again, field = build(load(folder / "recipe.json")), scene.field
-    frame_level = int(np.floor(field.frame_height / field.unit + 0.5))
-    np.testing.assert_array_equal(again.levels, np.where(field.frame, frame_level, field.levels))
-    assert (again.unit, again.block_width) == (field.unit, field.block_width)
+    np.testing.assert_array_equal(again.levels, field.levels)
+    np.testing.assert_array_equal(again.frame, field.frame)
+    assert (again.unit, again.block_width, again.frame_height) == (field.unit, field.block_width, field.frame_height)
+    assert load(folder / "recipe.json").chunks == scene.recipe.chunks or scene.recipe.boundary == "none"
+
+
+@pytest.mark.parametrize("boundary", ["divided", "outer"])
+@pytest.mark.parametrize(("frame_cm", "unit_cm"), [(7, 8.9), (4, 10), (12.34, 3.3), (0, 5)])
+def test_frames_of_a_heightmap_keep_their_height(
+    boundary: str, frame_cm: float, unit_cm: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    recipe = Recipe(seed=2, boundary=boundary, frame_height_cm=frame_cm, unit_cm=unit_cm, chunk_size=4, chunks=(3, 2))
+    scene = compose(replace(recipe, obstacles=[Random(levels=4)]))
+    put(Heightmap(pixels=2), scene, tmp_path)
+    assert main(shlex.split(json.loads(Path("heightmap.json").read_text("utf-8"))["import"])[1:]) == 0
+    again = load(Path("DIR") / "rse_0000_0000" / "recipe.json")
+    assert (again.boundary, again.frame_height_cm, again.chunk_size, again.chunks) == (boundary, frame_cm, 4, (3, 2))
+    np.testing.assert_array_equal(build(again).heights, scene.field.heights)
+
+
+@pytest.mark.parametrize(
+    ("framed", "says"),
+    [
+        ("9x10", "framed: 9x10 blocks with frames are 11 x 12 cells, which do not divide 24 x 12"),
+        ("6x10", "framed: 6x10: chunks are squares; give the blocks of one, as in 10x10"),
+    ],
+)
+def test_frames_that_an_image_cannot_have_are_refused(
+    framed: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    put(Heightmap(), compose(Recipe(seed=2, chunks=(2, 1), obstacles=[Random(levels=4)])), tmp_path)
+    image = str(next(tmp_path.glob("*.png")))
+    assert main(["import", image, "--framed", framed, "-o", str(tmp_path / "out")]) == 2
+    assert f"rsegen: {says}" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("top", [1, 4, 255, 256, 1000, 21845])

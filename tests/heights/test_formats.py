@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import struct
 import zlib
+from fractions import Fraction
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +16,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
-from rsegen import Recipe, build, generate, imported
+from rsegen import Matrix, Recipe, build, generate, imported
+from rsegen.cli.edge import main
 from rsegen.errors import FileError, ParameterError, UserError
 from rsegen.heights.array import Saved
 from rsegen.heights.base import IMPORTERS, importer_for
-from rsegen.heights.image import OccupancyImage, Picture
+from rsegen.heights.image import OccupancyImage, Picture, brightness
 from rsegen.heights.table import Table
 from rsegen.params.sorts import parameters
 
@@ -167,9 +171,102 @@ def test_a_threshold_makes_two_levels(tmp_path: Path) -> None:
     assert found.tolist() == [[3, 0], [3, 0], [0, 3]]
 
 
-def test_colours_count_by_brightness_and_transparent_parts_as_black(tmp_path: Path) -> None:
-    colours = np.array([[[255, 255, 255, 255], [255, 255, 255, 0], [0, 0, 0, 255]]], dtype=np.uint8)
-    assert levels_of(imported(drawn(tmp_path, colours), Picture(levels=5))).ravel().tolist() == [4, 0, 0]
+def rows_in(recipe: Recipe) -> list[list[str]]:
+    """The words of the matrix of an imported map, the upper row first."""
+    (matrix,) = recipe.obstacles
+    assert isinstance(matrix, Matrix)
+    return [row.split() for row in matrix.rows]
+
+
+@pytest.mark.parametrize("invert", [False, True])
+def test_colours_count_by_brightness_and_transparent_parts_are_unknown(tmp_path: Path, invert: bool) -> None:
+    """As (red, green, blue, opacity): white, clear white, black, clear black, half clear white, mostly clear white."""
+    pixels = [(255, 255, 255, 255), (255, 255, 255, 0), (0, 0, 0, 255), (0, 0, 0, 0), (255,) * 3 + (128,)]
+    colours = np.array([[*pixels, (255, 255, 255, 127)]], dtype=np.uint8)
+    recipe = imported(drawn(tmp_path, colours), Picture(levels=5, invert=invert))
+    white, black = ("0", "4") if invert else ("4", "0")
+    assert rows_in(recipe) == [[white, ".", black, ".", white, "."]]
+    assert levels_of(recipe).ravel().tolist() == [int(white), 0, int(black), 0, int(white), 0]
+
+
+def saved_with_clear(folder: Path, mode: str) -> Path:
+    """An image of two pixels, white and clear, in a mode of its own."""
+    path = folder / f"{mode.replace(';', '')}.png"
+    if mode == "P":
+        image = Image.new("P", (2, 1))
+        image.putpalette([255, 255, 255, 0, 0, 0])
+        image.putdata([0, 1])
+        image.save(path, transparency=1)
+    elif mode == "LA":
+        Image.fromarray(np.array([[[255, 255], [255, 0]]], dtype=np.uint8), "LA").save(path)
+    elif mode == "I;16":
+        Image.fromarray(np.array([[65535, 7]], dtype=np.uint16)).save(path, transparency=7)
+    else:
+        Image.fromarray(np.array([[255, 7]], dtype=np.uint8)).save(path, transparency=7)
+    return path
+
+
+@pytest.mark.parametrize("mode", ["P", "LA", "L", "I;16"])
+@pytest.mark.parametrize("options", [{}, {"threshold": 50.0}, {"size": (2, 1)}, {"size": (4, 3)}])
+def test_what_is_clear_in_images_of_every_mode_is_unknown(tmp_path: Path, mode: str, options: dict[str, Any]) -> None:
+    found = rows_in(imported(saved_with_clear(tmp_path, mode), Picture(levels=3, invert=mode == "L", **options)))
+    half = len(found[0]) // 2
+    white = "0" if mode == "L" else "2"
+    assert found == [[white] * half + ["."] * half] * len(found)
+
+
+def test_the_opaque_part_of_a_cell_counts(tmp_path: Path) -> None:
+    grey, clear = (128, 128, 128, 255), (255, 255, 255, 0)
+    colours = np.array([[grey, grey, clear, grey, clear, clear]], dtype=np.uint8)
+    assert rows_in(imported(drawn(tmp_path, colours), Picture(levels=3, size=(2, 1)))) == [["1", "."]]
+
+
+def test_unknown_cells_are_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    colours = np.array([[(255, 255, 255, 255), (255, 255, 255, 0), (0, 0, 0, 0)]], dtype=np.uint8)
+    path = str(drawn(tmp_path, colours))
+    assert main(["import", path, "--invert", "-o", str(tmp_path / "out")]) == 0
+    assert "2 cells transparent, so unknown: no block stands there\n" in capsys.readouterr().out
+    assert main(["import", str(drawn(tmp_path, PICTURE)), "-o", str(tmp_path / "grey")]) == 0
+    assert "transparent" not in capsys.readouterr().out
+
+
+def test_transparent_cells_of_a_map_of_ros_are_neither_free_nor_walls(tmp_path: Path) -> None:
+    pixels = [(0, 0, 0, 255), (0, 0, 0, 0), (254, 254, 254, 255), (254, 254, 254, 0)]
+    drawn(tmp_path, np.array([pixels], dtype=np.uint8), "map.png")
+    path = written(tmp_path, "image: map.png\nresolution: 0.05\n", "map.yaml")
+    assert levels_of(imported(path, OccupancyImage())).ravel().tolist() == [1, 0, 0, 0]
+    assert levels_of(imported(path, OccupancyImage(unknown=True))).ravel().tolist() == [1, 1, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("pixels", "size"), [((7, 5), (3, 2)), ((10, 10), (3, 7)), ((4, 6), (9, 4)), ((1, 1), (5, 5)), ((97, 64), (10, 10))]
+)
+def test_a_size_takes_the_exact_mean_of_areas(tmp_path: Path, pixels: tuple[int, int], size: tuple[int, int]) -> None:
+    """Judged by fractions, pixel by pixel with its part of the cell."""
+    (n_x, n_y), (m_x, m_y) = pixels, size
+    greys = np.random.default_rng(n_x).integers(0, 65536, (n_y, n_x), dtype=np.uint16)
+    found = brightness(drawn(tmp_path, greys), size)
+
+    def parts(cell: int, n: int, m: int) -> dict[int, Fraction]:
+        """Of each pixel along an axis of n how much of it is in a cell of m."""
+        low, high = Fraction(cell * n, m), Fraction((cell + 1) * n, m)
+        overlaps = {pixel: min(high, Fraction(pixel + 1)) - max(low, Fraction(pixel)) for pixel in range(n)}
+        return {pixel: part for pixel, part in overlaps.items() if part > 0}
+
+    for x, y in product(range(m_x), range(m_y)):
+        along = parts(x, n_x, m_x), parts(y, n_y, m_y)
+        whole = sum(int(greys[n_y - 1 - j, i]) * along[0][i] * along[1][j] for i, j in product(*along))
+        mean = whole / (Fraction(n_x, m_x) * Fraction(n_y, m_y) * 65535)
+        assert found[x, y] == pytest.approx(float(mean), abs=1e-15)
+
+
+def test_a_cell_across_a_pixel_has_its_part_of_it(tmp_path: Path) -> None:
+    """Three pixels on two cells: the middle one is half in each, so they are 1 and 1/3 of white."""
+    path = drawn(tmp_path, np.array([[65535, 65535, 0]], dtype=np.uint16))
+    assert brightness(path, (2, 1)).ravel().tolist() == pytest.approx([1, 1 / 3])
+    assert levels_of(imported(path, Picture(levels=4, size=(2, 1)))).ravel().tolist() == [3, 1]
+    flat = np.full((3, 3), 21_845, dtype=np.uint16)  # a third of white
+    assert (brightness(drawn(tmp_path, flat), (7, 2)) == 1 / 3).all()
 
 
 def test_a_huge_image_is_refused_before_it_is_decoded(tmp_path: Path) -> None:

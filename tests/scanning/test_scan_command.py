@@ -48,7 +48,9 @@ def test_a_scan_becomes_a_world_a_sheet_and_a_picture(
     said = capsys.readouterr().out
     assert "10 x 10 blocks 10 cm wide" in said
     assert "outer frames 10 cm high" in said
-    assert {path.name for path in tmp_path.iterdir()} == {".rsegen.jsonl", "twin_0000", "twin_fit.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *(".rsegen.jsonl", "twin_0000", "twin_fit.png", "twin_confidence.csv")
+    }
     assert {"twin_0000.world", "sheet.pdf", "sheet.csv", "recipe.json"} <= {
         path.name for path in (tmp_path / "twin_0000").iterdir()
     }

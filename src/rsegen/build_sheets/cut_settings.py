@@ -54,8 +54,13 @@ class CutSettings:
 
     @property
     def kerf(self) -> int:
-        """Length that a cut costs in nanometres: the kerf and the tolerance."""
-        return round((self.kerf_mm + self.tolerance_mm) * 1e6)
+        """Length that the saw removes with each cut, in nanometres."""
+        return round(self.kerf_mm * 1e6)
+
+    @property
+    def tolerance(self) -> int:
+        """Length by which each part may be too long, in nanometres."""
+        return round(self.tolerance_mm * 1e6)
 
     @property
     def stock(self) -> int:
@@ -77,9 +82,13 @@ class CutSettings:
         """The play in nanometres."""
         return round(self.play_mm * 1e6)
 
+    def fits(self, length: int) -> bool:
+        """Return whether a part of a length [nm] can be cut from the stock, also if it is cut too long."""
+        return length + self.tolerance <= self.usable
+
     def check(self, length_cm: float, what: str = "the longest block") -> None:
         """Raise a ParameterError if the stock is too short for a length."""
-        if nanometres(length_cm) > self.usable:
+        if not self.fits(nanometres(length_cm)):
             given, longest = decimal(self.stock_cm), decimal(length_cm)
-            least = decimal(round(length_cm + self.trim / 1e7, 7))
-            raise ParameterError("stock_cm", f"{given} is shorter than {what}, {longest} cm; give {least} or more")
+            least = decimal(round(length_cm + (self.trim + self.tolerance) / 1e7, 7))
+            raise ParameterError("stock_cm", f"{given} is too short for {what}, {longest} cm; give {least} or more")

@@ -11,8 +11,11 @@ from rsegen.build_sheets.timber import (
     building_order,
     length,
     length_counts,
+    losses,
     materials,
     placing_order,
+    too_short,
+    unknown_price,
 )
 from rsegen.heights.table import COLUMNS, RECIPE_KEYS
 from rsegen.params.numbers import Lengths, decimal, lengths_in
@@ -49,23 +52,33 @@ def listing(scene: Scene, settings: CutSettings) -> Iterator[str]:
 def _timber(scene: Scene, settings: CutSettings, written: Lengths) -> Iterator[str]:
     needed = materials(scene.field, scene.recipe, settings)
     for block, count in length_counts(scene.field).items():
-        yield f"# cut: {count} blocks of {written.tape(block)} {written.unit}\n"
+        yield f"# cut: {_counted(count, 'block')} of {written.tape(block)} {written.unit}\n"
     yield from _plan("blocks", "saw", needed.blocks, written)
     for board, count in needed.frames.items():
-        yield f"# frames: {count} boards of {written.tape(board)} {written.unit}\n"
+        yield f"# frames: {_counted(count, 'board')} of {written.tape(board)} {written.unit}\n"
     if needed.boards:
         yield from _plan("frames", "saw for frames", needed.boards, written)
+    if short := " ".join(too_short(needed, written)):
+        yield f"# stock for the frames: {short}\n"
     yield f"# base boards: {needed.bases} of {' x '.join(map(written.tape, needed.base))} {written.unit}\n"
     weights = f"{written.weight(needed.block_weight)} blocks + {written.weight(needed.frame_weight)} frames"
     yield f"# weight: {weights}\n".replace(",", "")
     if needed.price is not None:
         yield f"# cost without base boards: {needed.price:.2f}\n"
+    elif settings.price is not None:
+        yield f"# cost of the blocks: {needed.blocks.pieces * settings.price:.2f}\n"
+        yield f"# cost of the frames: {unknown_price(needed)}\n"
 
 
 def _plan(what: str, saw: str, plan: CuttingPlan, written: Lengths) -> Iterator[str]:
-    stock = f"{plan.pieces} pieces of {written.stock(plan.settings.stock)}"
-    losses = f"{written.cut(plan.settings.kerf)} per cut and {written.tape(plan.settings.trim)} {written.unit} of ends"
-    yield f"# stock for the {what}: {stock} less {losses}\n"
+    stock = f"{_counted(plan.pieces, 'piece')} of {written.stock(plan.settings.stock)}"
+    ends = f"{written.tape(plan.settings.trim)} {written.unit} of ends"
+    yield f"# stock for the {what}: {stock} less {losses(plan.settings, written)} and {ends}\n"
     for pattern in plan.patterns:
         parts = " + ".join(f"{count} x {written.tape(part)} {written.unit}" for part, count in pattern.parts)
-        yield f"# {saw}: {pattern.pieces} pieces into {parts}\n"
+        yield f"# {saw}: {_counted(pattern.pieces, 'piece')} into {parts}\n"
+
+
+def _counted(count: int, what: str) -> str:
+    """Return a count in words, without a comma: 1 piece, 1200 pieces."""
+    return f"{count} {what}{'s'[: count != 1]}"

@@ -13,7 +13,17 @@ from textwrap import wrap
 from rsegen import __version__
 from rsegen.build_sheets.cut_settings import CutSettings
 from rsegen.build_sheets.page import COLUMN, EMPTY, GREY, POINT, ROW, Page, PrintedPlan
-from rsegen.build_sheets.timber import CuttingPlan, Materials, NumberedPallet, frame_price, length, together
+from rsegen.build_sheets.timber import (
+    CuttingPlan,
+    Materials,
+    NumberedPallet,
+    frame_price,
+    length,
+    losses,
+    together,
+    too_short,
+    unknown_price,
+)
 from rsegen.field.stepfield import StepField
 from rsegen.params.numbers import Lengths, decimal
 from rsegen.scene.scene import Scene, fingerprint
@@ -47,7 +57,7 @@ def draw_cut_list(page: Page, scene: Scene, field: StepField, place: tuple[float
         y += (rows + 1) * ROW
         if len(counts) > rows * _ABREAST:
             more = len(counts) - rows * _ABREAST
-            page.text(x, y, f"and {more} more lengths, which the sheet as CSV has", 8, color=GREY)
+            page.text(x, y, f"and {more} more length{'s'[: more != 1]}, which the sheet as CSV has", 8, color=GREY)
             y += ROW
     page.line((x, x + COLUMN), (y - 3.6, y - 3.6))
     whole = sum(lengths[level] * count for level, count in counts.items())
@@ -155,7 +165,9 @@ def _draw_patterns(page: Page, plan: CuttingPlan, y: float) -> float:
         parts, offcut = wrap(" + ".join(texts), _BROAD), written.tape(pattern.offcut(plan.settings))
         if y + len(parts) * ROW > page.bottom:
             more = len(plan.patterns) - drawn
-            page.text(page.second, y, f"and {more} more ways, which the sheet as CSV has", 8, color=GREY)
+            page.text(
+                page.second, y, f"and {more} more way{'s'[: more != 1]}, which the sheet as CSV has", 8, color=GREY
+            )
             return y + ROW
         page.text(page.second + 10, y, f"{pattern.pieces:,} x", ha="right")
         for at, line in enumerate(parts):
@@ -172,7 +184,7 @@ def _timber(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
     yield f"blocks: {stock} of {_by((width, width), written)}", _pieces(plan.pieces)
     yield from _sold_as((width, width), written)
     yield "  blocks together", written.long(plan.timber)
-    yield f"  lost to the saw, {written.cut(settings.kerf)} per cut", written.long(plan.kerf_loss)
+    yield f"  lost: {losses(settings, written)}", written.long(plan.kerf_loss)
     if plan.trimmed:
         yield f"  ends, {written.tape(settings.trim // 2)} {written.unit} each", written.long(plan.trimmed)
     yield "  left over", written.long(plan.offcuts)
@@ -272,7 +284,7 @@ def _frames(needed: Materials, written: Lengths) -> Iterator[tuple[str, str]]:
     if needed.boards:
         yield f"stock of {stock}", _pieces(needed.boards.pieces)
     else:
-        yield f"they are longer than {stock} of stock", ""
+        yield from ((line, "") for line in too_short(needed, written))
 
 
 def _by(sides: tuple[int, ...], written: Lengths) -> str:
@@ -290,4 +302,4 @@ def _cost(needed: Materials, scene: Scene, settings: CutSettings) -> Iterator[tu
     if needed.price is not None:
         yield "together, without base boards", f"{needed.price:,.2f}"
     else:
-        yield f"frames: {'no price given (--frame-price)' if needed.boards else 'longer than the stock'}", ""
+        yield f"frames: {unknown_price(needed)}", ""

@@ -6,7 +6,7 @@ maps, whose parts are few multiples of a unit, mostly the least. Pieces that are
 count, so the time grows with the lengths, not with the blocks. Lengths are whole nanometres, so that twelve blocks of
 20 cm are exactly 240 cm.
 
-     |trim| part |kerf| part |kerf| part |kerf| room |trim|
+     |trim| part + tolerance |kerf| part + tolerance |kerf| room |trim|
 
 Order of building: pallets and blocks are numbered row by row from the north-west to the south-east. A person at the
 south side of a pallet fills the far row first and never reaches over placed blocks; every block leans on the frame or
@@ -25,6 +25,7 @@ import numpy as np
 
 from rsegen.build_sheets.cut_settings import CutSettings, nanometres
 from rsegen.field.stepfield import Chunk, Ints, Levels, StepField
+from rsegen.params.numbers import Lengths
 from rsegen.params.sorts import Cell
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
@@ -34,8 +35,8 @@ from rsegen.scene.scene import Scene
 class Pattern:
     """Pieces of stock that are cut alike, into `parts` (length, number); `room` is the length that is still free.
 
-    A part takes its length and a kerf, and the stock without its ends counts as a kerf longer: where those begin a last
-    part needs no cut of its own.
+    A part takes its length, the tolerance and a kerf, and the stock without its ends counts as a kerf longer: where
+    those begin a last part needs no cut of its own.
     """
 
     pieces: int
@@ -71,7 +72,7 @@ class CuttingPlan:
 
     @property
     def kerf_loss(self) -> int:
-        """The length that the saw removes, without the ends of the stock."""
+        """The length that is lost to cuts and tolerances, without the ends of the stock."""
         return self.pieces * self.settings.usable - self.timber - self.offcuts
 
     @property
@@ -86,16 +87,19 @@ def plan_cuts(counts: Mapping[int, int], settings: CutSettings) -> CuttingPlan:
     for length in sorted(counts, reverse=True):
         settings.check(length / 1e7)
         fresh = Pattern(pieces=counts[length], parts=(), room=settings.usable + settings.kerf)
-        filled = _filled([*patterns, fresh], length, counts[length], settings.kerf)
+        filled = _filled([*patterns, fresh], length, counts[length], settings.tolerance + settings.kerf)
         patterns = [pattern for pattern in filled if pattern.parts]
     return CuttingPlan(settings=settings, patterns=tuple(patterns))
 
 
-def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> Iterator[Pattern]:
-    """Yield the patterns in order, each filled with as many parts of a length as fit, until `count` are placed."""
+def _filled(patterns: Sequence[Pattern], length: int, count: int, lost: int) -> Iterator[Pattern]:
+    """Yield the patterns in order, each filled with as many parts of a length as fit, until `count` are placed.
+
+    lost: what each part takes besides its length
+    """
     # A pattern of many pieces splits in up to three: pieces that are full, one with the rest, and pieces unchanged.
     for pattern in patterns:
-        most = pattern.room // (length + kerf)
+        most = pattern.room // (length + lost)
         full = min(pattern.pieces, count // most) if most else 0
         last = min(count - full * most, most) if full < pattern.pieces else 0
         count -= full * most + last
@@ -103,7 +107,7 @@ def _filled(patterns: Sequence[Pattern], length: int, count: int, kerf: int) -> 
         for pieces, parts in ((full, most), (int(bool(last)), last), (unchanged, 0)):
             if pieces:
                 cut = (*pattern.parts, (length, parts)) if parts else pattern.parts
-                yield Pattern(pieces=pieces, parts=cut, room=pattern.room - parts * (length + kerf))
+                yield Pattern(pieces=pieces, parts=cut, room=pattern.room - parts * (length + lost))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -186,7 +190,7 @@ class Materials:
     """The cutting plans of blocks and frames, base boards (number, sides in nm), weights [kg] and the total price.
 
     frames: boards of each length; section: width of a block, and height of a board, in nm
-    boards: None if there are none, or if one is longer than the stock
+    boards: None if there are none, or if the stock is too short for one
     price: None if none was given
     """
 
@@ -204,7 +208,7 @@ class Materials:
 def materials(field: StepField, recipe: Recipe, settings: CutSettings) -> Materials:
     """Return the materials of a map."""
     blocks, known = plan_cuts(length_counts(field), settings), frames(recipe, settings.play)
-    boards = plan_cuts(known, settings) if known and max(known) <= settings.usable else None
+    boards = plan_cuts(known, settings) if known and settings.fits(max(known)) else None
     side, high = recipe.block_width_cm / 100, recipe.frame_height_cm / 100
     # A base board is below each chunk with its frame, or below a map in one frame.
     (bases, (n_x, n_y)), width = _bodies(recipe), nanometres(recipe.block_width_cm)
@@ -237,3 +241,22 @@ def frame_price(recipe: Recipe, settings: CutSettings) -> float | None:
     """Return the price of a piece of stock for frames: as for blocks if none is given and the sections are equal."""
     same = recipe.frame_height_cm == recipe.block_width_cm
     return settings.price if settings.frame_price is None and same else settings.frame_price
+
+
+def losses(settings: CutSettings, written: Lengths) -> str:
+    """Return what cuts and parts cost besides their lengths: 3 mm per cut + 0.5 mm per part."""
+    return f"{written.cut(settings.kerf)} per cut + {written.cut(settings.tolerance)} per part"
+
+
+def too_short(needed: Materials, written: Lengths) -> Iterator[str]:
+    """Yield, in lines, that the stock is too short for boards, if it is, and which one is too long."""
+    settings = needed.blocks.settings
+    if needed.frames and needed.boards is None:
+        least = written.tape(max(needed.frames) + settings.trim + settings.tolerance)
+        yield f"{written.stock(settings.stock)} of stock is too short for them:"
+        yield f"give {least} {written.unit} or more (--stock-cm)"
+
+
+def unknown_price(needed: Materials) -> str:
+    """Return why frames have no price."""
+    return "no price given (--frame-price)" if needed.boards else "the stock is too short"

@@ -109,16 +109,19 @@ def run_generate(arguments: argparse.Namespace) -> Report:
 
 
 def produce(
-    recipe: Recipe, arguments: argparse.Namespace, beside: Mapping[str, Callable[[], bytes]] | None = None
+    recipe: Recipe,
+    arguments: argparse.Namespace,
+    beside: Mapping[str, Callable[[], bytes]] | None = None,
+    found: Mapping[str, object] | None = None,
 ) -> Report:
     """Write the maps of a recipe, and say what was made.
 
-    beside: as in `generate`
+    beside: as in `generate`; found: what programs are told besides, in JSON
     """
     options = run_options(generate, arguments)
     with going_on(arguments, recipe), maps_bar(recipe) as progress:
         made = call(generate, arguments, recipe, **options, progress=progress, beside=beside)
-    return Report(lines=_lines(made), content=lambda: _content(made))
+    return Report(lines=_lines(made), content=lambda: _content(made) | dict(found or {}))
 
 
 def run_options(function: Callable[..., object], arguments: argparse.Namespace) -> dict[str, Any]:

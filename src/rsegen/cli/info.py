@@ -64,6 +64,7 @@ def _verified(arguments: argparse.Namespace) -> Report:
 
 def _summary(scene: Scene) -> dict[str, Any]:
     from rsegen.gazebo.map_summary import costs, switched_off, warnings
+    from rsegen.recipe.building import placed_obstacles
     from rsegen.recipe.codec import needed_plugins
     from rsegen.scene.scene import fingerprint
 
@@ -80,6 +81,7 @@ def _summary(scene: Scene) -> dict[str, Any]:
         "level_counts": field.level_counts(),
         "fingerprint": fingerprint(field.blocks),
         "obstacles": [obstacle.entry() for _, obstacle in recipe.enabled_obstacles],
+        "placed": [one.as_json() for one in placed_obstacles(recipe, scene.index)],
         "constraints": {name: value for name, value in recipe.entry().items() if name in _CONSTRAINTS},
         "mesh_type": recipe.mesh_type,
         **costs(scene)._asdict(),
@@ -88,9 +90,20 @@ def _summary(scene: Scene) -> dict[str, Any]:
     }
 
 
+def _place_in_words(place: Mapping[str, Any]) -> str:
+    """Return where chance put an obstacle, as `by chance first=3,2 last=7,6; covers 25 blocks within 3,2..7,6`."""
+    first, last, patch = place["first"], place["last"], place["patch"]
+    text = f"by chance first={first[0]},{first[1]} last={last[0]},{last[1]}; covers {counted(patch['blocks'], 'block')}"
+    if "from" not in patch:
+        return text
+    (x1, y1), (x2, y2) = patch["from"], patch["to"]
+    return f"{text} within {x1},{y1}..{x2},{y2}"
+
+
 def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
     from rsegen.gazebo.map_summary import size_in_words
     from rsegen.params.numbers import lengths_in
+    from rsegen.recipe.building import fixed_ends
     from rsegen.recipe.codec import row_text
 
     recipe, (along_x, along_y) = scene.recipe, scene.field.extent
@@ -105,9 +118,11 @@ def _lines(scene: Scene, content: Mapping[str, Any]) -> Iterator[str]:
         yield f"  level {level:>3}  {high:>7} {written.unit}  {count:>9,}  {count / blocks:6.1%}"
     cost = ", ".join(counted(content[f"{what}s"], what) for what in ("model", "collision", "face"))
     yield f"costs    mesh type {recipe.mesh_type}: {cost}, {content['bytes']:,} bytes"
-    for _, placed in recipe.enabled_obstacles[:SHOWN]:
-        text = row_text(placed)
+    for (_, obstacle), place in zip(recipe.enabled_obstacles[:SHOWN], content["placed"], strict=False):
+        text = row_text(obstacle)
         yield f"obstacle {text if len(text) <= _LONGEST else f'{text[:_LONGEST]}...'}"
+        if fixed_ends(recipe.grid, obstacle) is None:
+            yield f"         {_place_in_words(place)}"
     if len(recipe.enabled_obstacles) > SHOWN:
         yield f"         and {len(recipe.enabled_obstacles) - SHOWN} more"
     # After what the map is: what it had to meet, what it needs, and what may be wrong with it.

@@ -18,7 +18,7 @@ import json
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate
 from pathlib import Path
@@ -34,7 +34,8 @@ from rsegen.measuring.batch import COLUMNS
 from rsegen.params.sorts import Choice, Integer, Text, parameters, validate
 from rsegen.recipe.building import field_of
 from rsegen.recipe.codec import decode, encode
-from rsegen.recipe.recipe import Recipe, Representation
+from rsegen.recipe.map_design import MapDesign
+from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import recipe_content
 
 CELLS = 1_000_000
@@ -199,6 +200,10 @@ class Shard:
     files: Mapping[str, Checksum]
 
 
+_DECIDE = frozenset({"version", "generator", "plugins", "maps", "first_map", "obstacles", *parameters(MapDesign)})
+"""Keys of a recipe's file that decide its maps."""
+
+
 def header(layout: ShardLayout) -> dict[str, Any]:
     """Return the manifest without the shards."""
     return {
@@ -214,12 +219,16 @@ def header(layout: ShardLayout) -> dict[str, Any]:
 
 
 def identity(layout: ShardLayout) -> dict[str, Any]:
-    """Return what decides the bytes of the shards: the header, without how maps are represented and named."""
-    left_out = {*parameters(Representation), "name"}
-    entries = (
-        {key: value for key, value in encode(recipe).items() if key not in left_out} for recipe in layout.recipes
-    )
-    return header(layout) | {"recipes": [*entries]}
+    """Return what decides the bytes of the shards: the header, of whose recipes only what decides the maps.
+
+    Neither how maps are named, described and represented, nor obstacles that are switched off.
+    """
+    entries = []
+    for recipe in layout.recipes:
+        obstacles = [obstacle for _, obstacle in recipe.enabled_obstacles]
+        content = encode(replace(recipe, obstacles=obstacles))
+        entries.append({key: value for key, value in content.items() if key in _DECIDE})
+    return header(layout) | {"recipes": entries}
 
 
 def manifest(layout: ShardLayout, shards: Iterable[Shard]) -> bytes:

@@ -25,7 +25,8 @@ from rsegen.params.numbers import lengths_in
 from rsegen.params.watch import report_share
 from rsegen.pictures.plan import draw_cells
 from rsegen.pictures.preview import encoded, swatches
-from rsegen.recipe.codec import to_json
+from rsegen.recipe.codec import map_json, to_json
+from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.execute import Execution, execute
 from rsegen.writing.journal import read_journal
@@ -133,8 +134,13 @@ def _existing(plan: SeriesPlan, line: Span, folder: Path, sidecars: Sidecars) ->
         number
         for number, home in homes
         if os.path.lexists(home)
-        and is_kept(home, to_json(map_target(plan, number, line).recipe).encode(), sidecars.complete_in)
+        and is_kept(home, _recipe_file(map_target(plan, number, line).recipe), sidecars.complete_in)
     ]
+
+
+def _recipe_file(recipe: Recipe) -> bytes:
+    """Return the recipe.json of the one map of a recipe."""
+    return map_json(recipe, recipe.first_map)
 
 
 def _seconds_per_value(plan: SeriesPlan) -> float:

@@ -53,9 +53,23 @@ class _KindOrFile(Choice):
         return f"{super().describe()}, or an SDF, URDF or Xacro file"
 
 
+_SINGLE: Mapping[str, Mapping[str, Json]] = {
+    "horizontal_barrier": {"softness": 50, "first": [0, 5], "last": [9, 5]},
+    "diagonal_barrier": {"softness": 40, "first": [0, 0], "last": [9, 9]},
+    "peak": {"first": [2, 2], "last": [7, 7]},
+}
+"""The single obstacles of the paper's small worlds, its figures 1 to 3, as the examples of these names have them."""
+
+LARGER = "barriers and peaks"
+"""The maps of the paper's larger worlds: one of each of these kinds for every chunk along a side, at random places."""
+
+KINDS_OF_MAPS = ("random", *_SINGLE, LARGER)
+"""What stands on the maps of a row: random blocks, a single obstacle, or several."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TableRow:
-    """Robots of a kind, or of a file, on random maps of several sizes; `recipe` holds more parameters of these maps.
+    """Robots of a kind, or of a file, on maps of several sizes; `recipe` holds more parameters of these maps.
 
     wheels, tracks, size, speed, turn: as in `rsegen.drive`, for the robot of a file
     """
@@ -71,6 +85,7 @@ class TableRow:
         tuple[int, ...],
         ListOf(Integer(0, 4000, unit="blocks"), help="sides of the maps in blocks, 0 for an empty world"),
     ] = (0, 10, 20, 40, 60, 80)
+    maps: Annotated[str, Choice(KINDS_OF_MAPS, help="what stands on the maps")] = "random"
     levels: Annotated[int, Integer(2, 1000, unit="units", help="number of levels")] = 3
     unit_cm: Annotated[
         float, Float(0.001, 1000, unit="cm", help="unit of height; each block is a whole number of units high")
@@ -85,10 +100,12 @@ class TableRow:
         for size in self.sizes:
             if size % _BLOCKS:
                 raise ParameterError("sizes", f"{size} is no multiple of {_BLOCKS} blocks")
+            if size > _BLOCKS and self.maps in _SINGLE:
+                raise ParameterError("sizes", f"{size}: a single {self.maps} is on {_BLOCKS} x {_BLOCKS} blocks")
         self.map_of(_BLOCKS, 0)
 
     def map_of(self, size: int, seed: int) -> Recipe:
-        """Return the recipe of its map with this number of blocks per side."""
+        """Return the recipe of its map with this number of blocks per side; of 0 an empty world, without frames."""
         given = {
             "name": f"random-{size}",
             "chunk_size": _BLOCKS,
@@ -96,10 +113,23 @@ class TableRow:
             "unit_cm": self.unit_cm,
             "boundary": "none",
             "seed": seed,
-            "obstacles": [{"kind": "random", "levels": self.levels}] if size else [],
+            "obstacles": self._obstacles(size // _BLOCKS),
         }
+        empty = {} if size else {"boundary": "none", "obstacles": []}
         with inside("recipe"):
-            return decode({**given, **(self.recipe or {})})
+            return decode({**given, **(self.recipe or {}), **empty})
+
+    def _obstacles(self, chunks: int) -> list[dict[str, Json]]:
+        """Return what stands on a map of this number of chunks along each side."""
+        if self.maps == "random":
+            return [{"kind": "random", "levels": self.levels}]
+        if self.maps in _SINGLE:
+            return [{"kind": self.maps, "levels": self.levels, **_SINGLE[self.maps]}]
+        # Soft as a single one of the kind; where they lie is drawn for each map.
+        kinds = [
+            {"kind": kind, "levels": self.levels, "softness": _SINGLE[kind].get("softness", 0)} for kind in _SINGLE
+        ]
+        return kinds * chunks
 
     @property
     def model(self) -> DrivableRobot:
@@ -110,8 +140,13 @@ class TableRow:
     def label(self) -> str:
         """The row in a few words."""
         shape = ", ".join(f"{key} {_in_words(value)}" for key, value in (self.recipe or {}).items())
+        return self.what + (f", {shape}" if shape else "")
+
+    @property
+    def what(self) -> str:
+        """Its robots and what stands on its maps, in a few words."""
         what = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
-        return what + (f", {shape}" if shape else "")
+        return what if self.maps == "random" else f"{what}, {self.maps.replace('_', ' ')}"
 
     def differs_by_simulator(self, other: TableRow) -> bool:
         """Return whether both differ, and only by the simulator."""

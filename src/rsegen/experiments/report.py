@@ -1,7 +1,8 @@
 """The outcomes of an experiment as a Markdown page, CSV and a picture, next to the figures that the paper published.
 
-A cell of the table has several trials. Costs are medians, which a noisy hour moves little; real-time factors are the
-least, the mean and the most of all; what robots did are means, as it is random. The error of a share is the standard
+A cell of the table has several trials. Costs are medians, which a noisy hour moves little, with the means beside them
+where the paper has means; real-time factors are the least, the mean and the most of all; what robots did are means, as
+it is random. The error of a share is the standard
 error of the median of normally distributed values, sqrt(pi / 2 / n) times their standard deviation.
 """
 
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rsegen.experiments.plan import IN_REAL_TIME, PACES, Cell, ExperimentPlan, TableRow
+from rsegen.experiments.plan import IN_REAL_TIME, LARGER, PACES, Cell, ExperimentPlan, TableRow
 from rsegen.experiments.trial import SOURCES, STARVED, Outcome, Results
 from rsegen.field.steps import steps
 from rsegen.pictures.preview import encoded
@@ -41,7 +42,7 @@ class PublishedFigures(NamedTuple):
 
 
 class PublishedRow(NamedTuple):
-    """The maps and robots of a row of the paper."""
+    """The robots of a row of the paper, and the unit and levels of its maps."""
 
     robot: str
     robots: int
@@ -75,10 +76,24 @@ and a lidar."""
 
 
 def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
-    """Return the paper's figures for the robots and maps of a row, by size; it used Classic and random maps."""
-    if row.recipe or row.simulator == "sim":
+    """Return the paper's figures for the robots and maps of a row, by size.
+
+    It used Classic. Its maps of 10 x 10 blocks have a single obstacle, and all have frames as high as a unit, as on its
+    figure 7. Random blocks it does not have.
+    """
+    design = {"frame_height_cm": 10, **(row.recipe or {})}
+    if (
+        row.simulator == "sim"
+        or row.maps == "random"
+        or design != {"boundary": "divided", "frame_height_cm": row.unit_cm}
+    ):
         return {}
-    return FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.levels), {})
+    figures = FIGURES.get(PublishedRow(row.robot, row.robots, row.unit_cm, row.levels), {})
+    return {size: figure for size, figure in figures.items() if not size or (size > SINGLE) == (row.maps == LARGER)}
+
+
+SINGLE = 10
+"""Side in blocks of the paper's worlds that have a single obstacle."""
 
 
 RESTING = 0.5
@@ -177,6 +192,8 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
     yield f"order; robots drive randomly for {plan.seconds:g} seconds of wall time, {paces}."
     yield "RTF: the smallest, the largest and the mean value of all trials. Robots: means per robot over all trials, in"
     yield "the simulation time of one trial. Everything else: medians of the trials."
+    if any(map(published_figures, plan.rows)):
+        yield "The paper has means of three runs of CPU and memory; beside its figures, our means are in brackets."
     if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
         yield f"If a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
     if _has_incidents(results):
@@ -186,7 +203,9 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
         yield "No window and no camera, so no frames per second."
     yield "\n| machine | |\n|---|---|"
     yield from (f"| {name} | {value} |" for name, value in machine.items())
-    yield f"\nThe paper's computer: {COMPUTER}; with a window. Its RTF: smallest and largest value of three runs.\n"
+    if any(map(published_figures, plan.rows)):
+        yield f"\nThe paper's computer: {COMPUTER}; with a window. Its RTF: smallest and largest value of three runs."
+    yield ""
 
 
 def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
@@ -201,11 +220,7 @@ def _still(plan: ExperimentPlan, results: Results) -> Iterator[str]:
             where = f" in {_title(row)}" if _title(row) else ""
             yield f"{name}{where}, without a map too, so maps are not the reason"
             continue
-        what, robot, smallest = (
-            f"{name}, unit {row.unit_cm:g} cm, {row.levels} levels",
-            ROBOTS.get(row.robot),
-            min(sizes),
-        )
+        what, robot, smallest = row.what, ROBOTS.get(row.robot), min(sizes)
         above = steps(build(row.map_of(smallest, plan.seed))).share_above(robot.climbs) if robot else None
         if robot and above:
             yield f"{what}, as {above:.0%} of the steps are higher than the {100 * robot.climbs:g} cm that it climbs"
@@ -247,7 +262,7 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
             label = [", ".join(filter(None, (f"{size} x {size}" if size else "empty", what)))]
             label += [MARK] if any(map(rested, by_pace.values())) else []
             label += [STARVED_MARK] if any(map(_starved, by_pace.values())) else []
-            texts = _cells(by_pace, _empty(plan, results, row))
+            texts = _cells(by_pace, _empty(plan, results, row), with_means=bool(paper))
             published = published_figures(row).get(size) if paper and not what else None
             cells = [" ".join(label), *map(texts.__getitem__, titles), *(published or [""] * len(paper))]
             yield _line([*[_title(row)] * several, *cells])
@@ -261,9 +276,12 @@ def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> It
     yield ""
 
 
-def _cells(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -> dict[str, str]:
-    """Return the cells of a line by the titles of their columns; empty: the outcomes of the empty world.
+def _cells(
+    by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome], *, with_means: bool = False
+) -> dict[str, str]:
+    """Return the cells of a line by the titles of their columns.
 
+    empty: the outcomes of the empty world; with_means: also the means of what the paper has as means, in brackets.
     Speeds are compared with the empty world only if it is known what the robots did.
     """
     # Costs are medians of the paces in real time, or of all; what robots did has a figure for each pace.
@@ -273,6 +291,10 @@ def _cells(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -
     rtf, cpu = rtf_limits(real), median_of(real, "cpu")
     speed, usual = median_of(by_pace.get("free", ()), "speed"), median_of(empty, "speed")
     share = _share(by_pace.get("beside", ())) or (f"{speed / usual:.2f}" if speed and usual else "")
+
+    def beside_mean(text: Callable[[float | None], str], of: Sequence[Outcome], name: str) -> str:
+        middle, mean = text(median_of(of, name)), mean_of(of, name)
+        return f"{middle} (mean {text(mean)})" if with_means and mean is not None else middle
 
     def at_each_pace(text: Callable[[Sequence[Outcome]], str]) -> str:
         return " / ".join(filter(None, map(text, by_pace.values())))
@@ -287,8 +309,8 @@ def _cells(by_pace: Mapping[str, Sequence[Outcome]], empty: Sequence[Outcome]) -
     return {
         "RTF min-max (mean)": f"{rtf[0]:.2f}-{rtf[2]:.2f} ({rtf[1]:.2f})" if rtf else "-",
         "CPU: server": f"{cpu * 100:.0f} % of a core" if cpu is not None else "-",
-        "CPU: machine": _percent(median_of(real, "machine")) or "-",
-        "memory": f"{_plain(median_of(every, 'memory'), 0)} MB",
+        "CPU: machine": beside_mean(_percent, real, "machine") or "-",
+        "memory": beside_mean(lambda value: f"{_plain(value, 0)} MB", every, "memory"),
         "load": f"{_plain(median_of(every, 'load'), 1)} s",
         "frames per s": _plain(median_of(every, "fps"), 1),
         "GPU": _percent(median_of(every, "gpu")),

@@ -16,6 +16,7 @@ from rsegen.formats.encoded import as_json, metadata
 from rsegen.params.numbers import decimal
 from rsegen.params.sorts import Integer, Json
 from rsegen.recipe.codec import encode
+from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
 
 WHITE = 65535
@@ -47,8 +48,8 @@ class Heightmap(Format):
         greys, buffer = samples(field, step), BytesIO()
         rows = greys.T[::-1].repeat(self.pixels, axis=0).repeat(self.pixels, axis=1)
         Image.fromarray(rows).save(buffer, "png")
-        # Frames become blocks when the image is imported again.
         lengths = f"--unit-cm {decimal(field.unit * 100)} --block-width-cm {decimal(field.block_width * 100)}"
+        lengths += frames_again(scene.recipe)
         again = f"rsegen import {scene.name}.png --levels {WHITE // step + 1} --size {n_x}x{n_y} {lengths} -o DIR"
         about: dict[str, Json] = {
             **metadata(scene),
@@ -65,6 +66,15 @@ class Heightmap(Format):
             "recipe": encode(scene.alone),
         }
         return {f"{scene.name}.png": [buffer.getvalue()], "heightmap.json": [as_json(about)]}
+
+
+def frames_again(recipe: Recipe) -> str:
+    """Return the flags by which an image of a map becomes its blocks and its frames; none without frames."""
+    if recipe.boundary == "none":
+        return ""
+    inside = recipe.grid.shape if recipe.boundary == "outer" else (recipe.chunk_size, recipe.chunk_size)
+    framed = f"--framed {inside[0]}x{inside[1]} --boundary {recipe.boundary} --chunk-size {recipe.chunk_size}"
+    return f" {framed} --frame-height-cm {decimal(recipe.frame_height_cm)}"
 
 
 def sample_step(field: StepField) -> int:

@@ -1,4 +1,8 @@
-"""The constraint report: what a recipe demands and what its map has, measured on the field itself."""
+"""The constraint report: what a recipe demands and what its map has, measured on the field itself.
+
+A map is compared with two others, each by its name: the map that the obstacles ask for, and, if blocks are taken from
+an inventory, the map that max_step and crossable_by make of it, for which these blocks are then chosen.
+"""
 
 from __future__ import annotations
 
@@ -16,44 +20,94 @@ from rsegen.recipe.building import build
 from rsegen.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from rsegen.field.crossing import CrossingModel
     from rsegen.recipe.recipe import Recipe
 
 
 def constraint_report(scene: Scene) -> dict[str, Any]:
     """Return the demanded and the actual value of each constraint of a map's recipe, as JSON values."""
     from rsegen.field.steps import differences
-    from rsegen.field.traversability import Crossing
 
     recipe = scene.recipe
     report: dict[str, Any] = {}
     if recipe.max_step is not None:
         report["max_step"] = {"asked": recipe.max_step, "is": int(differences(scene.field).max(initial=0))}
-    if (crosser := recipe.crosser) is not None:
-        crossable = _crossing_parameters(recipe)
-        on_way = np.zeros(scene.field.shape, bool)
-        for axis, name in enumerate(("west_east", "south_north")):
-            way = crosser.crossing(scene.field, axis)
-            crossable[name] = {"crosses": way.crosses, "length_m": way.length}
-            if isinstance(way, Crossing):
-                crossable[name]["cells"] = way.path.tolist()
-                inside = ((way.path >= 0) & (way.path < scene.field.shape)).all(axis=1)  # it begins on the ground
-                on_way[tuple(way.path[inside].T)] = True
-            else:
-                crossable[name]["points_m"] = np.round(way.points, 6).tolist()
-                on_way |= _cells_near(scene.field, way.points, crosser.width)
-        crossable["roughness"] = {
-            "on_ways": _roughness(scene.field, on_way),
-            "beside": _roughness(scene.field, ~on_way),
-        }
-        if not recipe.inventory:
-            # Blocks that are lower than they would be if nothing had to get across.
-            lower = scene.field.levels < _built(replace(recipe, crossable_by=None), scene.index).levels
-            to_level_0 = int((lower & (scene.field.levels == 0)).sum())
-            crossable["lowered"] = {"blocks": int(lower.sum()), "to_level_0": to_level_0}
-        report["crossable_by"] = crossable
+    if recipe.crosser is not None:
+        report["crossable_by"] = _crossings(scene, recipe.crosser)
+    if recipe.is_constrained:
+        report["obstacles"] = _comparison(scene, _as_asked(scene))
     if recipe.inventory is not None:
         report["inventory"] = _inventory(scene, recipe.inventory)
+        if limits := _limits(recipe):
+            limited = _without_inventory(scene)
+            missing = {"missing": _missing(recipe.inventory, limited)}
+            report["limited"] = {"by": limits, **_comparison(scene, limited), **missing}
     return report
+
+
+def _as_asked(scene: Scene) -> StepField:
+    """Return the map that the obstacles ask for, with none of the constraints."""
+    return _built(replace(scene.recipe, max_step=None, crossable_by=None, inventory=None), scene.index)
+
+
+def _without_inventory(scene: Scene) -> StepField:
+    """Return the map for which the blocks of an inventory are chosen: the obstacles', within the other constraints."""
+    return _built(replace(scene.recipe, inventory=None), scene.index)
+
+
+def _limits(recipe: Recipe) -> list[str]:
+    """Return the names of the constraints that change a map before its blocks are taken from an inventory."""
+    return [name for name in ("max_step", "crossable_by") if getattr(recipe, name) is not None]
+
+
+def _made_of_it(limits: list[str]) -> str:
+    return f"{' and '.join(limits)} make{'s'[: len(limits) == 1]} of it"
+
+
+def _comparison(scene: Scene, other: StepField) -> dict[str, Any]:
+    """Return the blocks of another map by level, and how far the levels of this one are from it, in units in all."""
+    differs = np.abs(scene.field.levels.astype(np.int64) - other.levels)
+    return {"blocks": _blocks_by_level(other), "differs_units": int(differs.sum())}
+
+
+def _blocks_by_level(field: StepField) -> dict[int, int]:
+    return {level: count for level, count in field.level_counts().items() if level}
+
+
+def _missing(owned: tuple[int, ...], field: StepField) -> dict[int, int]:
+    """Return how many blocks of each level a map needs beyond those that are owned."""
+    there = dict(enumerate(owned, 1))
+    counts = _blocks_by_level(field)
+    return {level: n - there.get(level, 0) for level, n in counts.items() if n > there.get(level, 0)}
+
+
+def _crossings(scene: Scene, crosser: CrossingModel) -> dict[str, Any]:
+    """Return the ways across a map, how rough they are, and how many blocks are lower for them."""
+    from rsegen.field.traversability import Crossing
+
+    recipe = scene.recipe
+    crossable = _crossing_parameters(recipe)
+    on_way = np.zeros(scene.field.shape, bool)
+    for axis, name in enumerate(("west_east", "south_north")):
+        way = crosser.crossing(scene.field, axis)
+        crossable[name] = {"crosses": way.crosses, "length_m": way.length}
+        if isinstance(way, Crossing):
+            crossable[name]["cells"] = way.path.tolist()
+            inside = ((way.path >= 0) & (way.path < scene.field.shape)).all(axis=1)  # it begins on the ground
+            on_way[tuple(way.path[inside].T)] = True
+        else:
+            crossable[name]["points_m"] = np.round(way.points, 6).tolist()
+            on_way |= _cells_near(scene.field, way.points, crosser.width)
+    crossable["roughness"] = {
+        "on_ways": _roughness(scene.field, on_way),
+        "beside": _roughness(scene.field, ~on_way),
+    }
+    if not recipe.inventory:
+        # Blocks that are lower than they would be if nothing had to get across.
+        lower = scene.field.levels < _built(replace(recipe, crossable_by=None), scene.index).levels
+        to_level_0 = int((lower & (scene.field.levels == 0)).sum())
+        crossable["lowered"] = {"blocks": int(lower.sum()), "to_level_0": to_level_0}
+    return crossable
 
 
 def _cells_near(field: StepField, points: Array, width: float) -> Mask:
@@ -121,28 +175,41 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
             )
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
-        nearness = _nearness(scene, scene.recipe.inventory or ())
-        yield f"uses {used:,} of the {owned:,} blocks of the inventory; {nearness}"
+        most, _ = _most_and_least(scene, scene.recipe.inventory or ())
+        fewer = f"; {most:,} without the other constraints" if used < most else ""
+        yield f"uses {used:,} of the {owned:,} blocks of the inventory{fewer}"
+    if "obstacles" in report:
+        yield f"levels differ by {_distances(scene, report)}"
 
 
-def _nearness(scene: Scene, inventory: tuple[int, ...]) -> str:
-    """Return how far a map is from the design, and from the nearest to it that these blocks allow, wherever they are.
+def _distances(scene: Scene, report: dict[str, Any]) -> str:
+    """Return how far a map is from the one that the obstacles ask for and, with an inventory, from the nearest that its
+    blocks allow, wherever they are.
+    """
+    limited = report.get("limited")
+    text = f"{report['obstacles']['differs_units']:,} units in all from the map that the obstacles ask for"
+    if limited:
+        text += f", and by {limited['differs_units']:,} from the map that {_made_of_it(limited['by'])}"
+    if scene.recipe.inventory is None:
+        return text
+    most, least = _most_and_least(scene, scene.recipe.inventory)
+    if sum(report["inventory"]["used"].values()) < most:
+        return text
+    if (limited or report["obstacles"])["differs_units"] <= least:
+        return f"{text}, the least that these blocks allow"
+    return f"{text}; these blocks would allow {least:,}"
 
-    The bound is that of the blocks in the order of their levels, without any other constraint; it is exact then.
+
+def _most_and_least(scene: Scene, inventory: tuple[int, ...]) -> tuple[int, int]:
+    """Return how many blocks of an inventory a map can use, and the least distance in units from what they replace.
+
+    The bounds are those of the blocks in the order of their levels, without any other constraint; exact then.
     """
     from rsegen.recipe.constraints.inventory import nearest_counts
 
-    field, design = scene.field, _built(replace(scene.recipe, inventory=None), scene.index)
-    cells, counts = ~field.frame, nearest_counts(design, inventory)
+    counts = nearest_counts(_without_inventory(scene), inventory)
     asked, taken = (np.repeat(np.arange(len(numbers)), numbers) for numbers in counts)
-    most, used = np.count_nonzero(taken), np.count_nonzero(field.levels[cells])
-    if used < most:
-        return f"{most:,} without the other constraints"
-    least = int(np.abs(taken - asked).sum())
-    differs = int(np.abs(field.levels[cells].astype(np.int64) - design.levels[cells]).sum())
-    if differs <= least:
-        return f"levels differ from the design by {differs:,} units in all, the least that these blocks allow"
-    return f"levels differ from the design by {differs:,} units in all; these blocks would allow {least:,}"
+    return int(np.count_nonzero(taken)), int(np.abs(taken - asked).sum())
 
 
 def block_warnings(scene: Scene) -> Iterator[str]:
@@ -154,14 +221,20 @@ def block_warnings(scene: Scene) -> Iterator[str]:
         if recipe.max_step is not None and not _counts_are_kept(scene):
             yield f"no order of the counted blocks keeps to max_step {recipe.max_step}: the map has others"
         return
-    report = _inventory(scene, recipe.inventory)
-    for name, words in (("missing", "missing blocks, replaced by others"), ("left", "left in the box")):
-        if report.get(name):
-            written = lengths_in(recipe.units)
-            parts = [
-                f"{count} of {written.level(level, recipe.unit_cm)} {written.unit}"
-                for level, count in report[name].items()
-            ]
+    owned, limits = recipe.inventory, _limits(recipe)
+    report = _inventory(scene, owned)
+    lines = {"missing blocks, replaced by others": report["missing"]}
+    if limits:
+        lines = {
+            "blocks missing for the map that the obstacles ask for": report["missing"],
+            f"blocks missing for the map that {_made_of_it(limits)}, replaced by others": _missing(
+                owned, _without_inventory(scene)
+            ),
+        }
+    written = lengths_in(recipe.units)
+    for words, counts in (lines | {"left in the box": report.get("left", {})}).items():
+        if counts:
+            parts = [f"{n} of {written.level(level, recipe.unit_cm)} {written.unit}" for level, n in counts.items()]
             yield f"{words}: {', '.join(parts)}"
 
 
@@ -177,22 +250,14 @@ def _counts_are_kept(scene: Scene) -> bool:
 
 
 def _inventory(scene: Scene, owned: tuple[int, ...]) -> dict[str, dict[int, int]]:
-    """Return the numbers of blocks by level: owned, used, missing for the map as it would be without an inventory, and
-    left if the map has fewer blocks than that one.
+    """Return the numbers of blocks by level: owned, used, missing for the map that the obstacles ask for, and left if
+    the map has fewer blocks than it would have without an inventory.
     """
-    from rsegen.recipe.constraints.inventory import block_counts
-
-    fields = _built(replace(scene.recipe, inventory=None), scene.index), scene.field
-    design, used = ({level: n for level, n in field.level_counts().items() if level} for field in fields)
-    there = block_counts(owned, max(len(owned), *design, *used, 0) + 1)
-    report = {
-        "owned": dict(enumerate(owned, 1)),
-        "used": used,
-        "missing": {level: count - int(there[level]) for level, count in design.items() if count > there[level]},
-    }
+    used, wished = _blocks_by_level(scene.field), _blocks_by_level(_without_inventory(scene))
+    report = {"owned": dict(enumerate(owned, 1)), "used": used, "missing": _missing(owned, _as_asked(scene))}
     left = {level: count - used.get(level, 0) for level, count in enumerate(owned, 1) if count > used.get(level, 0)}
-    return report | ({"left": left} if left and sum(used.values()) < sum(design.values()) else {})
+    return report | ({"left": left} if left and sum(used.values()) < sum(wished.values()) else {})
 
 
-_built = lru_cache(maxsize=1)(build)
-"""Builds a map without one of its constraints; the report, lines and warnings of one map ask for it in turn."""
+_built = lru_cache(maxsize=3)(build)
+"""Builds a map without some of its constraints; the report, lines and warnings of one map ask for it in turn."""

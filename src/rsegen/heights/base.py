@@ -174,6 +174,7 @@ class Heights:
     """The content of a file: levels of shape (n_x, n_y), their unit [cm], and values of the recipe that it has.
 
     errors_cm, holes: (n_x, n_y), by how much each height is above its level, and which cells were filled, if known.
+    levels of -1 are of cells that the file does not know: they have no block, and the matrix leaves them as they are.
     """
 
     levels: Ints
@@ -181,6 +182,11 @@ class Heights:
     recipe_values: Mapping[str, Any] = field(default_factory=dict)
     errors_cm: Array | None = None
     holes: Mask | None = None
+
+    @property
+    def unknown(self) -> int:
+        """The number of cells that the file does not know."""
+        return int((self.levels < 0).sum())
 
     @property
     def rounding(self) -> Rounding | None:

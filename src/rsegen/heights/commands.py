@@ -16,7 +16,7 @@ from rsegen.cli.flags import (
 )
 from rsegen.cli.generate import add_output_flags, produce
 from rsegen.cli.parser import Parser
-from rsegen.cli.report import Report
+from rsegen.cli.report import Report, counted
 from rsegen.errors import ParameterError
 from rsegen.params.command import Declared, Shell, add_flag, add_flags, declared, given
 from rsegen.params.sorts import FilePath, Flag, parameters
@@ -72,7 +72,10 @@ def run_import(arguments: argparse.Namespace) -> Report:
     report = produce(recipe, arguments)
     if picture and heights.errors_cm is not None and heights.holes is not None:
         picture.write(partial(rounding_plot, compose(recipe), heights.errors_cm, heights.holes))
-    return replace(report, notes=[str(heights.rounding)]) if heights.rounding else report
+    notes = [str(heights.rounding)] if heights.rounding else []
+    if heights.unknown:
+        notes.append(f"{counted(heights.unknown, 'cell')} transparent, so unknown: no block stands there")
+    return replace(report, notes=notes)
 
 
 def _reading(cls: type[Importer], arguments: argparse.Namespace) -> Importer:

@@ -1,9 +1,10 @@
 """Import images: grey values or depths as heights, and occupancy maps of ROS as walls; one pixel per cell.
 
-Grey values become max_height evenly spaced levels. A depth camera that looks straight down from a height c sees heights
-c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as map_server and Nav2 write them) has a wall where
-the probability, high for dark pixels, is above its threshold. The size is checked before an image is decoded, as a
-small file may hold a huge one.
+Grey values become evenly spaced levels; a cell of another size than a pixel has the mean of the area that it covers,
+exactly. Where an image is transparent nothing is known. A depth camera that looks straight down from a height c sees
+heights c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as map_server and Nav2 write them) has a wall
+where the probability, high for dark pixels, is above its threshold. The size is checked before an image is decoded, as
+a small file may hold a huge one.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.heights.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.heights.measured import Measured
 from rsegen.input_files import opened_image
-from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Text, parameters
+from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -34,7 +35,7 @@ _OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Picture(Measured):
-    """A grey image, white the highest, or heights or depths in mm; colours by brightness, transparent parts black."""
+    """A grey image, white the highest, or heights or depths in mm; colours by brightness, transparent parts unknown."""
 
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
@@ -43,6 +44,13 @@ class Picture(Measured):
     invert: Annotated[bool, Flag(help="black is the highest")] = False
     threshold: Annotated[
         float | None, Float(0, 100, unit="%", help="two levels only: the highest for grey values from this on, else 0")
+    ] = None
+    framed: Annotated[
+        Cell | None,
+        Size2D(
+            help="blocks inside each frame along x and y, if the image has cells of frames: these are left out, and "
+            "frames stand in their place"
+        ),
     ] = None
     values: Annotated[
         str,
@@ -63,13 +71,19 @@ class Picture(Measured):
         given = [name for name in _OF_MEASURES if self.values == "grey" and getattr(self, name)]
         if given:
             raise ParameterError(given[0], "is for values: mm and depth; grey values have no unit")
+        if self.framed and self.values != "grey":
+            raise ParameterError("framed", "is for values: grey, as the format heightmap writes them")
 
     def read(self, path: Path, unit_cm: float | None) -> Heights:
         """Return the heights of an image, whose size is checked before it is decoded."""
         if self.values != "grey":
             return self.measured(path, self._heights_cm(path), unit_cm or USUAL_UNIT_CM)
         grey = brightness(path, self.size)
-        return Heights(levels=self._levels(1 - grey if self.invert else grey), unit_cm=unit_cm or USUAL_UNIT_CM)
+        levels = self._levels(1 - grey if self.invert else grey)
+        recipe_values: dict[str, object] = {}
+        if self.framed:
+            levels, recipe_values = _without_frames(levels, self.framed)
+        return Heights(levels=levels, unit_cm=unit_cm or USUAL_UNIT_CM, recipe_values=recipe_values)
 
     def _heights_cm(self, path: Path) -> Array:
         """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
@@ -79,47 +93,112 @@ class Picture(Measured):
             refuse_too_many_cells(path, *image.size)
             if not image.mode.startswith("I"):
                 raise FileError(f"{path}: {image.mode} pixels; heights and depths in mm need a 16-bit greyscale image")
-            millimetres = np.asarray(_grey(path, image)[0], dtype=np.float64)[::-1].T
+            numbers, _, opaque = _grey(path, image)
+            millimetres = np.where(opaque == 0, np.nan, numbers)[::-1].T if opaque is not None else numbers[::-1].T
         if self.camera_cm is None:
             return millimetres / 10
         return np.where(millimetres == 0, np.nan, self.camera_cm - millimetres / 10)
 
     def _levels(self, grey: Array) -> Ints:
+        """Return the levels of grey values, -1 where they are not known."""
         import numpy as np
 
         top = self.levels - 1
         if self.threshold is not None:
-            return np.where(grey * 100 >= self.threshold, top, 0)
-        return np.floor(grey * top + 0.5 + 1e-9).astype(np.int32)  # halves up, whatever the last bit of a share is
+            levels = np.where(grey * 100 >= self.threshold, top, 0.0)
+        else:
+            levels = np.floor(grey * top + 0.5 + 1e-9)  # halves up, whatever the last bit of a share is
+        return np.where(np.isnan(grey), -1, levels).astype(np.int32)
+
+
+def _without_frames(levels: Ints, blocks: Cell) -> tuple[Ints, dict[str, object]]:
+    """Return levels without the cells of frames of a cell around each rectangle of blocks, and what a recipe has then.
+
+    ParameterError if they are not made of such rectangles.
+    """
+    import numpy as np
+
+    (n_x, n_y), (m_x, m_y) = levels.shape, blocks
+    if n_x % (m_x + 2) or n_y % (m_y + 2):
+        problem = f"{m_x}x{m_y} blocks with frames are {m_x + 2} x {m_y + 2} cells, which do not divide {n_x} x {n_y}"
+        raise ParameterError("framed", problem)
+    inside = [0 < at % (side + 2) <= side for n, side in zip(levels.shape, blocks, strict=True) for at in range(n)]
+    kept = levels[np.ix_(inside[:n_x], inside[n_x:])]
+    if levels.shape == (m_x + 2, m_y + 2):
+        return kept, {"boundary": "outer"}
+    if m_x != m_y:
+        raise ParameterError("framed", f"{m_x}x{m_y}: chunks are squares; give the blocks of one, as in 10x10")
+    return kept, {"boundary": "divided", "chunk_size": m_x}
+
+
+_OPAQUE = 255
+"""The largest opacity of a pixel."""
+
+_LEAST_KNOWN = 0.5
+"""Share of a cell that has to be opaque: with less it is unknown, as it would be made up of its smaller part."""
 
 
 def brightness(path: Path, size: Cell | None = None) -> Array:
-    """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given."""
+    """Return the brightness of an image, 0 black and 1 white, shape (n_x, n_y), resampled to a size if one is given.
+
+    nan where it is unknown: more than half of a cell is transparent. Of others the opaque part counts, the more the
+    more opaque it is.
+    """
     import numpy as np
-    from PIL.Image import Resampling
 
     with opened_image(path) as image:
         refuse_too_many_cells(path, *image.size)
         refuse_too_many_cells(path, *(size or image.size))
-        grey, white = _grey(path, image)
-        grey = grey.resize(size, Resampling.BOX) if size else grey  # to the mean of the pixels in a cell
-        return (np.asarray(grey, dtype=np.float64) / white)[::-1].T
+        rows, white, opaque_rows = _grey(path, image)
+
+    def means(of_pixels: Ints) -> Array:
+        values = of_pixels[::-1].T
+        return area_means(values, size) if size else values.astype(np.float64)
+
+    if opaque_rows is None:
+        return means(rows) / white
+    weighted, opacity = means(rows * opaque_rows), means(opaque_rows)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(opacity >= _LEAST_KNOWN * _OPAQUE, weighted / opacity / white, np.nan)
 
 
-def _grey(path: Path, image: Image) -> tuple[Image, float]:
-    """Return the image as numbers, and the value of white. Resampling needs 32-bit integers or floats."""
+def area_means(values: Ints, size: Cell) -> Array:
+    """Return the means of values (n_x, n_y), whole numbers from 0 on, over the areas of fewer or more cells.
+
+    Cells may end within a value's area, of which they then have a part. Sums are whole numbers, so exact: along an axis
+    with m cells they count the m-th part of a value.
+    """
+    import numpy as np
+
+    sums = values.astype(np.uint64)
+    for axis, cells in enumerate(size):
+        n = values.shape[axis]
+        along = np.moveaxis(sums, axis, 0)
+        whole, part = np.divmod(np.arange(cells + 1, dtype=np.uint64) * np.uint64(n), np.uint64(cells))
+        before = np.concatenate([np.zeros_like(along[:1]), np.cumsum(along, axis=0, dtype=np.uint64)])
+        last = along[np.minimum(whole, n - 1)]  # of which the part at the end of a cell is 0
+        up_to = before[whole] * np.uint64(cells) + last * part[:, None]
+        sums = np.moveaxis(np.diff(up_to, axis=0), 0, axis)  # right even if sums of a whole image pass 64 bits
+    return np.asarray(sums / float(values.size))
+
+
+def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
+    """Return an image as numbers in rows, the value of white, and its opacity, 0..255; None if all of it is opaque."""
+    import numpy as np
+
     if image.mode.startswith("I"):
-        grey = image.convert("I")
-        low, high = grey.getextrema()
-        if not 0 <= low <= high <= _WHITE_OF_16_BITS:  # type: ignore[operator]  # one band has two numbers
-            raise FileError(f"{path}: grey values of {low}..{high}; give an image of 8 or 16 bits")
-        return grey.convert("F"), float(_WHITE_OF_16_BITS)
+        grey = np.asarray(image.convert("I"), dtype=np.int64)
+        if not 0 <= grey.min() <= grey.max() <= _WHITE_OF_16_BITS:
+            problem = f"grey values of {grey.min()}..{grey.max()}; give an image of 8 or 16 bits"
+            raise FileError(f"{path}: {problem}")
+        clear = image.info.get("transparency")
+        return grey, float(_WHITE_OF_16_BITS), (grey != clear) * _OPAQUE if isinstance(clear, int) else None
+    opaque = None
     if "A" in image.getbands() or "transparency" in image.info:
-        from PIL import Image
-
         image = image.convert("RGBA")
-        image = Image.alpha_composite(Image.new("RGBA", image.size, "black"), image)
-    return image.convert("L").convert("F"), 255.0
+        opaque = np.asarray(image.getchannel("A"), dtype=np.int64)
+        image = image.convert("RGB")
+    return np.asarray(image.convert("L"), dtype=np.int64), 255.0, opaque
 
 
 _WALL_CM = 100.0
@@ -162,7 +241,8 @@ class OccupancyImage(Importer):
         # As map_server of ROS reads it: dark is occupied, unless `negate`; between the thresholds is unknown.
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright
-        walls = probability >= metadata["free_thresh"] if self.unknown else probability > metadata["occupied_thresh"]
+        free = probability < metadata["free_thresh"]  # transparent parts are unknown, so neither free nor occupied
+        walls = ~free if self.unknown else probability > metadata["occupied_thresh"]
         return Heights(
             levels=walls.astype(np.int32),
             unit_cm=unit_cm or _WALL_CM,

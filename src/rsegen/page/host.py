@@ -21,13 +21,12 @@ from rsegen.errors import FileError, ParameterError, TooLarge, UserError, did_yo
 from rsegen.page.calls import call_of_document, call_of_host
 from rsegen.page.jobs import Jobs, JobValues
 from rsegen.page.model.actions import Action, Ends, act, ends_of
-from rsegen.page.model.document import Document, DraftFile
+from rsegen.page.model.document import Document, DraftFile, session_of_file
 from rsegen.page.model.session import Entry, Session, is_enabled
 from rsegen.page.model.texts import command_line, python_code, text_after
 from rsegen.page.places import Kind, Places, kind_of, names_in
 from rsegen.params.sorts import Json
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.recipe.recipe_file import load
 from rsegen.writing.targets import recipe_files, recipe_in
 
 
@@ -355,7 +354,7 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
     if file.is_relative_to(host.folder.resolve()):
         return {"doc": host.open_file(file).id}
     title = f"copy of {what if is_example else file.name}"
-    return {"doc": host.open(Session.of(load(file)), title, file.read_text("utf-8")).id}
+    return {"doc": host.open(session_of_file(file), title, file.read_text("utf-8")).id}
 
 
 @call_of_host

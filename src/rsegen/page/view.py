@@ -120,7 +120,7 @@ def html_path(path: str | Path) -> Path:
 
 
 def _shown(scene: Scene) -> ShownMap:
-    text = to_json(scene.alone)
+    text = to_json(scene.alone, derived_keys=False)
     if len(text) > _LONG:
         return ShownMap.of(scene, text, ".json")
     return ShownMap.of(scene, to_yaml(scene.alone), ".yaml")

@@ -27,7 +27,7 @@ from rsegen.obstacles.base import EVERYWHERE, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
-from rsegen.recipe.building import blocks, flat_ground, impose, placed_by
+from rsegen.recipe.building import blocks, fixed_ends, flat_ground, impose, placed_by
 from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**17
@@ -128,7 +128,7 @@ class _InManyMaps:
 
     def __init__(self, recipe: MapDesign, obstacle: Obstacle) -> None:
         self._recipe, self._grid, self._obstacle = recipe, recipe.grid, obstacle
-        self._ends = _ends_of_all(recipe.grid, obstacle)
+        self._ends = fixed_ends(recipe.grid, obstacle)
         self._patch: Patch | None = None  # if it is the same in all maps
         if self._ends is not None and obstacle.draws_nothing:
             self._patch = obstacle.patch(recipe.grid, *self._ends, np.random.Generator(np.random.PCG64(0)))
@@ -188,17 +188,6 @@ class _InManyMaps:
             drawn = np.array([obstacle.ends(grid, first, last, rng) for rng in streams.generators()])
             (x1, y1), (x2, y2) = np.moveaxis(drawn, 0, -1)
         return (x1, y1), (x2, y2)
-
-
-def _ends_of_all(grid: Grid, obstacle: Obstacle) -> tuple[Cell, Cell] | None:
-    """Return the ends of an obstacle that has the same ones in all maps; None if they are drawn, or draws precede."""
-    rng = np.random.Generator(np.random.PCG64(0))
-    first, last = obstacle.wanted_ends(grid)
-    if "random" in (*first, *last):
-        return None
-    before = rng.bit_generator.state
-    ends = obstacle.ends(grid, first, last, rng)
-    return ends if rng.bit_generator.state == before else None
 
 
 def _is_drawn_anywhere(obstacle: Region) -> bool:

@@ -10,6 +10,7 @@ The cost is one pass over the cells that each obstacle covers; constraints cost 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from rsegen.errors import TooLarge, inside
 from rsegen.field.stepfield import Levels, StepField, framed
 from rsegen.obstacles import Grid, Obstacle, Patch
 from rsegen.params.arrays import cast, namespace, overwrite
-from rsegen.params.sorts import Cell, Integer
+from rsegen.params.sorts import Cell, Integer, Json
 from rsegen.params.streams import SEEDS, generator
 from rsegen.recipe.map_design import MapDesign
 
@@ -70,6 +71,69 @@ def blocks(recipe: MapDesign, index: int) -> Levels:
 def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cell, Patch]:
     """Return the cells of both ends of an obstacle in map `index`, and the levels that it proposes there."""
     return placed_by(recipe.grid, obstacle, generator(recipe.seed, index, obstacle.key or ""))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PlacedObstacle:
+    """Where an obstacle lies in one map, in block cells, frames left out.
+
+    row: its row in the recipe; first, last: its ends; low, high: corners of the rectangle of the blocks that it covers,
+    None without any; blocks: how many these are; by_chance: whether an end was drawn
+    """
+
+    row: int
+    kind: str
+    first: Cell
+    last: Cell
+    low: Cell | None
+    high: Cell | None
+    blocks: int
+    by_chance: bool
+
+    def as_json(self) -> dict[str, Json]:
+        """Return the row, the ends and the patch as JSON values."""
+        corners = [list(corner) for corner in (self.low, self.high) if corner is not None]
+        patch = dict(zip(("from", "to"), corners, strict=False)) | {"blocks": self.blocks}
+        ends = {"first": list(self.first), "last": list(self.last)}
+        return {"row": self.row, "kind": self.kind, **ends, "patch": patch}
+
+
+def placed_obstacles(recipe: MapDesign, index: int, *, only_by_chance: bool = False) -> Iterator[PlacedObstacle]:
+    """Yield where each obstacle that is switched on lies in map `index`, random ends as they were drawn."""
+    for row, obstacle in recipe.enabled_obstacles:
+        by_chance = fixed_ends(recipe.grid, obstacle) is None
+        if only_by_chance and not by_chance:
+            continue
+        with inside(f"obstacles[{row}]"):
+            first, last, patch = placed(recipe, obstacle, index)
+        covered = np.nonzero(patch.footprint)
+        low, high = None, None
+        if len(covered[0]):
+            starts = [part.indices(n)[0] for part, n in zip(patch.window, recipe.grid.shape, strict=True)]
+            low, high = (
+                (starts[0] + int(far(covered[0])), starts[1] + int(far(covered[1]))) for far in (np.min, np.max)
+            )
+        yield PlacedObstacle(
+            row=row,
+            kind=obstacle.kind,
+            first=(int(first[0]), int(first[1])),
+            last=(int(last[0]), int(last[1])),
+            low=low,
+            high=high,
+            blocks=len(covered[0]),
+            by_chance=by_chance,
+        )
+
+
+def fixed_ends(grid: Grid, obstacle: Obstacle) -> tuple[Cell, Cell] | None:
+    """Return the ends of an obstacle that has the same ones in all maps; None if they are drawn, or draws precede."""
+    rng = np.random.Generator(np.random.PCG64(0))
+    first, last = obstacle.wanted_ends(grid)
+    if "random" in (*first, *last):
+        return None
+    before = rng.bit_generator.state
+    ends = obstacle.ends(grid, first, last, rng)
+    return ends if rng.bit_generator.state == before else None
 
 
 def _at_difficulty(recipe: MapDesign, index: int) -> Levels:

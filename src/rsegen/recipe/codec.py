@@ -1,8 +1,9 @@
 """Recipe <-> the content of a recipe file; and its JSON Schema.
 
 A file has the words of `Recipe`, and `version` (of this format), `generator` (the program that wrote it), `$schema`
-(for editors) and, if any kind of obstacle is from another package, `plugins: {ramp: rsegen-ramps 1.2}`. It leaves out
-what equals the defaults of its format version (docs/decisions/0013).
+(for editors) and, if any kind of obstacle is from another package, `plugins: {ramp: rsegen-ramps 1.2}`. The recipe.json
+of a map has `placed` too, where chance put obstacles in it, which follows from the rest and is not read. A file leaves
+out what equals the defaults of its format version (docs/decisions/0013).
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from rsegen.obstacles.base import row_parameters
 from rsegen.params.plugins import Source
 from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import Integer, Json, Parameter, Text, parameters, refuse_longer
+from rsegen.recipe.building import placed_obstacles
+from rsegen.recipe.map_design import without_derived_keys
 from rsegen.recipe.recipe import Recipe
 
 _SOURCE = Text(r"[^\x00-\x1f]{1,100}", "a package and its version, or a file", "where a kind of obstacle comes from")
@@ -45,6 +48,27 @@ class PluginRecord(Parameter):
     def describe(self) -> str:
         """Return in a few words what the value should be."""
         return "kinds of obstacles with their packages, as in {ramp: rsegen-ramps 1.2}"
+
+
+@dataclass(frozen=True)
+class PlacedRecord(Parameter):
+    """Where chance put obstacles in the map of the file, which follows from all else in it."""
+
+    help: str = "where obstacles with random ends lie in the map of this file, in blocks; ignored when it is read"
+
+    def check(self, where: str, value: object) -> object:
+        """Return a list of objects."""
+        if not isinstance(value, (list, tuple)) or not all(isinstance(row, Mapping) for row in value):
+            raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
+        return value
+
+    def schema(self) -> dict[str, Json]:
+        """Return the schema of a list of objects."""
+        return {"type": "array", "items": {"type": "object"}}
+
+    def describe(self) -> str:
+        """Return in a few words what the value should be."""
+        return "a list of obstacles with their ends in a map, as rsegen writes it"
 
 
 def needed_plugins(recipe: Recipe) -> dict[str, str]:
@@ -73,6 +97,7 @@ _ENVELOPE: dict[str, Parameter] = {
     "version": Integer(FORMAT, FORMAT, help="version of the recipe format"),
     "generator": Text(r"[^\x00-\x1f]{0,100}", "a short text", help="what wrote the file"),
     "plugins": PluginRecord(),
+    "placed": PlacedRecord(),
     "$schema": Text(r"[^\x00-\x1f]{0,500}", "the address of a schema", help="for editors"),
 }
 
@@ -136,16 +161,22 @@ def required_parameters(cls: type[Obstacle]) -> tuple[str, ...]:
     return tuple(name for name in row_parameters(cls) if name in without)
 
 
-def encode(recipe: Recipe) -> dict[str, Json]:
-    """Return the content of a recipe's file, with the seed and the generator's version."""
+def encode(recipe: Recipe, *, derived_keys: bool = True) -> dict[str, Json]:
+    """Return the content of a recipe's file, with the seed and the generator's version.
+
+    derived_keys: also the keys that obstacles have for their content; files for people have those alone that were given
+    """
     needed = needed_plugins(recipe)
     plugins = {"plugins": needed} if needed else {}
-    return {"version": FORMAT, "generator": f"rsegen {__version__}"} | plugins | recipe.entry()
+    content = {"version": FORMAT, "generator": f"rsegen {__version__}"} | plugins | recipe.entry()
+    if not derived_keys and recipe.obstacles:
+        content["obstacles"] = [obstacle.entry() for obstacle in without_derived_keys(recipe.obstacles)]
+    return content
 
 
-def to_json(recipe: Recipe) -> str:
-    """Return a recipe as the text of a JSON file, with one line per obstacle."""
-    content = encode(recipe)
+def to_json(recipe: Recipe, *, derived_keys: bool = True) -> str:
+    """Return a recipe as the text of a JSON file, with one line per obstacle; derived_keys: as in `encode`."""
+    content = encode(recipe, derived_keys=derived_keys)
     rows = [f"    {json.dumps(row)}" for row in content.pop("obstacles")]
     lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
     obstacles = "[\n" + ",\n".join(rows) + "\n  ]" if rows else "[]"
@@ -153,9 +184,13 @@ def to_json(recipe: Recipe) -> str:
 
 
 def map_json(recipe: Recipe, index: int) -> bytes:
-    """Return the JSON file of map `index` of a recipe and no other."""
+    """Return the JSON file of map `index` of a recipe and no other, with the places that chance gave in it."""
     before, after = _around_index(recipe)
-    return before + (b'\n  "first_map": %d,' % index if index else b"") + after
+    text = before + (b'\n  "first_map": %d,' % index if index else b"") + after
+    rows = [f"    {json.dumps(one.as_json())}" for one in placed_obstacles(recipe, index, only_by_chance=True)]
+    if not rows:
+        return text
+    return text.removesuffix(b"\n}\n") + (',\n  "placed": [\n' + ",\n".join(rows) + "\n  ]\n}\n").encode()
 
 
 @lru_cache(maxsize=8)

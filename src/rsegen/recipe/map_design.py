@@ -318,11 +318,35 @@ def _with_key(obstacle: Obstacle, taken: Set[str], free: dict[str, Iterator[str]
 
     taken: keys that were given; free: for each hash, the keys that are left, so that numbering goes on.
     """
-    # Switched off, a row has the key that it has switched on, so that no other row is drawn anew.
-    row = {_HASHED_NAMES.get(name, name): value for name, value in obstacle.entry().items() if name != "enabled"}
-    digest = hashlib.blake2b(json.dumps(row, sort_keys=True).encode(), digest_size=4).hexdigest()
-    stem = f"{obstacle.kind}-{digest}"
+    stem = _stem(obstacle)
     numbered = free.setdefault(stem, (f"{stem}-{number}" if number else stem for number in count()))
+    return _under(obstacle, next(key for key in numbered if key not in taken))
+
+
+def _stem(obstacle: Obstacle) -> str:
+    """Return the key of an obstacle that has none, if no other row is like it."""
+    # Switched off, a row has the key that it has switched on, so that no other row is drawn anew.
+    left_out = ("enabled", "key")
+    row = {_HASHED_NAMES.get(name, name): value for name, value in obstacle.entry().items() if name not in left_out}
+    digest = hashlib.blake2b(json.dumps(row, sort_keys=True).encode(), digest_size=4).hexdigest()
+    return f"{obstacle.kind}-{digest}"
+
+
+def _under(obstacle: Obstacle, key: str | None) -> Obstacle:
+    """Return an obstacle under another key, or under none."""
     keyed = copy(obstacle)  # not `replace`, which would check every cell of a large matrix once more
-    object.__setattr__(keyed, "key", next(key for key in numbered if key not in taken))
+    object.__setattr__(keyed, "key", key)
     return keyed
+
+
+def without_derived_keys(obstacles: Sequence[Obstacle]) -> tuple[Obstacle, ...]:
+    """Return obstacles without the keys that `with_keys` would give them again, as people write them."""
+    own = {row for row, obstacle in enumerate(obstacles) if not (obstacle.key or "").startswith(_stem(obstacle))}
+    while True:
+        bare = tuple(one if row in own else _under(one, None) for row, one in enumerate(obstacles))
+        pairs = zip(with_keys(bare), obstacles, strict=True)
+        # A row like another one may have a number that its place in the list would not give it.
+        others = {row for row, (again, one) in enumerate(pairs) if again.key != one.key}
+        if not others:
+            return bare
+        own |= others

@@ -67,10 +67,12 @@ def parse_yaml(text: str, path: Path) -> object:
 
 
 def to_yaml(recipe: Recipe) -> str:
-    """Return the recipe as the text of a YAML file."""
+    """Return the recipe as the text of a YAML file, obstacles with the keys that they were given."""
     import yaml
 
-    text: str = yaml.safe_dump(encode(recipe), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120)
+    text: str = yaml.safe_dump(
+        encode(recipe, derived_keys=False), sort_keys=False, default_flow_style=None, allow_unicode=True, width=120
+    )
     return text
 
 

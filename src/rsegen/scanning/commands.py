@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -67,7 +68,8 @@ def add_scan(command: Parser) -> None:
 
 
 def run_scan(arguments: argparse.Namespace) -> Report:
-    """Find the field, write the picture of the fit and the world, and say what was found."""
+    """Find the field, write the picture of the fit, the confidences and the world, and say what was found."""
+    from rsegen.scanning.scan_report import confidence_csv, scan_content
     from rsegen.scanning.scans import scan
 
     options = ScanOptions(**given(ScanOptions, arguments, arguments.units))
@@ -75,14 +77,21 @@ def run_scan(arguments: argparse.Namespace) -> Report:
     scanned = scan(arguments.clouds, options)
     recipe = with_flags(scanned.recipe, arguments)
     scanned = replace(scanned, recipe=recipe)  # its picture has the units of the flags
-    name = f"{recipe.name}_fit.png"
+    name, sure = f"{recipe.name}_fit.png", f"{recipe.name}_confidence.csv"
     pallets = recipe.chunks[0] * recipe.chunks[1]
     arguments.sheet = arguments.sheet or pallets <= _MOST_PALLETS
-    report = produce(recipe, arguments, {} if fit else {name: scanned.picture})
+    where = fit.path if fit else f"{arguments.folder}/{name}"
+    files = {"fit": str(where), "confidence": f"{arguments.folder}/{sure}"}
+    beside: dict[str, Callable[[], bytes]] = {
+        sure: partial(confidence_csv, scanned.scan),
+        **({} if fit else {name: scanned.picture}),
+    }
+    found = {"scan": scan_content(scanned.scan, len(scanned.points)) | {"files": files}}
+    report = produce(recipe, arguments, beside, found)
     if fit:
         fit.write(scanned.picture)
-    where = fit.path if fit else f"{arguments.folder}/{name}"
     lines = [*_report(scanned, options, lengths_in(recipe.units)), f"the fit: {where}"]
+    lines.append(f"the confidence of each level, 0 where a block was not seen: {files['confidence']}")
     if not arguments.sheet:
         lines.append(f"no build sheet: it would have a page for each of {pallets} chunks; --sheet writes it")
     return replace(report, notes=lines)
@@ -164,11 +173,10 @@ def _assumed(what: str, taken: float, measured: float, flag: str) -> Iterator[st
 
 def _cells(scanned: ScannedMap, chosen: Mask) -> str:
     """Return the number of cells, and the first of them as recipes count them."""
-    import numpy as np
+    from rsegen.scanning.scan_report import named_cells
 
-    cells = [tuple(cell) for cell in np.argwhere(chosen & ~scanned.scan.frame).tolist()]
-    numbers_x, numbers_y = (scanned.scan.field.numbered(axis) for axis in (0, 1))
-    names = ", ".join(f"x {numbers_x[x]} y {numbers_y[y]}" for x, y in cells[:_SHOWN])
+    cells = list(named_cells(scanned.scan, chosen))
+    names = ", ".join(f"x {x} y {y}" for x, y in cells[:_SHOWN])
     more = f" and {len(cells) - _SHOWN} more" if len(cells) > _SHOWN else ""
     return f"{int(chosen.sum())} of {chosen.size} cells" + (f" ({names}{more})" if names else "")
 

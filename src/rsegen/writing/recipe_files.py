@@ -30,7 +30,7 @@ def save(recipe: Recipe, path: str | Path, *, force: bool = False) -> None:
         If it exists already and is not to be replaced.
     """
     path = Path(path)
-    text = to_json(recipe) if path.suffix.lower() == ".json" else to_yaml(recipe)
+    text = to_json(recipe, derived_keys=False) if path.suffix.lower() == ".json" else to_yaml(recipe)
     write_file([text.encode()], path, force=force)
 
 

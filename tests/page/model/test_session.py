@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import example, given
 
-from rsegen import Recipe, build
+from rsegen import Peak, Recipe, build
 from rsegen.page.model.actions import aligned
 from rsegen.page.model.session import Session, draft_of
 from tests.support.samples import FULL
@@ -123,7 +123,8 @@ def test_what_a_form_says_switches_nothing_on_and_changes_no_key(session: Sessio
     session.add(PEAK)
     session.enable(row=0, enabled=False)
     session.change(row=0, entry={**PEAK, "softness": 10, "key": "other", "enabled": True})
-    assert session.draft.rows[0] == {**PEAK, "softness": 10, "key": "obstacle-1", "enabled": False}
+    (obstacle,) = Recipe(seed=1, obstacles=[Peak(levels=5, first=(2, 2), last=(7, 7), softness=10)]).obstacles
+    assert session.draft.rows[0] == {**PEAK, "softness": 10, "key": obstacle.key, "enabled": False}
 
 
 def test_none_gives_a_parameter_its_default(session: Session) -> None:
@@ -148,9 +149,8 @@ def test_changes_are_taken_back_together_if_one_fails(session: Session) -> None:
     assert (session.draft, session.recipe, session.can_redo) == before
 
 
-def test_parameters_may_change_and_random_draws_stay(session: Session) -> None:
-    session.add({"kind": "peak", "levels": 5})
-    session.set(name="chunks", value=[3, 3])
+def test_parameters_may_change_and_random_draws_of_a_row_with_a_key_stay() -> None:
+    session = Session.of(Recipe(chunks=(3, 3), obstacles=[Peak(levels=5, key="mine")]))
     before = build(session.recipe).levels
     session.change(row=0, entry={"kind": "peak", "levels": 4})
     after = build(session.recipe).levels

@@ -74,10 +74,21 @@ def test_a_row_that_is_switched_off_gets_one_line() -> None:
     assert difference(replace(RECIPE, obstacles=(FLOOR, HILL, off))) == ["+    enabled: false"]
 
 
-def test_a_row_that_would_be_drawn_anew_gets_its_key() -> None:
+def test_a_row_with_a_key_that_does_not_follow_from_it_gets_that_key() -> None:
     soft = replace(HILL, softness=30)
     added = ["+    softness: 30", f"+    key: {HILL.key}"]
     assert difference(replace(RECIPE, obstacles=(FLOOR, soft, WALL))) == added
+
+
+def test_a_row_without_a_key_stays_without_one_and_keeps_its_comments() -> None:
+    soft = replace(HILL, softness=30, key=None)
+    assert difference(replace(RECIPE, obstacles=(FLOOR, soft, WALL))) == ["+    softness: 30"]
+    lower = replace(FLOOR, levels=2, key=None)
+    assert difference(replace(RECIPE, obstacles=(lower, soft, WALL))) == [
+        "-  - {kind: random,   levels: 3}   # rough",
+        "+  - {kind: random, levels: 2}     # rough",
+        "+    softness: 30",
+    ]
 
 
 def test_a_row_is_added_and_removed_with_its_comment() -> None:
@@ -119,7 +130,7 @@ def test_json_stays_json_and_keeps_its_schema() -> None:
     before = '{"$schema": "rsegen.json", "seed": 3}'
     after = json.loads(text_after(before, RECIPE, ".json"))
     assert after.pop("$schema") == "rsegen.json"
-    assert after == json.loads(to_json(RECIPE))
+    assert after == json.loads(to_json(RECIPE, derived_keys=False))
 
 
 @pytest.mark.parametrize("text", ["a: &x [1]\nb: *x\n", "[]", "{", "\t", "obstacles: 5\n", "- 1\n"])

@@ -183,7 +183,8 @@ def test_the_constraints_that_the_map_meets_are_reported(tmp_path: Path, capsys:
     said = capsys.readouterr().out
     assert "largest step between neighbours in units: 1, allowed: 1" in said
     assert "a path of steps of 10 cm up and 12.5 cm down, 30 cm wide, leads across from west to east" in said
-    assert "warning: missing blocks, replaced by others: " in said
+    assert "warning: blocks missing for the map that the obstacles ask for: " in said
+    assert "warning: blocks missing for the map that max_step and crossable_by make of it, replaced by others" in said
 
 
 def test_an_inventory_from_a_file(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from datetime import datetime
@@ -28,7 +29,7 @@ from rsegen.page.model.session import Draft, Session
 from rsegen.page.model.texts import text_after
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load
+from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load, recipe_content
 from rsegen.writing.store import write_file
 from rsegen.writing.user_state import state_file, state_files, write_state
 
@@ -69,7 +70,7 @@ class Document:
     def of_file(cls, path: Path) -> Document:
         """Return the document of a recipe file, with the changes that an earlier process did not save."""
         text = _read(path)
-        return cls(session=Session.of(load(path)), journal=DraftFile(name=str(path)), path=path, title="", text=text)
+        return cls(session=session_of_file(path), journal=DraftFile(name=str(path)), path=path, title="", text=text)
 
     @property
     def shown_title(self) -> str:
@@ -105,7 +106,7 @@ class Document:
         """Take over what is in the file, or what a document without one began with; undo takes it back."""
         draft = self._start
         if self.path is not None:
-            self.text, draft = _read(self.path), Session.of(load(self.path)).draft
+            self.text, draft = _read(self.path), session_of_file(self.path).draft
         self.session.saved = draft
         self.session.restore(draft)
         self._saved()
@@ -173,6 +174,14 @@ def _checksum(content: bytes) -> str:
     return blake2b(content, digest_size=16).hexdigest()
 
 
+def session_of_file(path: Path) -> Session:
+    """Return a session with the recipe in a file, whose obstacles keep the keys that they have there."""
+    recipe, content = load(path), recipe_content(path)
+    rows = content.get("obstacles") if isinstance(content, Mapping) else None
+    keys = (row.get("key") for row in rows or () if isinstance(row, Mapping))
+    return Session.of(recipe, frozenset(key for key in keys if isinstance(key, str)))
+
+
 def _read(path: Path) -> str:
     """Return the text of a recipe file, line ends as they are; empty if it has none, which loading it then says."""
     most = MAX_RECIPE_MIB.get(path.suffix.lower(), MAX_RECIPE_MIB[".yaml"]) * 2**20
@@ -194,6 +203,7 @@ class DraftFile:
         when = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
         values, rows = dict(draft.values), [*map(dict, draft.rows)]
         content = {"name": self.name, "when": when, "began_with": began_with, "values": values, "rows": rows}
+        content["own"] = sorted(draft.own)
         try:
             write_state(self._stem, content)
             self.failed = ""
@@ -216,7 +226,8 @@ class DraftFile:
                 content = json.loads(path.read_text("utf-8"))
                 rows = tuple(MappingProxyType(dict(row)) for row in content["rows"])
                 if content["name"] == self.name:
-                    draft = Draft(values=MappingProxyType(dict(content["values"])), rows=rows)
+                    values, own = MappingProxyType(dict(content["values"])), frozenset(map(str, content["own"]))
+                    draft = Draft(values=values, rows=rows, own=own)
                     return draft, str(content["when"]), str(content["began_with"])
         return None
 

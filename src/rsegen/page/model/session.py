@@ -8,7 +8,7 @@ A draft may be invalid while the user types; the session then keeps the last val
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated
@@ -17,6 +17,7 @@ from rsegen.errors import ParameterError, RsegenError, UnknownName
 from rsegen.params.sorts import Json, parameters
 from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode, decode_obstacle
+from rsegen.recipe.map_design import with_keys, without_derived_keys
 from rsegen.recipe.recipe import Recipe
 
 Entry = Annotated[Mapping[str, Json], "Entry"]
@@ -25,20 +26,50 @@ Entry = Annotated[Mapping[str, Json], "Entry"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Draft:
-    """Everything that undo restores: the global parameters as a recipe file has them, and the list of obstacles."""
+    """Everything that undo restores: the global parameters as a recipe file has them, and the list of obstacles.
+
+    own: keys that were given; other rows have those that follow from their content, as everywhere, and get another one
+    with each change.
+    """
 
     values: Entry
     rows: tuple[Entry, ...] = ()
+    own: frozenset[str] = frozenset()
+
+    def keyed(self) -> Draft:
+        """Return the draft with the keys that follow from the content of its rows."""
+        rows, places, obstacles = [dict(row) for row in self.rows], [], []
+        own = frozenset(key for row in rows if (key := _own_key(row, self.own)))
+        for place, row in enumerate(rows):
+            entry = row if _own_key(row, own) else {name: value for name, value in row.items() if name != "key"}
+            with suppress(RsegenError):  # a row that is not valid is said with the whole draft
+                obstacles.append(decode_obstacle(entry))
+                places.append(place)
+        with suppress(ParameterError):  # two rows of one key too
+            for place, obstacle in zip(places, with_keys(tuple(obstacles)), strict=True):
+                rows[place]["key"] = obstacle.key
+        return replace(self, rows=tuple(map(MappingProxyType, rows)), own=own)
 
     def recipe(self) -> Recipe:
         """Return the recipe of the draft; a ParameterError if it is invalid."""
         return decode({**self.values, "obstacles": [dict(row) for row in self.rows]})
 
 
-def draft_of(recipe: Recipe) -> Draft:
-    """Return the draft of a recipe."""
+def _own_key(row: Entry, own: frozenset[str]) -> str:
+    """Return the key of a row if it is one that was given; else an empty text."""
+    key = row.get("key")
+    return key if isinstance(key, str) and key in own else ""
+
+
+def draft_of(recipe: Recipe, own: frozenset[str] | None = None) -> Draft:
+    """Return the draft of a recipe.
+
+    own: keys that were given, as those in its file; by default those that do not follow from the content of their rows
+    """
+    if own is None:
+        own = frozenset(obstacle.key for obstacle in without_derived_keys(recipe.obstacles) if obstacle.key)
     rows = tuple(MappingProxyType(obstacle.entry()) for obstacle in recipe.obstacles)
-    return Draft(values=MappingProxyType(recipe.values()), rows=rows)
+    return Draft(values=MappingProxyType(recipe.values()), rows=rows, own=own)
 
 
 def _raised(draft: Draft, entry: Entry) -> Draft:
@@ -85,9 +116,9 @@ class Session:
         self._check()
 
     @classmethod
-    def of(cls, recipe: Recipe | None = None) -> Session:
-        """Return a session with a recipe, or with one flat pallet, that counts as saved."""
-        draft = draft_of(recipe or Recipe())
+    def of(cls, recipe: Recipe | None = None, own: frozenset[str] | None = None) -> Session:
+        """Return a session with a recipe, or with one flat pallet, that counts as saved; own: as of a draft."""
+        draft = draft_of(recipe or Recipe(), own)
         return cls(draft=draft, saved=draft)
 
     def set(self, *, name: str, value: Json, gesture: str | None = None) -> None:
@@ -110,12 +141,10 @@ class Session:
         return at
 
     def with_row(self, entry: Entry, at: int | None = None) -> Draft:
-        """Return the draft with another obstacle, at the end by default."""
+        """Return the draft with another obstacle, at the end by default; its key follows from its content."""
         at = len(self.draft.rows) if at is None else at
-        taken = {key for row in self.draft.rows if isinstance(key := row.get("key"), str)}
-        free = next(key for number in range(1, len(taken) + 2) if (key := f"obstacle-{number}") not in taken)
-        row = MappingProxyType({**entry, "key": free})
-        return _raised(replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:])), row)
+        row = MappingProxyType({name: value for name, value in entry.items() if name != "key"})
+        return _raised(replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:])), row).keyed()
 
     def remove(self, *, row: int) -> None:
         """Remove a row."""
@@ -137,7 +166,7 @@ class Session:
         self._replace(row, entry if enabled else {**entry, "enabled": False})
 
     def change(self, *, row: int, entry: Entry, gesture: str | None = None) -> None:
-        """Replace the parameters of a row; its key stays, and whether it is switched on.
+        """Replace the parameters of a row; a key that it was given stays, and whether it is switched on.
 
         Changes of one gesture, such as a drag, are undone together.
         """
@@ -196,6 +225,8 @@ class Session:
         self._put(_raised(replace(self.draft, rows=rows), entry), gesture)
 
     def _put(self, draft: Draft, gesture: str | None = None) -> None:
+        if draft.rows is not self.draft.rows:
+            draft = draft.keyed()
         if draft == self.draft:
             return
         if gesture is None or gesture != self._gesture:

@@ -23,6 +23,7 @@ from rsegen.errors import RsegenError
 from rsegen.page.model.session import Entry, draft_of
 from rsegen.params.sorts import Json, parameters
 from rsegen.recipe.codec import decode, row_text, to_json
+from rsegen.recipe.map_design import without_derived_keys
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import parse_yaml, to_yaml
 
@@ -50,7 +51,7 @@ def text_after(before: str, recipe: Recipe, suffix: str) -> str:
 
 def _json_after(before: str, recipe: Recipe) -> str:
     """Return the JSON of a recipe, which keeps the schema that its file names for editors."""
-    text = to_json(recipe)
+    text = to_json(recipe, derived_keys=False)
     try:
         schema = json.loads(before)["$schema"]
     except (ValueError, KeyError, TypeError, RecursionError):
@@ -68,7 +69,7 @@ def _yaml_after(before: str, recipe: Recipe) -> str | None:
         _set_rows(tree, start, recipe)
 
     def edit_with_keys(tree: Any) -> None:
-        edit(tree)  # some rows would get another key by their new place in the list, and so another draw
+        edit(tree)  # keys that follow from rows may depend on their place in the list
         for node, obstacle in zip(tree.get("obstacles") or (), recipe.obstacles, strict=True):
             node["key"] = obstacle.key
 
@@ -130,7 +131,7 @@ def _set_values(tree: Any, before: Recipe, recipe: Recipe) -> None:
 
 
 def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
-    """Bring the rows of a tree to those of a recipe, each with its comments; a row is known by its key."""
+    """Bring the rows of a tree to those of a recipe, each with its comments."""
     from ruamel.yaml.comments import CommentedSeq
 
     rows = tree.get("obstacles")
@@ -139,16 +140,17 @@ def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
         return
     if not rows:
         rows = tree["obstacles"] = CommentedSeq()
-    numbers = {obstacle.key: number for number, obstacle in enumerate(before.obstacles)}
+    numbers = _rows_before(rows, before, recipe)
+    entries = [obstacle.entry() for obstacle in without_derived_keys(recipe.obstacles)]
     # A row that stays keeps its node, in which most of its comments are; those between rows are moved with it.
     nodes, comments = [], {}
     block = not any(row.fa.flow_style() for row in rows)
     for place, obstacle in enumerate(recipe.obstacles):
-        number = numbers.get(obstacle.key)
+        number, entry = numbers[place], entries[place]
         if number is None:
-            nodes.append(_row(obstacle.entry(), block=block and bool(rows)))
+            nodes.append(_row(entry, block=block and bool(rows)))
             continue
-        _set_row(rows[number], before.obstacles[number].entry(), obstacle.entry())
+        _set_row(rows[number], before.obstacles[number].entry(), obstacle.entry() if "key" in rows[number] else entry)
         nodes.append(rows[number])
         if number in rows.ca.items:
             comments[place] = rows.ca.items[number]
@@ -161,14 +163,30 @@ def _set_rows(tree: Any, before: Recipe, recipe: Recipe) -> None:
     kept.update(comments)
 
 
+def _rows_before(rows: Any, before: Recipe, recipe: Recipe) -> list[int | None]:
+    """Return which row of a file each obstacle of a recipe was; None for a new one.
+
+    It is known by its key. A row without one in the file has another key with each change: it is taken for the next row
+    of its kind that is not found.
+    """
+    numbers = {obstacle.key: number for number, obstacle in enumerate(before.obstacles)}
+    found = [numbers.get(obstacle.key) for obstacle in recipe.obstacles]
+    left = [number for number in sorted({*numbers.values()} - {*found}) if "key" not in rows[number]]
+    for place, obstacle in enumerate(recipe.obstacles):
+        alike = [number for number in left if before.obstacles[number].kind == obstacle.kind]
+        if found[place] is None and alike:
+            found[place] = alike[0]
+            left.remove(alike[0])
+    return found
+
+
 def _set_row(node: Any, before: dict[str, Json], after: dict[str, Json]) -> None:
-    """Change the parameters of a row that differ; one whose draw would change with them gets its key."""
+    """Change the parameters of a row that differ; it gets a key if it has one that does not follow from them."""
     differ = {name for name in {**before, **after} if before.get(name) != after.get(name)}
-    draws_anew = bool(differ - {"enabled"})
     for name in [name for name in before if name not in after]:
         node.pop(name, None)
     for name, value in after.items():
-        if name in differ or (name == "key" and draws_anew and "key" not in node):
+        if name in differ or (name == "key" and name not in node):
             node[name] = _node(value)
 
 
@@ -226,7 +244,7 @@ def command_line(recipe: Recipe, folder: str) -> str:
     words = ["rsegen", "generate", "-o", folder]
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
-    for obstacle in recipe.obstacles:
+    for obstacle in without_derived_keys(recipe.obstacles):
         words += ["--obstacle", row_text(obstacle)]
     return shlex.join(words)
 
@@ -235,7 +253,7 @@ def python_code(recipe: Recipe, folder: str) -> str:
     """Return the program that generates the maps of a recipe."""
     imports = set[str]()
     calls = []
-    for obstacle in recipe.obstacles:
+    for obstacle in without_derived_keys(recipe.obstacles):
         cls, entry = type(obstacle), obstacle.entry()
         name = f"rsegen.{cls.__name__}"
         if cls.__module__.partition(".")[0] != "rsegen":

@@ -447,7 +447,7 @@ export type Event = StateChanged | JobChanged | FileChanged | SearchProgress | A
 export type Action =
   /* Add an obstacle, in line where its kind must be axis-aligned. */
   | { do: "add"; entry: Entry; at?: number | null }
-  /* Replace the parameters of a row; its key stays, and whether it is switched on. */
+  /* Replace the parameters of a row; a key that it was given stays, and whether it is switched on. */
   | { do: "change"; row: number; entry: Entry; gesture?: string | null }
   /* Remove all rows. */
   | { do: "clear" }
