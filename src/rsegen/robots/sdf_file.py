@@ -5,8 +5,8 @@ the simulator that runs it, in place of its own or ROS's, and loses its sensors,
 not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model has them at, as
 nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does one that turns
 without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is written elsewhere.
-What breaks it: meshes in packages that are not found, joints inside an <include>, an arm that hangs on endless joints,
-and a rocker without a spring, which becomes stiff (docs/robots.md).
+What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not found, an arm that
+hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Tracks, Wheels, pose_publisher
+from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
@@ -43,7 +44,7 @@ from rsegen.robots.sdf_drives import (
     plugin_key,
     steered_wheels,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials, take_out_flat
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -231,10 +232,20 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
+    remarks += ros.remarks
     separate = re.split(r"[,+]", tracks or "")
     source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
     model, version = _model_and_version(source.sdf, where)
+    includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
+    includes.put_into(model, Path(where))
+    missing = list(includes.missing)
+    if model.find(".//link") is None:
+        advice = f"; {_some(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""
+        raise FileError(f"{where}: the model has no <link>{advice}")
+    remarks += [f"left out what it includes and is not found: {_some(missing)}"] if missing else []
     resolve_uris(model, Path(where))
+    if flat := take_out_flat(model, where):
+        remarks.append(f"left out, as these collision shapes have no size: {_some(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
     shapes = frames.shapes
@@ -275,6 +286,10 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     )
 
 
+def _sdf_root(file: Path) -> Element:
+    return xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file))
+
+
 def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
@@ -286,8 +301,6 @@ def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
         raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name")
-    if models[0].find("link") is None and models[0].find("include") is None and models[0].find("model") is None:
-        raise FileError(f"{where}: the model has no <link>")
     version = root.get("version", "").strip()
     version = version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"  # for one that there is not
     # Before SDF 1.5 joints' axes are in the model's frame, which a world of a later version has to say.
@@ -378,7 +391,7 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
-    kept = [plugin for plugin in model.iter("plugin") if plugin_key(plugin.get("filename", "")) in keys]
+    kept = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
     plugins, sensors, visuals = _leave_out(model, backend)
     for plugin in kept:
         for topic in plugin.findall("topic"):
