@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from rsegen.errors import FileError
-from rsegen.robots.sdf_file import from_file
+from rsegen.robots.lookup import robot_of
+from rsegen.robots.sdf_file import SdfRobot, from_file
 from tests.robots.two_wheels import two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
 
@@ -78,3 +79,50 @@ def test_a_size_below_0_is_one_line(tmp_path: Path, shape: str, says: str) -> No
     file.write_text(two_wheels_urdf().replace("</link>", f"<collision><geometry>{shape}</geometry></collision></link>"))
     with pytest.raises(FileError, match=f"a.urdf: link .*{says}"):
         from_file(file)
+
+
+@pytest.mark.parametrize("name", ["ROBOT.URDF", "robot.xml", "robot.Urdf"])
+def test_a_robot_is_known_by_what_is_in_its_file(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text(two_wheels_urdf())
+    robot = robot_of(str(tmp_path / name))
+    assert isinstance(robot, SdfRobot)
+    assert robot.body.mass == pytest.approx(3.4)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "says"),
+    [
+        ("go2.xml", "<mujoco/>", "a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro"),
+        ("a.sdf", "<sdf><world><model name='a'/></world></sdf>", "a world; give the SDF file of the robot alone"),
+        ("a.sdf", "<sdf><model name='a'/><model name='b'/></sdf>", "nor URDF: there is 2 in <sdf>"),
+        ("page.xml", "<html/>", "not an SDF file with one <model> in <sdf>, nor URDF: there is <html>"),
+        ("robot.proto", "", "robots are read from files named *.sdf, *.urdf, *.xacro, *.xml"),
+    ],
+)
+def test_what_is_no_robot_is_one_line_that_says_what_it_is(tmp_path: Path, name: str, text: str, says: str) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(FileError) as caught:
+        robot_of(str(tmp_path / name))
+    assert says in str(caught.value)
+    assert str(caught.value).startswith(f"{tmp_path / name}: ")
+
+
+@pytest.mark.parametrize(
+    ("uri", "says"),
+    [
+        ("file:///nowhere/tyre.stl", "there is no such file"),
+        ("meshes/tyre.stl", "there is no such file"),
+        ("package://my_description/meshes/tyre.stl", "there is no meshes/tyre.stl in "),
+        ("package://nobodys_description/tyre.stl", "put its package next to that of the file"),
+    ],
+)
+def test_a_mesh_that_is_missing_is_named_with_what_is_missing(tmp_path: Path, uri: str, says: str) -> None:
+    (tmp_path / "my_description/urdf").mkdir(parents=True)
+    (tmp_path / "my_description/package.xml").write_text("<package><name>my_description</name></package>")
+    file = tmp_path / "my_description/urdf/a.urdf"
+    shape = f'<collision><geometry><mesh filename="{uri}"/></geometry></collision></link>'
+    file.write_text(two_wheels_urdf().replace("</link>", shape, 1))
+    with pytest.raises(FileError) as caught:
+        from_file(file)
+    assert f"a.urdf: the mesh {uri} of a collision shape is not found; " in str(caught.value)
+    assert says in str(caught.value)

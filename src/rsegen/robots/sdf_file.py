@@ -21,7 +21,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.limits import SIDE
 from rsegen.gazebo.sdf import numbers, prefixes
 from rsegen.input_files import text_of, xml_root
@@ -55,8 +55,8 @@ from rsegen.standing.spots import body_of_size
 MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
 
-_SUFFIXES = (".sdf", ".urdf", ".xacro")
-"""Endings of files that are taken for a robot."""
+SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml")
+"""Endings of files that are taken for a robot, in any letters; what is in them says which they are."""
 
 _LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
@@ -211,7 +211,9 @@ class SdfRobot(RobotOnField):
 
 def is_robot_file(what: object) -> bool:
     """Return whether this is a path, or a text that ends as the name of a robot's file does, before any arguments."""
-    return isinstance(what, os.PathLike) or (isinstance(what, str) and with_arguments(what)[0].endswith(_SUFFIXES))
+    return isinstance(what, os.PathLike) or (
+        isinstance(what, str) and with_arguments(what)[0].lower().endswith(SUFFIXES)
+    )
 
 
 def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: str | None = None) -> SdfRobot:
@@ -297,8 +299,13 @@ def _some(names: Sequence[str]) -> str:
 def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
     """Return the model of an <sdf>, and its version; FileError if it has none, or others."""
     models = root.findall("model")
-    if root.tag != "sdf" or len(models) != 1 or root.find("world") is not None:
-        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF")
+    if root.tag == "mujoco":
+        raise FileError(f"{where}: a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro")
+    if root.find("world") is not None:
+        raise FileError(f"{where}: a world; give the SDF file of the robot alone, with one <model> in <sdf>")
+    if root.tag != "sdf" or len(models) != 1:
+        here = f"{len(models)} in <{shown(root.tag)[1:-1]}>" if models else f"<{shown(root.tag)[1:-1]}>"
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: there is {here}")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name")
     version = root.get("version", "").strip()

@@ -37,6 +37,9 @@ _LARGEST_MANIFEST = 2**16
 _AROUND = 2
 """Folders above a package in which others are looked for: its repository, and the workspace of repositories."""
 
+_DEEPER = 2
+"""Folders between a workspace and a package in a repository next to that of the file: repository/common/package."""
+
 _MOST_FOLDERS = 1000
 """Folders that are looked into for packages; a workspace has some hundreds, a home folder any number."""
 
@@ -114,13 +117,13 @@ def belong_together(package: Path, other: Path) -> bool:
 def packages_around(file: Path) -> Iterator[Path]:
     """Yield the folders of the packages around a file, its own first: each has a package.xml.
 
-    Those are its own package, those next to it, and those in the repositories next to it.
+    Those are its own package, those next to it, and those in the repositories next to it, up to two folders down.
     """
     own = next((folder for folder in file.absolute().parents if os.path.isfile(folder / _MANIFEST)), None)
     if own is None:
         return
     yield own
-    # Breadth first, two levels deep, and a limited number of folders: what is around may be a whole home directory.
+    # Breadth first, three levels deep, and a limited number of folders: what is around may be a whole home directory.
     seen, waiting, left = {own}, [(own, 0), *((folder, 0) for folder in list(own.parents)[:_AROUND])], _MOST_FOLDERS
     while waiting:
         folder, depth = waiting.pop(0)
@@ -135,8 +138,8 @@ def packages_around(file: Path) -> Iterator[Path]:
             seen.add(inner)
             if os.path.isfile(inner / _MANIFEST):
                 yield inner
-            elif not depth:
-                waiting.append((inner, 1))
+            elif depth < _DEEPER:
+                waiting.append((inner, depth + 1))
 
 
 def _resolved(uri: str, file: Path) -> Path | None:
