@@ -23,7 +23,7 @@ from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
-from rsegen.robots.sdf_shapes import ModelFrames, floats
+from rsegen.robots.sdf_shapes import ModelFrames, floats, inertia_tensor, inertials
 
 DEFAULT_SPEED: float = 0.2
 DEFAULT_TURN: float = 0.5
@@ -416,6 +416,40 @@ def _limits(plugin: Element, frames: ModelFrames) -> tuple[float | None, float |
     speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
     return speed, turn
+
+
+_STEP = 0.001
+"""Seconds of a step of Gazebo Classic, in which the speed of a wheel is written once."""
+
+_LIGHT, _HEAVY = 3.0, 10.0
+"""Times the weight of a robot below which the force of its wheels is too small for steps, and that is enough: in
+MuJoCo without a reaction, a robot whose wheels had a quarter to 2 times its weight did not drive on, with 25 it did."""
+
+
+def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
+    """Return a sentence if wheels are too light for a drive without a torque, at a speed in m/s; an empty one if not.
+
+    Gazebo Classic's drive writes the speed of a wheel in each step, which so has the momentum I v / r to give to the
+    ground: a force of I v / (r^2 t) in a step of t seconds.
+    """
+    moments = []
+    for joint in (*drive.left, *drive.right):
+        link = frames.child(joint)
+        element, place, axis = frames.elements[link], frames.transform(link), frames.axis(joint)
+        inertial = element.find("inertial")
+        turn = (place if inertial is None else place @ frames.local(inertial))[:3, :3]
+        moments.append(float(axis @ turn @ inertia_tensor(link, element, frames) @ turn.T @ axis))
+    weight = 9.81 * sum(body.mass for body in inertials(frames).values())
+    newtons = sum(moments) * speed / (drive.radius**2 * _STEP)
+    if newtons >= _LIGHT * weight:
+        return ""
+    enough = _HEAVY * weight * drive.radius**2 * _STEP / (speed * len(moments))
+    return (
+        f"its wheels are light: Gazebo Classic's drive writes their speed and has no torque, so {min(moments):.2g}"
+        f" kg m^2 give the ground {newtons:.2g} N at {speed:g} m/s, and it weighs {weight:.2g} N: a caster or step may"
+        f" hold it; a motor's rotor has more inertia, so give each wheel {enough:.1g} kg m^2 about its axis, or drive"
+        " it in MuJoCo, whose motors have a torque"
+    )
 
 
 def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | None:

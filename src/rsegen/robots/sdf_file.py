@@ -39,6 +39,7 @@ from rsegen.robots.sdf_drives import (
     ReadDrive,
     find_drive,
     is_endless,
+    light_wheels,
     named_tracks,
     named_wheels,
     plugin_key,
@@ -126,6 +127,14 @@ class SdfRobot(RobotOnField):
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
 
     @property
+    def light_wheels(self) -> str:
+        """A sentence if its wheels are too light for Gazebo Classic's drive; an empty one if they are not."""
+        drive = self.read_drive.drive if self.read_drive else None
+        if not isinstance(drive, Wheels):
+            return ""
+        return light_wheels(drive, ModelFrames(self._model(), self.kind), self.driving_speed)
+
+    @property
     def topic(self) -> str | None:
         """The topic of its drive with {name} for its name, None if no drive is known."""
         return self.command("{name}", 0, 0, self.backend or "classic").topic if self.read_drive else None
@@ -168,6 +177,8 @@ class SdfRobot(RobotOnField):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
+        if simulator == "classic" and self.light_wheels:
+            yield f"{self.kind}: {self.light_wheels}"
         if simulator in BACKENDS:
             changes = _make_drivable(self._model(), self, self.kind, simulator)
         else:
