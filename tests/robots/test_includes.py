@@ -68,7 +68,7 @@ def nested(uri: str) -> str:
 MERGED = JOINT.format("ljoint", "lwheel") + JOINT.format("rjoint", "rwheel")
 
 
-@pytest.mark.parametrize("uri", ["model://tyre", "file://../tyre", "../tyre/wheel_1.sdf"])
+@pytest.mark.parametrize("uri", ["model://tyre", "model:///tyre", "tyre", "file://../tyre", "../tyre/wheel_1.sdf"])
 def test_a_robot_of_included_wheels_is_the_one_in_one_file(tmp_path: Path, uri: str) -> None:
     same_as_whole(tmp_path, written(tmp_path / "a", nested(uri), tyre=WHEEL.format("")))
 
@@ -82,6 +82,14 @@ def test_merged_wheels_are_links_of_the_robot(tmp_path: Path) -> None:
     file = written(tmp_path / "a", BODY + parts + MERGED, ltyre=WHEEL.format("l"), rtyre=WHEEL.format("r"))
     same_as_whole(tmp_path, file)
     assert from_file(file).drive.left == ("ljoint",)
+
+
+def test_a_file_that_only_names_a_model_is_that_model(tmp_path: Path) -> None:
+    written(tmp_path / "a", "", inner=whole())
+    file = tmp_path / "a/named.sdf"
+    file.write_text(f'<sdf version="1.9">{include("model://inner", "<name>mine</name>")}</sdf>')
+    same_as_whole(tmp_path, file)
+    assert from_file(file).kind == "mine"
 
 
 def test_a_merged_robot_is_placed_by_its_frame(tmp_path: Path) -> None:
@@ -138,6 +146,10 @@ def test_what_is_not_found_is_left_out_with_its_joints_and_named(tmp_path: Path)
     ("inside", "says"),
     [
         (include("model://nowhere"), "model://nowhere that it includes is not found: put its folder next to"),
+        (
+            include("model://base", merge=" merge='true'") + BODY,
+            "model://base, of which it is a part, is not found: put",
+        ),
         (include("model://loop"), "includes itself"),
         (include("model://odd", "<placement_frame>top</placement_frame>"), "has no frame 'top'"),
         ("", "the model has no <link>"),

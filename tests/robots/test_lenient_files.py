@@ -94,8 +94,8 @@ def test_a_robot_is_known_by_what_is_in_its_file(tmp_path: Path, name: str) -> N
     [
         ("go2.xml", "<mujoco/>", "a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro"),
         ("a.sdf", "<sdf><world><model name='a'/></world></sdf>", "a world; give the SDF file of the robot alone"),
-        ("a.sdf", "<sdf><model name='a'/><model name='b'/></sdf>", "nor URDF: there is 2 in <sdf>"),
-        ("page.xml", "<html/>", "not an SDF file with one <model> in <sdf>, nor URDF: there is <html>"),
+        ("a.sdf", "<sdf><model name='a'/><model name='b'/></sdf>", "nor URDF: there are 2 in <sdf>"),
+        ("page.xml", "<html/>", "not an SDF file with one <model> in <sdf>, nor URDF: it begins with <html>"),
         ("robot.proto", "", "robots are read from files named *.sdf, *.urdf, *.xacro, *.xml"),
     ],
 )

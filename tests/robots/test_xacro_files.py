@@ -168,13 +168,21 @@ HEAVY = '<xacro:macro name="heavy" params="m"><mass value="${m}"/></xacro:macro>
     [
         ('<property name="side" value="0.2"/><gazebo reference="base"><kp>${side}</kp></gazebo>', "<property>"),
         ('<macro name="heavy" params="m"><mass value="${m}"/></macro>', "<macro>"),
-        (HEAVY + "<gazebo><heavy m='1'/></gazebo>", "<heavy>"),
+        (HEAVY + "<link name='extra'><heavy m='1'/></link>", "<heavy>"),
         (HEAVY + "<property name='a' value='1'/><heavy m='1'/>", "<property>, <heavy>"),
     ],
 )
 def test_macros_of_old_files_are_named(tmp_path: Path, inner: str, names: str) -> None:
     with pytest.raises(FileError, match=f"mine.xacro: there is no xacro: before the names of {names}, without which"):
         expanding(tmp_path, inner)
+
+
+@with_xacro
+@pytest.mark.slow
+def test_a_macro_may_be_called_like_an_element(tmp_path: Path) -> None:
+    box = '<xacro:macro name="box"><box size="3 3 3"/></xacro:macro><xacro:macro name="visual"/>'
+    hull = '<gazebo reference="base"><kp>1</kp></gazebo>'
+    assert expanding(tmp_path, box + hull).size == expanding(tmp_path, hull).size
 
 
 @with_xacro

@@ -4,7 +4,8 @@
 a merged link is the product of that of the include and its own. A model is a folder with model.config, or a file: it is
 found beside the file that includes it, as model://, file:// or a path (uris.py). Cost: linear in the files, of which
 there are at most _MOST. What breaks it: addresses on the internet, such as those of Fuel, which are never fetched.
-What is not found is left out, with the joints that hang on it, and named.
+What is not found is left out, with the joints that hang on it, and named; but not what would be merged, such as the
+chassis of a robot to which a file adds a sensor.
 """
 
 from __future__ import annotations
@@ -53,10 +54,13 @@ class Includes:
         for include in model.findall("include"):
             at = list(model).index(include)
             model.remove(include)
-            inner = self._included(include, file, (*above, file))
+            inner, is_merged = self._included(include, file, (*above, file)), include.get("merge", "") in ("1", "true")
+            if inner is None and is_merged:
+                uri = (include.findtext("uri") or "").strip()
+                raise FileError(f"{file}: {uri}, of which it is a part, is not found: {NOT_INCLUDED}")
             if inner is None:
                 lost.append((include.findtext("name") or "").strip() or _last(include))
-            elif include.get("merge", "").strip() in ("1", "true"):
+            elif is_merged:
                 for offset, element in enumerate(_merged(inner)):
                     model.insert(at + offset, element)
             else:
@@ -149,7 +153,6 @@ def _merged(model: Element) -> list[Element]:
 
 def _take_out_joints(model: Element, lost: list[str]) -> None:
     """Take out the joints of a model whose links are in models that are not there."""
-    # A merged model has no name in those of its links; a link that is nowhere was one of them.
     known = {child.get("name", "") for tag in ("link", "frame", "model", "joint") for child in model.findall(tag)}
     known = {"world", "__model__", *known}.difference(lost)
     for joint in model.findall("joint"):

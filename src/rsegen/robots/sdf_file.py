@@ -241,6 +241,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     if is_xacro(root, where):
         text, missing = expanded(text, where, arguments)
         root = xml_root(text, where)
+        if root.tag == "robot" and root.find("link") is None:
+            raise FileError(f"{where}: has macros and no <link>; give the file of the robot that includes it")
         remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
@@ -312,11 +314,17 @@ def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
     models = root.findall("model")
     if root.tag == "mujoco":
         raise FileError(f"{where}: a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro")
+    parts = root.findall("include")
+    if root.tag == "sdf" and not models and len(parts) == 1:  # a file that only names a model
+        models = [SubElement(root, "model", name=(parts[0].findtext("name") or Path(where).stem).strip())]
+        parts[0].set("merge", "true")
+        models[0].append(parts[0])
     if root.find("world") is not None:
         raise FileError(f"{where}: a world; give the SDF file of the robot alone, with one <model> in <sdf>")
     if root.tag != "sdf" or len(models) != 1:
-        here = f"{len(models)} in <{shown(root.tag)[1:-1]}>" if models else f"<{shown(root.tag)[1:-1]}>"
-        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: there is {here}")
+        name = shown(root.tag)[1:-1]
+        here = f"there are {len(models)} in <{name}>" if root.tag == "sdf" else f"it begins with <{name}>"
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: {here}")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name")
     version = root.get("version", "").strip()

@@ -12,7 +12,7 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
@@ -64,7 +64,7 @@ def _advice(uri: str, file: Path) -> str:
     """Return what makes a URI found that is not: the file, or its package."""
     scheme, separator, rest = uri.partition("://")
     if separator and scheme in ("model", "package"):
-        name, _, inner = rest.partition("/")
+        name, _, inner = rest.lstrip("/").partition("/")
         folder = _resolved(f"{scheme}://{name}", file)
         if folder is None:
             return "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
@@ -147,9 +147,11 @@ def _resolved(uri: str, file: Path) -> Path | None:
     scheme, separator, rest = uri.partition("://")
     candidates: Iterable[Path] = ()
     if separator and scheme in ("model", "package"):
-        candidates = _of_package(rest, file)
-    elif uri and (scheme == "file" or not separator):
-        candidates = [file.absolute().parent / (rest if separator else uri)]
+        candidates = _of_package(rest.lstrip("/"), file)
+    elif uri and separator and scheme == "file":
+        candidates = [file.absolute().parent / rest]
+    elif uri and not separator:  # beside the file, or a model, as PX4's include each other
+        candidates = chain([file.absolute().parent / uri], _of_package(uri, file))
     return next(filter(os.path.exists, candidates), None)  # False for a name that is too long
 
 

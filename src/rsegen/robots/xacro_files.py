@@ -75,12 +75,19 @@ def is_xacro(root: Element, where: str) -> bool:
     return root.tag == "robot" and any("${" in text or "$(" in text for text in texts)
 
 
+_OF_URDF = {
+    *("link", "joint", "gazebo", "material", "transmission", "ros2_control", "sensor", "light", "projector", "contact"),
+    *("inertial", "visual", "collision", "origin"),
+}
+"""Elements of a <robot> and a <link>, which may have the names of macros."""
+
+
 def bare_macros(text: str) -> tuple[str, ...]:
     """Return the properties and macros of a text that stand there without xacro:, as before ROS Jade."""
     root = xml_root(text, "")
-    macros = {element.get("name") for element in root.iter() if element.tag.endswith("}macro")}
+    macros = {element.get("name") for element in root.iter() if element.tag.endswith("}macro")} - _OF_URDF
     ours = {element.tag for element in root if element.tag in ("property", "macro")}
-    ours |= {element.tag for element in root.iter() if element.tag in macros}
+    ours |= {inner.tag for element in (root, *root.iter("link")) for inner in element if inner.tag in macros}
     return tuple(sorted(ours, reverse=True))
 
 
