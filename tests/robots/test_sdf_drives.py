@@ -366,7 +366,7 @@ def test_wheels_that_are_too_light_for_a_drive_without_torque_are_named(
     notes = [note for note in robot.notes("classic") if "its wheels are light" in note]
     assert len(notes) == is_light
     newtons = 2 * float(moment) * robot.driving_speed / (0.05**2 * 0.001)
-    assert all(f"give the ground {newtons:.2g} N at 0.2 m/s, and it weighs 33 N" in note for note in notes)
+    assert all(f"give the ground {newtons:.3g} N at 0.2 m/s, and it weighs 33.4 N" in note for note in notes)
     assert not any("its wheels are light" in note for note in robot.notes("sim"))
 
 

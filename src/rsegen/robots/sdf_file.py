@@ -127,6 +127,11 @@ class SdfRobot(RobotOnField):
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
 
     @property
+    def held(self) -> tuple[str, ...]:
+        """The joints that are held in a drive, as nothing drives them."""
+        return _hold_and_turn(self._model(), self)
+
+    @property
     def light_wheels(self) -> str:
         """A sentence if its wheels are too light for Gazebo Classic's drive; an empty one if they are not."""
         drive = self.read_drive.drive if self.read_drive else None
