@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import laspy
 import numpy as np
 import pytest
 import trimesh
@@ -68,6 +69,14 @@ def of_names(path: Path) -> None:
     np.save(path, array)
 
 
+def las(path: Path) -> None:
+    """A laser scan with whole tenths of a millimetre, as surveyors write it."""
+    scan = laspy.LasData(laspy.LasHeader(point_format=3, version="1.2"))
+    scan.header.scales = np.full(3, 1e-4)
+    scan.x, scan.y, scan.z = POINTS.T
+    scan.write(str(path))
+
+
 WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "a.xyz": text,
     "b.txt": lambda path: text(path, delimiter=", "),
@@ -93,6 +102,8 @@ WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "t.npy": lambda path: np.save(path, np.column_stack([POINTS, POINTS[:, 0]])),
     "u.npy": lambda path: np.save(path, np.column_stack([POINTS, POINTS]).astype("f4").reshape(20, 40, 6)),
     "v.npy": of_names,
+    "w.las": las,
+    "x.laz": las,
 }
 
 
@@ -133,7 +144,9 @@ def damaged(content: bytes) -> Callable[[Path], Any]:
 
 PCD = b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n"
 NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
-    "a.las": (damaged(b"LASF"), "clouds are read from files named"),
+    "a.e57": (damaged(b"ASTM-E57"), "clouds are read from files named"),
+    "a.las": (damaged(b"LASF"), "a.las: not a LAS file that can be read"),
+    "a.laz": (damaged(b"LASF" + bytes(400)), "a.laz: "),
     "b.xyz": (damaged(b"no numbers\nat all"), "no line has three numbers"),
     "c.xyz": (damaged(b"1 2 3\n4 5\n"), "c.xyz: "),
     "d.xyz": (damaged(b"1 2 3\n4 five 6\n"), "d.xyz: "),

@@ -1,4 +1,4 @@
-"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
+"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, LAS, LAZ, and depth images with their cameras.
 
 All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
 
@@ -228,6 +228,19 @@ def _pcd(path: Path) -> tuple[Array, str]:
     return _checked(path, _by_library(path, read)), "m"
 
 
+def _las(path: Path) -> tuple[Array, str]:
+    """Return the points of a laser scan in LAS or LAZ, which laspy reads; its places may be those of a map."""
+
+    def read() -> Array:
+        import laspy
+
+        with open_regular(path) as file, laspy.open(file) as reader:
+            _refuse_many(path, reader.header.point_count)
+            return np.asarray(reader.read().xyz, dtype=np.float64)
+
+    return _checked(path, _by_library(path, read)), "m"
+
+
 def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
     """Yield the lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
     lines = (line.decode().strip() for line in file)
@@ -258,6 +271,6 @@ def _refuse_many(path: Path, points: int) -> None:
 
 
 _READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
-    {"text": _text, "pcd": _pcd, "array": _array, "image": _image}
+    {"text": _text, "pcd": _pcd, "las": _las, "array": _array, "image": _image}
 )
 """Readers of files but meshes: of points (n, 3), or depths (rows, columns), and their usual unit."""
