@@ -110,15 +110,18 @@ def _yaml_files(package: Path) -> Iterator[Path]:
 def _controllers(where: Path, named: Sequence[Path], joints: set[str], remarks: list[str]) -> Iterator[Controller]:
     """Yield the controllers all of whose wheels are joints of the robot, in files that it names and of its packages.
 
-    remarks: gets a sentence for each file that cannot be read, and each that is of another robot's package
+    remarks: gets a sentence for each file that cannot be read, and, without any other, each of another robot's package
     """
     packages = list(packages_around(where))
     own = [packages[0], *(other for other in packages[1:] if belong_together(packages[0], other))] if packages else []
     files = chain(named, chain.from_iterable(map(_yaml_files, own)))
+    has_own = False
     for file, tables in _with_wheels(files, joints, remarks):
-        yield from (controller for table in tables if (controller := _controller(table, joints, file)))
+        for controller in (controller for table in tables if (controller := _controller(table, joints, file))):
+            has_own = True
+            yield controller
     others = chain.from_iterable(_yaml_files(package) for package in packages if package not in own)
-    for file, tables in _with_wheels(others, joints, []):
+    for file, tables in () if has_own else _with_wheels(others, joints, []):
         if any(_controller(table, joints, file) for table in tables):
             problem = "its wheels are called like those of this robot, but its package belongs to another"
             remarks.append(f"{_place(file)} is not used: {problem}")
