@@ -36,6 +36,9 @@ _SPREAD, _SPREAD_ROUGHLY = 2_000_000, 200_000
 _PER_PIXEL = 8
 """Points of a face in a pixel on average: exp(-8) = 0.03 % of the pixels that it covers have none."""
 
+_FINEST = 2_000
+"""Pixels along a side at most, 4 mm of 8 m."""
+
 _RISES = 2.0
 """Times the rise of a face along the side of a pixel by which points in the pixel differ: its diagonal, and a rest."""
 
@@ -139,10 +142,13 @@ def _view(mesh: trimesh.Trimesh, normals: Array, areas: Array, up: Array, count:
     cosines = np.abs(normals @ up)
     weights = areas * cosines
     points, faces = trimesh.sample.sample_surface(mesh, count, face_weight=weights, seed=0)
-    pixel = float(np.sqrt(_PER_PIXEL * weights.sum() / count))
     rises = np.sqrt(np.maximum(1 - cosines**2, 0)) / np.maximum(cosines, 1e-6)
     axes = np.stack([*np.linalg.svd(up[None])[2][1:], up])
     placed = np.asarray(points) @ axes.T
+    # A corner that is far away by mistake makes no raster without end.
+    pixel = max(
+        float(np.sqrt(_PER_PIXEL * weights.sum() / count)), float(np.ptp(placed[:, :2], axis=0).max()) / _FINEST
+    )
     raster = _Raster.of(placed[:, :2], pixel)
     seen = _uncovered(raster.keys, placed[:, 2], _RISES * pixel * rises[faces] + pixel / 10)
     low, high = (float(height) for height in np.quantile(placed[seen, 2], [_LOW, _HIGH]))
