@@ -136,21 +136,50 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
 
 
 def xml_root(text: str, where: str) -> ET.Element:
-    """Return the root of an XML text; a document type and entities are refused, as bombs are made of them."""
+    """Return the root of an XML text; a document type and entities are refused, as bombs are made of them.
+
+    What is no strict XML, but is read by the parser of Gazebo and ROS, is read too: blanks before the declaration,
+    prefixes that are not bound, -- in comments, and & on its own.
+    """
     import xml.etree.ElementTree as ET
 
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
         raise FileError(f"{where}: has a document type or entities, which no SDF needs")
     try:
-        root = ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
+        try:
+            root = ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements
+        except ET.ParseError:
+            text = _strict(text)
+            root = ET.fromstring(text)  # noqa: S314  # as above
     except (ET.ParseError, LookupError, ValueError) as error:  # the last two for an encoding that is none
         raise FileError(f"{where}: not XML ({error})") from None
+    for prefix, uri in _BOUND.findall(text)[:_MOST_PREFIXES]:
+        if not re.fullmatch(r"ns\d+|xml", prefix):  # which ElementTree gives by itself
+            ET.register_namespace(prefix, uri)  # so that it is written again under the name that Gazebo knows
     level, depth = [root], 0
     while level := [child for element in level for child in element]:
         depth += 1
         if depth >= _DEEPEST:  # ElementTree could not write them again
             raise FileError(f"{where}: nested too deeply, in more than {_DEEPEST} levels")
     return root
+
+
+_BOUND = re.compile(r"""\sxmlns:([A-Za-z_][\w.-]*)\s*=\s*["']([^"']+)["']""")
+_USED = re.compile(r"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*(?=[\s=/>])")
+"""A prefix of a name where it is bound, and where it is used: gz:expressed_in, controller:gazebo_ros_laser."""
+
+_MOST_PREFIXES = 50
+"""Prefixes that are bound; files have one or two."""
+
+
+def _strict(text: str) -> str:
+    """Return what is nearly XML as XML, with all lines where they were."""
+    text = re.sub(r"<!--.*?-->", lambda comment: "\n" * comment[0].count("\n"), text.lstrip(), flags=re.DOTALL)
+    text = re.sub(r"&(?!#?\w+;)", "&amp;", text)
+    bound = {prefix for prefix, _ in _BOUND.findall(text)} | {"xml", "xmlns"}
+    unbound = [prefix for prefix in dict.fromkeys(_USED.findall(text)) if prefix not in bound][:_MOST_PREFIXES]
+    names = "".join(f' xmlns:{prefix}="urn:prefix:{prefix}"' for prefix in unbound)
+    return re.sub(r"<[A-Za-z_][\w.-]*", lambda start: start[0] + names, text, count=1)
 
 
 _STDERR = 2

@@ -133,7 +133,7 @@ def test_no_other_way_over_the_map_is_a_crossing(columns: dict[str, Any], incide
         {"y": np.where(T > 6, 5.0 * (T - 6) / 4, 0)},
         {"y": 0.3},
         {"roll": np.where(T > 7, pi, 0)},
-        {"z": np.where(T > 1, 0.5, 0)},
+        {"z": np.clip(T - 1, 0, 0.5)},
     ],
 )
 def test_what_comes_after_the_crossing_does_not_undo_it(columns: dict[str, Any]) -> None:
@@ -178,6 +178,40 @@ def test_poses_that_are_no_numbers_end_the_figures(value: float, column: int, ro
     assert "its pose is no number" in text
     assert found.seconds == pytest.approx(max(row - 1, 0) * 0.05)
     assert found.has(Incident.IMPOSSIBLE)
+
+
+LEVEL = {"y": 0.01, "z": -0.0044, "yaw": 0.02}
+
+
+@pytest.mark.parametrize(
+    ("lost", "columns", "says"),
+    [
+        (0.5, LEVEL, "its pose became 0 0 0 0 0 0"),
+        (3.1, LEVEL, "its pose became 0 0 0 0 0 0"),  # where it is 0.06 m from the origin anyway
+        (3.0, {"y": 0.2, "z": 0.3, "roll": 0.2}, "its pose became 0 0 0 0 0 0"),
+    ],
+)
+def test_a_pose_that_becomes_zero_is_no_drive(lost: float, columns: dict[str, float], says: str) -> None:
+    is_lost = lost <= T
+    track = trajectory(np.where(is_lost, 0, ACROSS), **{name: np.where(is_lost, 0, at) for name, at in columns.items()})
+    found = measured(track)
+    assert [incident.kind for incident in found.incidents] == [Incident.IMPOSSIBLE]
+    assert f"impossible after {lost:g} s: {says}" in told(found)[0]
+    assert found.distance == pytest.approx(0.4 * (lost - 0.05), abs=0.011)
+
+
+@pytest.mark.parametrize(("jump", "axis"), [(0.9, "x"), (-0.7, "x"), (0.8, "y"), (0.45, "z")])
+def test_a_robot_that_is_at_another_place_at_once_is_impossible(jump: float, axis: str) -> None:
+    jumped = np.where(T >= 2, jump, 0.0)
+    track = trajectory(ACROSS + jumped) if axis == "x" else trajectory(ACROSS, **{axis: jumped})
+    assert any(text.startswith("impossible after 2 s: it jumped 0.") for text in told(measured(track)))
+
+
+def test_a_robot_that_drives_over_the_origin_is_possible() -> None:
+    for x in (ACROSS, np.round(0.4 * T - 1.2, 6)):
+        assert told(measured(trajectory(x, z=np.where(T < 1, 0.01, 0)), course=Course())) == []
+    still = trajectory(np.zeros_like(T))
+    assert told(measured(still, course=Course())) == []
 
 
 def test_falls_slides_and_tips_of_real_robots_are_possible() -> None:

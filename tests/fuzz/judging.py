@@ -83,6 +83,7 @@ class Judge:
             "trimesh.exchange.load",
             "trimesh.sample",
             "pypcd4.pypcd4",
+            "laspy",
         ):
             importlib.import_module(name)
         importlib.import_module("PIL.Image").init()

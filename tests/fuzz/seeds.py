@@ -161,6 +161,7 @@ def cloud(rng: np.random.Generator) -> Any:
 @cache
 def clouds() -> Mapping[str, bytes]:
     """A cloud of blocks in every format that is read, as the libraries write it; depth images of a camera above."""
+    import laspy
     import trimesh
     from PIL import Image
     from pypcd4.pypcd4 import Encoding, PointCloud
@@ -177,6 +178,12 @@ def clouds() -> Mapping[str, bytes]:
         for kind in (Encoding.ASCII, Encoding.BINARY, Encoding.BINARY_COMPRESSED):
             PointCloud.from_xyz_points(points.astype("f4")).save(Path("c.pcd"), encoding=kind)
             found[f"{kind.name.lower()}.pcd"] = Path("c.pcd").read_bytes()
+        for suffix in ("las", "laz"):
+            laser = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
+            laser.header.scales = np.full(3, 1e-4)
+            laser.x, laser.y, laser.z = points.T
+            laser.write(f"c.{suffix}")
+            found[f"laser.{suffix}"] = Path(f"c.{suffix}").read_bytes()
     heights = np.floor(np.random.default_rng(6).random((4, 4)) * 4) * 0.1 + 0.05
     boxes = [trimesh.creation.box((2, 2, 0.1))]
     for (i, j), height in np.ndenumerate(heights):

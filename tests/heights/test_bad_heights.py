@@ -176,7 +176,7 @@ MAP = "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_th
         (("0.05", "0"), "resolution: 0 is outside"),
         (("0.05", ".nan"), "resolution: nan is not a finite number"),
         (("0.05", "{a: 1}"), "resolution: {'a': 1} is not a number"),
-        (("negate: 0", "negate: yes"), "negate: True is not a whole number"),
+        (("negate: 0", "negate: perhaps"), "negate: 'perhaps' is not a whole number"),
         ((MAP, "[1, 2]"), "not an occupancy grid of ROS"),
         ((MAP, "image: m.pgm"), "resolution: nothing is not a number"),
     ],

@@ -155,10 +155,10 @@ def test_a_depth_image_needs_its_camera_and_16_bits(tmp_path: Path) -> None:
     for values in ({"values": "depth"}, {"camera_cm": 100}):
         with pytest.raises(ParameterError, match="camera_cm: the height of the camera is needed with values: depth"):
             Picture(**values)
-    with pytest.raises(ParameterError, match="datum_cm: is for values: mm and depth"):
+    with pytest.raises(ParameterError, match="datum_cm: is for heights and depths"):
         Picture(datum_cm=3)
     Image.fromarray(np.zeros((2, 2), dtype=np.uint8)).save(tmp_path / "grey.png")
-    with pytest.raises(FileError, match=r"grey\.png: L pixels; heights and depths in mm need a 16-bit greyscale image"):
+    with pytest.raises(FileError, match=r"grey\.png: L pixels; heights and depths need a greyscale image of 16 bits"):
         imported(tmp_path / "grey.png", Picture(values="mm"))
 
 

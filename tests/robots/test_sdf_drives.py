@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -352,3 +353,25 @@ def test_poses_may_be_in_degrees_quaternions_and_other_frames(tmp_path: Path) ->
         for y in (0.15, -0.15):
             text = text.replace(pose.format(y=y), other.format(y=y))
         assert read(tmp_path, text).size == pytest.approx((0.4, 0.32, 0.13))
+
+
+@pytest.mark.parametrize(("moment", "is_light"), [("1e-6", True), ("1.7e-5", True), ("2e-4", True), ("5e-2", False)])
+def test_wheels_that_are_too_light_for_a_drive_without_torque_are_named(
+    tmp_path: Path, moment: str, *, is_light: bool
+) -> None:
+    """The cylinder of a wheel is about z, and its joint turns it; 3.4 kg weigh 33 N, and 0.05 m is its radius."""
+    text = two_wheels(ROS_1).replace("<izz>0.0008</izz>", f"<izz>{moment}</izz>")
+    assert text.count(f"<izz>{moment}</izz>") == 2
+    robot = read(tmp_path, text)
+    notes = [note for note in robot.notes("classic") if "its wheels are light" in note]
+    assert len(notes) == is_light
+    newtons = 2 * float(moment) * robot.driving_speed / (0.05**2 * 0.001)
+    assert all(f"give the ground {newtons:.3g} N at 0.2 m/s, and it weighs 33.4 N" in note for note in notes)
+    assert not any("its wheels are light" in note for note in robot.notes("sim"))
+
+
+def test_enough_inertia_for_a_drive_without_torque_is_enough(tmp_path: Path) -> None:
+    light = read(tmp_path, two_wheels(ROS_1).replace("<izz>0.0008</izz>", "<izz>1e-5</izz>")).light_wheels
+    enough = re.search(r"give each wheel (\S+) kg m\^2", light)
+    assert enough is not None
+    assert not read(tmp_path, two_wheels(ROS_1).replace("<izz>0.0008</izz>", f"<izz>{enough[1]}</izz>")).light_wheels

@@ -156,3 +156,46 @@ def test_expressions_that_may_do_more_are_refused(expression: str) -> None:
 def written(path: Path, text: str) -> Path:
     path.write_text(text, "utf-8")
     return path
+
+
+HEAVY = '<xacro:macro name="heavy" params="m"><mass value="${m}"/></xacro:macro>'
+
+
+@with_xacro
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("inner", "names"),
+    [
+        ('<property name="side" value="0.2"/><gazebo reference="base"><kp>${side}</kp></gazebo>', "<property>"),
+        ('<macro name="heavy" params="m"><mass value="${m}"/></macro>', "<macro>"),
+        (HEAVY + "<link name='extra'><heavy m='1'/></link>", "<heavy>"),
+        (HEAVY + "<property name='a' value='1'/><heavy m='1'/>", "<property>, <heavy>"),
+    ],
+)
+def test_macros_of_old_files_are_named(tmp_path: Path, inner: str, names: str) -> None:
+    with pytest.raises(FileError, match=f"mine.xacro: there is no xacro: before the names of {names}, without which"):
+        expanding(tmp_path, inner)
+
+
+@with_xacro
+@pytest.mark.slow
+def test_a_macro_may_be_called_like_an_element(tmp_path: Path) -> None:
+    box = '<xacro:macro name="box"><box size="3 3 3"/></xacro:macro><xacro:macro name="visual"/>'
+    hull = '<gazebo reference="base"><kp>1</kp></gazebo>'
+    assert expanding(tmp_path, box + hull).size == expanding(tmp_path, hull).size
+
+
+@with_xacro
+@pytest.mark.slow
+def test_packages_that_are_not_found_are_named_where_their_values_are_missing(tmp_path: Path) -> None:
+    include = '<xacro:include filename="$(find b_description)/urdf/lengths.xacro"/>'
+    inner = include + '<gazebo reference="base"><kp>${side}</kp></gazebo>'
+    (tmp_path / "ws/a_description").mkdir(parents=True)
+    (tmp_path / "ws/a_description/package.xml").write_text("<package><name>a_description</name></package>")
+    with pytest.raises(FileError, match=r"'side' is not defined .*; these packages are not found: b_description; put"):
+        expanding(tmp_path / "ws/a_description", inner)
+    deep = tmp_path / "ws/somebodys-repository/common/b"
+    (deep / "urdf").mkdir(parents=True)
+    (deep / "package.xml").write_text("<package><name>b_description</name></package>")
+    (deep / "urdf/lengths.xacro").write_text(f"<robot {SPACE}><xacro:property name='side' value='3000'/></robot>")
+    assert "<kp>3000</kp>" in expanding(tmp_path / "ws/a_description", inner).text

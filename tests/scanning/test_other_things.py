@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -147,3 +147,38 @@ def test_missing_turned_and_shifted_blocks_are_right(degrees: float) -> None:
         boxes += f'<geom type="box" size="0.05 0.05 {half}" pos="{x} {y} {half}" euler="0 0 {turn}"/>'
     cloud = with_flaws(cast_by_mujoco(boxes, TWO_VIEWS), USUAL, rng)
     right_turn(find_field(turned(cloud, rng, 0.3)), replace(field, levels=levels))
+
+
+def bent_corner(rng: np.random.Generator, x: Array, y: Array) -> Array:
+    return np.where(np.hypot(x + 0.5, y + 0.5) < 0.17, 0.017, 0) + rng.normal(0, 0.0015, x.shape)
+
+
+def cup(rng: np.random.Generator, x: Array, y: Array) -> Array:
+    return np.where(np.hypot(x, y) < 0.12, 0.03, 0) + rng.normal(0, 0.001, x.shape)
+
+
+def parcel(rng: np.random.Generator, x: Array, y: Array) -> Array:
+    u, v = 0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x
+    return np.where((np.abs(u) < 0.2) & (np.abs(v) < 0.13), 0.15, 0) + rng.normal(0, 0.003, x.shape)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("heights", [bent_corner, cup, parcel])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_one_thing_on_the_floor_is_no_field(heights: Callable[..., Array], seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(-0.5, 0.5, (2, 60_000))
+    with pytest.raises(ScanError, match=r"one raised patch of one height|no grid of blocks"):
+        find_field(np.column_stack([x, y, heights(rng, x, y)]))
+
+
+@pytest.mark.slow
+def test_one_patch_of_blocks_is_found_if_their_width_is_given() -> None:
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(-0.5, 0.5, (2, 60_000))
+    heights = np.where((np.abs(x) < 0.2) & (np.abs(y) < 0.3), 0.1, 0) + rng.normal(0, 0.002, x.shape)
+    cloud = np.column_stack([x, y, heights])
+    with pytest.raises(ScanError, match="one raised patch of one height"):
+        find_field(cloud)
+    scan = find_field(cloud, ScanSettings(block_width=0.1, boundary="none"))
+    assert scan.levels.tolist() == np.ones((4, 6)).tolist()

@@ -308,6 +308,8 @@ def _hardly_moved(run: RobotRun, trajectory: Trajectory, route: str) -> Iterator
     share = f"{run.name} moved {moved:.2f} m in {seconds:.3g} s, {moved / commanded:.1%} of what was commanded"
     parts = ", ".join((*run.robot.drive.left, *run.robot.drive.right))
     doubt = f"perhaps {parts} do not turn, do not touch the ground, or are not what it drives on"
+    if isinstance(run.robot, SdfRobot) and (light := run.robot.light_wheels):
+        doubt += f"; or, without a reaction of its motors, {light}"
     if route == Wandering.name:
         yield f"{share}: it is stuck where it started, or {doubt}"
     else:

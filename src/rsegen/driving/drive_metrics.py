@@ -43,6 +43,12 @@ FAST = 3.0
 """Times the commanded speed that a robot cannot go on for a second, beyond its own diagonal: one that slides is
 faster for a moment, one that tips over moves its origin by its diagonal."""
 
+FALLING = 5.0
+"""Metres per second of a robot that falls or slides, beyond its own speed: from a block of 1.2 m."""
+
+RESOLUTION = 0.05
+"""Metres by which a place in a record may be off, beyond that."""
+
 WINDOW = 1.0
 """Seconds over which a robot is too fast, or stuck."""
 
@@ -194,10 +200,10 @@ def possible_part(
         low, high = min(0.0, float(z[0])) - DEEP, course.top + max(0.0, float(z[0])) + diagonal
         places = ((z < low, "below the ground"), (z > high, "above all blocks by more than its diagonal"))
         problems += [(row, reason) for claims, reason in places if (row := _first(claims)) is not None]
-        problems += _too_fast(t, x, y, speed, diagonal)
+        problems += [*_too_fast(t, x, y, speed, diagonal), *_lost(rows, speed)]
     if not problems:
         return trajectory, None
-    row, reason = min(problems)
+    row, reason = min(problems, key=lambda problem: problem[0])
     incident = Incident(kind=Incident.IMPOSSIBLE, seconds=_seconds(trajectory, row), reason=reason)
     return Trajectory(rows=trajectory.rows[:row] if row else np.zeros((1, len(COLUMNS)))), incident
 
@@ -213,6 +219,18 @@ def _too_fast(t: Array, x: Array, y: Array, speed: float, diagonal: float) -> li
     steps = np.diff(path[: late + 1]) > FAST * speed * np.diff(t[: late + 1])
     row = int(np.flatnonzero(steps & (t[1 : late + 1] > t[late] - WINDOW))[0]) + 1
     return [(row, f"up to {within.max():.2f} m in {WINDOW:g} s, at a commanded {speed:g} m/s")]
+
+
+def _lost(rows: Array, speed: float) -> Iterator[tuple[int, str]]:
+    """Yield the rows at which the physics lost a robot, with the reasons: it is at no place, or at another at once."""
+    nowhere, has_moved = (rows[:, 1:] == 0).all(axis=1), np.logical_or.accumulate((rows[:, 3:] != 0).any(axis=1))
+    # A robot on its way over the origin is there in one row, and is hardly ever quite level.
+    if (row := _first(nowhere[:-1] & nowhere[1:] & has_moved[:-1])) is not None:
+        yield row, "its pose became 0 0 0 0 0 0, which Gazebo Classic writes for one that is no number"
+    jumps = np.linalg.norm(np.diff(rows[:, 1:4], axis=0), axis=1)
+    most = (FAST * speed + FALLING) * np.diff(rows[:, 0]) + RESOLUTION
+    if (row := _first(jumps > most)) is not None:
+        yield row + 1, f"it jumped {jumps[row]:.2f} m in {rows[row + 1, 0] - rows[row, 0]:.3g} s"
 
 
 def _off_the_map(trajectory: Trajectory, course: Course) -> Incident | None:

@@ -94,7 +94,7 @@ def advice(heights_cm: Array, unit_cm: float) -> str:
     # First another ground, then this unit measured badly, then another unit, of which blocks have 1 to 150 cm.
     lowest = float(heights.min())
     if lowest > unit_cm / 4 and _are_near(heights - lowest, unit_cm):
-        return f"they are whole units above {lowest:.4g} cm: give datum_cm {lowest:.4g} if that is the ground"
+        return f"they are whole units above {lowest:.6g} cm: give datum_cm {lowest:.6g} if that is the ground"
     step = _largest_step(heights)
     if step is None:
         return "give another unit_cm, other values (cm, m, in, ...), or rounded"

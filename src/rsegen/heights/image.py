@@ -1,10 +1,11 @@
-"""Import images: grey values or depths as heights, and occupancy maps of ROS as walls; one pixel per cell.
+"""Import images: grey values, heights or depths, and occupancy maps of ROS as walls; one pixel per cell.
 
 Grey values become evenly spaced levels; a cell of another size than a pixel has the mean of the area that it covers,
-exactly. Where an image is transparent nothing is known. A depth camera that looks straight down from a height c sees
-heights c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as map_server and Nav2 write them) has a wall
-where the probability, high for dark pixels, is above its threshold. The size is checked before an image is decoded, as
-a small file may hold a huge one.
+exactly. Where an image is transparent nothing is known. Heights of terrain are whole numbers or floating-point ones, in
+a unit that no image says; a pixel of the value that a GeoTIFF gives as no data is a hole. A depth camera that looks
+straight down from a height c sees heights c - depth; 0 is a hole. An occupancy map (map.yaml and its image, as
+map_server and Nav2 write them) has a wall where the probability, high for dark pixels, is above its threshold. The size
+is checked before an image is decoded, as a small file may hold a huge one.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from rsegen.errors import FileError, ParameterError
-from rsegen.heights.base import USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
+from rsegen.heights.base import CENTIMETRES, USUAL_UNIT_CM, Heights, Importer, refuse_too_many_cells, register
 from rsegen.heights.measured import Measured
 from rsegen.input_files import opened_image
 from rsegen.params.sorts import Cell, Choice, Flag, Float, Integer, Parameter, Size2D, Text, parameters
@@ -29,13 +30,15 @@ if TYPE_CHECKING:
 _WHITE_OF_16_BITS = 65535
 """The largest grey value of 16 bits; Pillow reads such images as 32-bit integers."""
 
+_THEIR_UNIT = "values m, cm, mm or in if they are heights"
+
 _OF_MEASURES = tuple(name for name in parameters(Measured) if name != "size")
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Picture(Measured):
-    """A grey image, white the highest, or heights or depths in mm; colours by brightness, transparent parts unknown."""
+    """A grey image, white the highest, or heights, or depths in mm; colours by brightness, transparent unknown."""
 
     name: ClassVar[str] = "image"
     suffixes: ClassVar[tuple[str, ...]] = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp")
@@ -55,9 +58,9 @@ class Picture(Measured):
     values: Annotated[
         str,
         Choice(
-            ("grey", "mm", "depth"),
-            help="meaning of the pixels: grey, shares of the highest level; mm, heights; depth, distances in mm from "
-            "a level camera, 0 for none",
+            ("grey", *CENTIMETRES, "depth"),
+            help="meaning of the pixels: grey, shares of the highest level; cm, mm, m or in, heights in this unit; "
+            "depth, distances in mm from a level camera, 0 for none",
         ),
     ] = "grey"
     camera_cm: Annotated[
@@ -70,7 +73,7 @@ class Picture(Measured):
             raise ParameterError("camera_cm", "the height of the camera is needed with values: depth, and only there")
         given = [name for name in _OF_MEASURES if self.values == "grey" and getattr(self, name)]
         if given:
-            raise ParameterError(given[0], "is for values: mm and depth; grey values have no unit")
+            raise ParameterError(given[0], "is for heights and depths (values: mm, m, ...); grey values have no unit")
         if self.framed and self.values != "grey":
             raise ParameterError("framed", "is for values: grey, as the format heightmap writes them")
 
@@ -86,18 +89,22 @@ class Picture(Measured):
         return Heights(levels=levels, unit_cm=unit_cm or USUAL_UNIT_CM, recipe_values=recipe_values)
 
     def _heights_cm(self, path: Path) -> Array:
-        """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing."""
+        """Return the heights of all pixels, shape (n_x, n_y); nan where a depth camera saw nothing, or for no data."""
         import numpy as np
 
         with opened_image(path) as image:
             refuse_too_many_cells(path, *image.size)
-            if not image.mode.startswith("I"):
-                raise FileError(f"{path}: {image.mode} pixels; heights and depths in mm need a 16-bit greyscale image")
-            numbers, _, opaque = _grey(path, image)
-            millimetres = np.where(opaque == 0, np.nan, numbers)[::-1].T if opaque is not None else numbers[::-1].T
+            if not image.mode.startswith(("I", "F")):
+                kinds = "a greyscale image of 16 bits or floating-point numbers"
+                raise FileError(f"{path}: {image.mode} pixels; heights and depths need {kinds}")
+            numbers = np.asarray(image.convert("F" if image.mode == "F" else "I"), dtype=np.float64)[::-1].T
+            none = (_no_data(image), image.info.get("transparency"))
+        for value in none:
+            if isinstance(value, int | float):
+                numbers = np.where(np.isclose(numbers, value, rtol=1e-6, atol=0), np.nan, numbers)
         if self.camera_cm is None:
-            return millimetres / 10
-        return np.where(millimetres == 0, np.nan, self.camera_cm - millimetres / 10)
+            return numbers * CENTIMETRES[self.values]
+        return np.where(numbers == 0, np.nan, self.camera_cm - numbers / 10)
 
     def _levels(self, grey: Array) -> Ints:
         """Return the levels of grey values, -1 where they are not known."""
@@ -182,14 +189,30 @@ def area_means(values: Ints, size: Cell) -> Array:
     return np.asarray(sums / float(values.size))
 
 
+_NO_DATA = 42113
+"""The tag of a GeoTIFF with the value of pixels that have none, as a text (GDAL_NODATA)."""
+
+
+def _no_data(image: Image) -> float | None:
+    """Return the value of pixels without data in an image, None if it gives none."""
+    text = getattr(image, "tag_v2", {}).get(_NO_DATA)
+    try:
+        return float(str(text).strip("\x00 "))
+    except ValueError:
+        return None
+
+
 def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
     """Return an image as numbers in rows, the value of white, and its opacity, 0..255; None if all of it is opaque."""
     import numpy as np
 
+    if image.mode == "F":
+        low, high = image.getextrema()
+        raise FileError(f"{path}: floating-point numbers of {low:g}..{high:g} have no white; give {_THEIR_UNIT}")
     if image.mode.startswith("I"):
         grey = np.asarray(image.convert("I"), dtype=np.int64)
         if not 0 <= grey.min() <= grey.max() <= _WHITE_OF_16_BITS:
-            problem = f"grey values of {grey.min()}..{grey.max()}; give an image of 8 or 16 bits"
+            problem = f"grey values of {grey.min()}..{grey.max()}; give an image of 8 or 16 bits, or {_THEIR_UNIT}"
             raise FileError(f"{path}: {problem}")
         clear = image.info.get("transparency")
         return grey, float(_WHITE_OF_16_BITS), (grey != clear) * _OPAQUE if isinstance(clear, int) else None
@@ -208,11 +231,12 @@ _WALL_CM = 100.0
 _KEYS: dict[str, Parameter] = {
     "image": Text(r"[^\x00-\x1f]{1,500}", "the path of an image"),
     "resolution": Float(1e-5, 1000, unit="m"),
+    "mode": Choice(("trinary", "scale", "raw")),
     "negate": Integer(0, 1),
     "occupied_thresh": Float(0, 1),
     "free_thresh": Float(0, 1),
 }
-_USUAL = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
+_USUAL = {"mode": "trinary", "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.25}
 
 
 @register
@@ -234,15 +258,24 @@ class OccupancyImage(Importer):
         content = recipe_file.recipe_content(path)
         if not isinstance(content, Mapping):
             raise FileError(f"{path}: not an occupancy grid of ROS; it has keys such as image: and resolution:")
+        values = {key: content.get(key, _USUAL.get(key)) for key in _KEYS}
+        if isinstance(values["negate"], bool):  # as YAML writes it
+            values["negate"] = int(values["negate"])
         try:
-            metadata = {key: sort.check(key, content.get(key, _USUAL.get(key))) for key, sort in _KEYS.items()}
+            metadata = {key: sort.check(key, values[key]) for key, sort in _KEYS.items()}
         except ParameterError as error:
             raise error.of(str(path)) from None
-        # As map_server of ROS reads it: dark is occupied, unless `negate`; between the thresholds is unknown.
+        # As map_server of ROS reads it. Dark is occupied, unless `negate`; between the thresholds is unknown, or with
+        # the mode `scale` less probable. With `raw` the pixels are per cent, and unknown above 100.
         bright = brightness(path.parent / metadata["image"])
         probability = bright if metadata["negate"] else 1 - bright
-        free = probability < metadata["free_thresh"]  # transparent parts are unknown, so neither free nor occupied
-        walls = ~free if self.unknown else probability > metadata["occupied_thresh"]
+        unknown = np.isnan(bright)  # where it is transparent
+        if metadata["mode"] == "raw":
+            probability = np.rint(bright * 255) / 100
+            unknown |= probability > 1
+        elif metadata["mode"] == "trinary":
+            unknown |= (probability >= metadata["free_thresh"]) & (probability <= metadata["occupied_thresh"])
+        walls = np.where(unknown, self.unknown, probability > metadata["occupied_thresh"])
         return Heights(
             levels=walls.astype(np.int32),
             unit_cm=unit_cm or _WALL_CM,

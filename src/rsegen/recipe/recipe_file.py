@@ -52,12 +52,15 @@ def recipe_content(path: Path) -> object:
     return _parse_json(text, path) if path.suffix.lower() == ".json" else parse_yaml(text, path)
 
 
-def parse_yaml(text: str, path: Path) -> object:
-    """Return the content of a YAML text; a FileError for all that rsegen's own files do not have."""
+def parse_yaml(text: str, path: Path, *, last_counts: bool = False) -> object:
+    """Return the content of a YAML text; a FileError for all that rsegen's own files do not have.
+
+    last_counts: of a key that is given twice the last value counts; it is an error without this
+    """
     from rsegen.recipe.yaml_loader import Loader  # which imports PyYAML
 
     try:
-        return Loader(text, path).get_single_data()
+        return Loader(text, path, last_counts=last_counts).get_single_data()
     except FileError:
         raise
     except Exception as error:  # PyYAML fails in many ways at values that are not what their tags say

@@ -25,11 +25,14 @@ The limit is what the largest file can say without aliases, so that they cannot 
 
 
 class Loader(yaml.SafeLoader):
-    """Refuses duplicate keys, merge keys and aliases that stand for very much, which all can grow without end."""
+    """Refuses duplicate keys, merge keys and aliases that stand for very much, which all can grow without end.
 
-    def __init__(self, text: str, path: Path) -> None:
+    last_counts: of a duplicate key the last value counts, as in ROS's files of parameters
+    """
+
+    def __init__(self, text: str, path: Path, *, last_counts: bool = False) -> None:
         super().__init__(text)
-        self._path = path
+        self._path, self._last_counts = path, last_counts
         self._depth = self._weight = 0
         self._weights: dict[str, int] = {}
 
@@ -51,8 +54,10 @@ class Loader(yaml.SafeLoader):
         return node
 
     def compose_mapping_node(self, anchor: Any) -> Any:
-        """Compose a mapping; a FileError for a duplicate key."""
+        """Compose a mapping; a FileError for a duplicate key, unless the last one counts."""
         node = super().compose_mapping_node(anchor)
+        if self._last_counts:
+            return node
         keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
         refuse_duplicates((key.value, self._at(key)) for key in keys)
         return node

@@ -14,6 +14,9 @@ CAPABILITY = Capability(
     needs=("pictures", "standing"),
     commands=(
         Command("spots", "maps", "find spots for a start or a goal of a robot", "rsegen.robots.commands", "spots"),
+        Command(
+            "robot", "information", "print what was read of a robot, and from where", "rsegen.robots.robot_command"
+        ),
     ),
     public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
     extras=(MESH, XACRO),

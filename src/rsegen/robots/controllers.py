@@ -1,15 +1,18 @@
 """Read what ROS drives of a robot from its ros2_control or transmissions, and from the parameters of a controller.
 
 URDF says which joints take a velocity; which of them are wheels, and their separation, radius and limits, stand in a
-YAML file of diff_drive_controller in one of the packages around the robot. That file is one that names joints of the
-robot, and nothing else, as wheels, so no name of a package or file is assumed. Its numbers are the maker's: the
-separation times its multiplier makes a robot with four wheels turn as commanded although it skids. Cost: a text search
-in at most _MOST_FILES files. What breaks it: prefixes that only a launch file adds, and controllers of other types.
+YAML file of diff_drive_controller in one of the packages of the robot. That file is one that names joints of the
+robot, and nothing else, as wheels, so no name of a package or file is assumed; but makers call joints alike, so its
+package has to belong to that of the robot. A file is read as ROS reads it: the last value of a key counts, and a prefix
+that a launch file gives, $(arg prefix), is what the joints begin with. Its numbers are the maker's: the separation
+times its multiplier makes a robot with four wheels turn as commanded although it skids. Cost: a text search in at most
+_MOST_FILES files. What breaks it: controllers of other types, and robots of one repository whose joints are the same.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain, islice
@@ -20,7 +23,7 @@ from xml.etree.ElementTree import Element
 from rsegen.errors import FileError
 from rsegen.input_files import regular_content
 from rsegen.recipe.recipe_file import parse_yaml
-from rsegen.robots.uris import packages_around
+from rsegen.robots.uris import belong_together, packages_around
 
 _MOST_FILES = 300
 """YAML files that are looked into; a robot of ROS has some tens in its packages."""
@@ -33,6 +36,10 @@ _DEEPEST = 3
 
 _LEFT, _RIGHT = ("left_wheel_names", "left_wheel"), ("right_wheel_names", "right_wheel")
 """Names of the parameter with a side's wheels, of ROS 2 and of ROS."""
+
+
+_TO_BE_REPLACED = re.compile(r"^(?:\$\([^)]*\)|\$\{[^}]*\}|<[^>]*>|/)+")
+"""What a launch file replaces at the start of a joint's name."""
 
 
 class Controller(NamedTuple):
@@ -55,11 +62,13 @@ class Controller(NamedTuple):
 class Controls(NamedTuple):
     """The joints of a robot that ROS drives.
 
-    rates: joints that take a velocity, with its limit, rad/s; controllers: of wheels that are joints of the robot.
+    rates: joints that take a velocity, with its limit, rad/s; controllers: of wheels that are joints of the robot;
+    remarks: sentences about files that name wheels, and are not used
     """
 
     rates: Mapping[str, float | None] = {}
     controllers: tuple[Controller, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def controls(robot: Element, where: Path) -> Controls:
@@ -67,8 +76,9 @@ def controls(robot: Element, where: Path) -> Controls:
     rates = {joint.get("name", ""): limit for joint, limit in _velocities(robot)}
     joints = {joint.get("name", "") for joint in robot.findall("joint")}
     texts = ((element.text or "").strip() for element in robot.iter("parameters"))
-    files = (Path(text) for text in texts if text.startswith("/"))
-    return Controls(rates, tuple(_controllers(chain(files, _yaml_files(where)), joints)))
+    files = [Path(text) for text in texts if text.startswith("/")]
+    remarks: list[str] = []
+    return Controls(rates, tuple(_controllers(where, files, joints, remarks)), tuple(remarks))
 
 
 def _velocities(robot: Element) -> Iterator[tuple[Element, float | None]]:
@@ -84,22 +94,43 @@ def _velocities(robot: Element) -> Iterator[tuple[Element, float | None]]:
             yield joint, None
 
 
-def _yaml_files(where: Path) -> Iterator[Path]:
-    """Yield the YAML files of the packages around a file, those of its own package first."""
-    for package in packages_around(where):
-        waiting = [(package, 0)]
-        while waiting:
-            folder, depth = waiting.pop(0)
-            with suppress(OSError), os.scandir(folder) as entries:
-                for entry in sorted(entries, key=lambda entry: entry.name):
-                    if entry.name.endswith((".yaml", ".yml")):
-                        yield Path(entry.path)
-                    elif depth < _DEEPEST and not entry.name.startswith(".") and entry.is_dir(follow_symlinks=False):
-                        waiting.append((Path(entry.path), depth + 1))
+def _yaml_files(package: Path) -> Iterator[Path]:
+    """Yield the YAML files of a package."""
+    waiting = [(package, 0)]
+    while waiting:
+        folder, depth = waiting.pop(0)
+        with suppress(OSError), os.scandir(folder) as entries:
+            for entry in sorted(entries, key=lambda entry: entry.name):
+                if entry.name.endswith((".yaml", ".yml")):
+                    yield Path(entry.path)
+                elif depth < _DEEPEST and not entry.name.startswith(".") and entry.is_dir(follow_symlinks=False):
+                    waiting.append((Path(entry.path), depth + 1))
 
 
-def _controllers(files: Iterator[Path], joints: set[str]) -> Iterator[Controller]:
-    """Yield the controllers in files all of whose wheels are joints of the robot."""
+def _controllers(where: Path, named: Sequence[Path], joints: set[str], remarks: list[str]) -> Iterator[Controller]:
+    """Yield the controllers all of whose wheels are joints of the robot, in files that it names and of its packages.
+
+    remarks: gets a sentence for each file that cannot be read, and, without any other, each of another robot's package
+    """
+    packages = list(packages_around(where))
+    own = [packages[0], *(other for other in packages[1:] if belong_together(packages[0], other))] if packages else []
+    files = chain(named, chain.from_iterable(map(_yaml_files, own)))
+    has_own = False
+    for file, tables in _with_wheels(files, joints, remarks):
+        for controller in (controller for table in tables if (controller := _controller(table, joints, file))):
+            has_own = True
+            yield controller
+    others = chain.from_iterable(_yaml_files(package) for package in packages if package not in own)
+    for file, tables in () if has_own else _with_wheels(others, joints, []):
+        if any(_controller(table, joints, file) for table in tables):
+            problem = "its wheels are called like those of this robot, but its package belongs to another"
+            remarks.append(f"{_place(file)} is not used: {problem}")
+
+
+def _with_wheels(
+    files: Iterator[Path], joints: set[str], remarks: list[str]
+) -> Iterator[tuple[Path, list[Mapping[Any, Any]]]]:
+    """Yield the files that have parameters of wheels, once each, with all their mappings."""
     seen: set[Path] = set()
     for file in islice(files, _MOST_FILES):
         if file in seen:
@@ -109,11 +140,18 @@ def _controllers(files: Iterator[Path], joints: set[str]) -> Iterator[Controller
         # The loader is slow, and most files have nothing of wheels.
         if len(content) > _LARGEST or b"left_wheel" not in content or b"right_wheel" not in content:
             continue
-        with suppress(FileError, UnicodeDecodeError):  # of another program, or a template of a launch file
-            for table in _tables(parse_yaml(content.decode("utf-8"), file)):
-                left, right = _names(table, _LEFT), _names(table, _RIGHT)
-                if left and len(left) == len(right) and joints.issuperset((*left, *right)):
-                    yield _controller(table, left, right, file)
+        try:
+            yield file, list(_tables(parse_yaml(content.decode("utf-8"), file, last_counts=True)))
+        except FileError as error:  # of another program, or a template of a launch file
+            if any(joint and joint.encode() in content for joint in joints):
+                remarks.append(f"left out, as it is not read: {str(error).replace(str(file), _place(file), 1)}")
+        except UnicodeDecodeError:
+            continue
+
+
+def _place(file: Path) -> str:
+    """Return the path of a file from its package on, as it usually is."""
+    return "/".join(file.parts[-3:])
 
 
 def _tables(value: Any) -> Iterator[Mapping[Any, Any]]:
@@ -128,7 +166,16 @@ def _tables(value: Any) -> Iterator[Mapping[Any, Any]]:
         waiting += reversed(value.values())
 
 
-def _controller(table: Mapping[Any, Any], left: tuple[str, ...], right: tuple[str, ...], file: Path) -> Controller:
+def _controller(table: Mapping[Any, Any], joints: set[str], file: Path) -> Controller | None:
+    """Return the controller of a mapping; None if it is none, or has wheels that are no joints of the robot."""
+    left, right = _names(table, _LEFT), _names(table, _RIGHT)
+    if not left or len(left) != len(right):
+        return None
+    names = _prefixed((*left, *right), joints)
+    if names is None:
+        return None
+    left, right = names[: len(left)], names[len(left) :]
+
     def number(path: str) -> float | None:
         return _positive(_value(table, path))
 
@@ -139,7 +186,7 @@ def _controller(table: Mapping[Any, Any], left: tuple[str, ...], right: tuple[st
         for axis in ("linear.x", "angular.z")
     )
     return Controller(
-        where="/".join(file.parts[-3:]),
+        where=_place(file),
         left=left,
         right=right,
         separation=number("wheel_separation"),
@@ -148,6 +195,22 @@ def _controller(table: Mapping[Any, Any], left: tuple[str, ...], right: tuple[st
         speed=speed,
         turn=turn,
     )
+
+
+def _prefixed(names: tuple[str, ...], joints: set[str]) -> tuple[str, ...] | None:
+    """Return names with what a launch file puts in place of $(arg prefix): nothing, or what the joints begin with.
+
+    None if they are then no joints.
+    """
+    bare = [_TO_BE_REPLACED.sub("", name) for name in names]
+    prefixes = [""]
+    if any(_TO_BE_REPLACED.match(name) for name in names):
+        prefixes += sorted(joint.removesuffix(bare[0]) for joint in joints if joint.endswith(bare[0]))
+    for prefix in prefixes:
+        whole = tuple(prefix * bool(_TO_BE_REPLACED.match(name)) + rest for name, rest in zip(names, bare, strict=True))
+        if joints.issuperset(whole):
+            return whole
+    return None
 
 
 def _value(table: Any, path: str) -> Any:

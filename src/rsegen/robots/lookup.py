@@ -7,11 +7,11 @@ from typing import TypeAlias
 
 from numpy.typing import ArrayLike
 
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
-from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
+from rsegen.robots.sdf_file import SUFFIXES, SdfRobot, from_file, is_robot_file
 from rsegen.standing import resting
 from rsegen.standing.resting import Poses
 
@@ -49,7 +49,13 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
         If it is anything else.
     """
     if isinstance(what, str | os.PathLike):
-        return from_file(what) if is_robot_file(what) else robot_of_kind(os.fspath(what), where)
+        if is_robot_file(what):
+            return from_file(what)
+        if what not in ROBOTS and os.path.isfile(what):
+            raise FileError(
+                f"{os.fspath(what)}: robots are read from files named {', '.join('*' + s for s in SUFFIXES)}"
+            )
+        return robot_of_kind(os.fspath(what), where)
     if not isinstance(what, Robot | SdfRobot):
         raise ParameterError(where, f"{shown(what)} is no robot; give a kind, as in 'burger', or a file of one")
     return what

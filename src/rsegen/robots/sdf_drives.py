@@ -3,14 +3,15 @@
 A plug-in, of a simulator or of ROS, names joints (wheels) or links (tracks), and perhaps separation, radius and limits;
 what it does not say is measured on the collision shapes. Left and right follow from the places of the joints, as Gazebo
 Classic's plug-ins call left what is right. Without a known plug-in, wheels are those of a controller of ROS, else the
-joints that take a velocity, else what looks like wheels; or the user names wheels or tracks. What breaks it: wheels in
-an <include>, shapes of unknown size, wheels that are steered (docs/robots.md).
+joints that take a velocity, else what looks like wheels; or the user names wheels or tracks. What breaks it:
+shapes of unknown size, wheels that are steered (docs/robots.md).
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -22,7 +23,7 @@ from rsegen.params.sorts import Float
 from rsegen.robots.base import refuse_outside
 from rsegen.robots.controllers import Controller, Controls
 from rsegen.robots.drives import Drive, Tracks, Wheels
-from rsegen.robots.sdf_shapes import ModelFrames, floats
+from rsegen.robots.sdf_shapes import ModelFrames, floats, inertia_tensor, inertials
 
 DEFAULT_SPEED: float = 0.2
 DEFAULT_TURN: float = 0.5
@@ -59,11 +60,11 @@ _ROUND, _GROUNDED, _CENTRED = 0.05, 0.2, 0.2
 """Shares of a wheel's size: by which its height and length may differ; of its radius: by which its lowest point may be
 above that of the robot, and its middle away from its axis."""
 
-_RADIUS = ", the radius by its wheels and not"
-"""What a note says of a radius that is not that of the wheels, before its value."""
-
 _LIKE = 0.8
 """Radius of a driven wheel at least, as a share of the largest: smaller ones are casters."""
+
+_AS_FAR = 0.05
+"""Share of the distance of the wheels by which a separation may differ without a word."""
 
 _AGREES = 0.01
 """Share of a wheel's measured radius by which that of a plug-in may differ; beyond it the measured one counts."""
@@ -114,7 +115,7 @@ def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
     Classic's DiffDrive knows one pair of wheels, so a model may have several: plug-ins of one kind are one drive.
     """
     merged: dict[str, Element] = {}
-    for plugin in model.iter("plugin"):
+    for plugin in _plugins(model, frames):
         key = plugin_key(plugin.get("filename", ""))
         if key in (*KNOWN, TRACK_CONTROLLER):
             merged.setdefault(key, Element("plugin")).extend(list(plugin))
@@ -123,6 +124,19 @@ def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
     drives = (drive._replace(plugin=key, origin=key) for key, drive in read if drive)
     controllers = merged.get(TRACK_CONTROLLER)
     return next(drives, None) or (None if controllers is None else _track_controllers(controllers, frames))
+
+
+def _plugins(model: Element, frames: ModelFrames, scope: str = "") -> Iterator[Element]:
+    """Yield the plug-ins of a model, with the names that those of a nested one give as they are in the model."""
+    for plugin in model.findall("plugin"):
+        copy = deepcopy(plugin)
+        for element in copy.iter() if scope else ():
+            inner = f"{scope}{(element.text or '').strip()}"
+            if inner in frames.joints or inner in frames.elements:
+                element.text = inner
+        yield copy
+    for nested in model.findall("model"):
+        yield from _plugins(nested, frames, f"{scope}{nested.get('name', '')}::")
 
 
 def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
@@ -279,17 +293,20 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
     # Left is known by the places of the joints: Classic calls left what is right.
     first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
     left, right = (controller.right, controller.left) if first < second else (controller.left, controller.right)
-    separation, measured = controller.separation or float(abs(first - second)), _radius(left, frames)
+    apart, measured = float(abs(first - second)), _radius(left, frames)
+    separation = controller.separation or apart
     radius = controller.radius or measured
     if not separation or not radius:
         return None
     sizes = "it" if controller.separation and controller.radius else "its wheels"
     if measured and abs(radius - measured) > _AGREES * measured:
         # With a controller's figure the robot would drive at another speed than it is told.
-        sizes += f"{_RADIUS} {radius:.4g} m"
+        sizes += f", the radius by its wheels and not {radius:.4g} m"
         radius = measured
+    if abs(separation - apart) > _AS_FAR * apart:  # skidding wheels turn as if they were farther apart
+        sizes += f", although its wheels are {apart:.4g} m apart"
     # Classic's plug-in takes the distance between the joints for the separation.
-    apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
+    joints_apart = float(np.linalg.norm(frames.joint(left[0])[:3, 3] - frames.joint(right[0])[:3, 3]))
     drive = Wheels(
         left=tuple(left),
         right=tuple(right),
@@ -298,7 +315,7 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
         speed=DEFAULT_SPEED,
         turn=DEFAULT_TURN,
         slip=controller.slip,
-        spread=apart / separation if apart else 1,
+        spread=joints_apart / separation if joints_apart else 1,
     )
     joints = (*left, *right)
     speed, turn = _limit(SPEED, controller.speed, frames), _limit(TURN, controller.turn, frames)
@@ -325,7 +342,7 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     if read is None:
         return None
     sizes = "its plug-in" if separation and radius else "its wheels"
-    sizes += "".join(read.sizes.partition(_RADIUS)[1:])
+    sizes += "".join(read.sizes.partition(",")[1:])  # what contradicts the wheels
     return read._replace(sizes=sizes, limits_by="its model", turned=())
 
 
@@ -399,6 +416,40 @@ def _limits(plugin: Element, frames: ModelFrames) -> tuple[float | None, float |
     speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
     return speed, turn
+
+
+_STEP = 0.001
+"""Seconds of a step of Gazebo Classic, in which the speed of a wheel is written once."""
+
+_LIGHT, _HEAVY = 3.0, 10.0
+"""Times the weight of a robot below which the force of its wheels is too small for steps, and that is enough: in
+MuJoCo without a reaction, a robot whose wheels had a quarter to 2 times its weight did not drive on, with 25 it did."""
+
+
+def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
+    """Return a sentence if wheels are too light for a drive without a torque, at a speed in m/s; an empty one if not.
+
+    Gazebo Classic's drive writes the speed of a wheel in each step, which so has the momentum I v / r to give to the
+    ground: a force of I v / (r^2 t) in a step of t seconds.
+    """
+    moments = []
+    for joint in (*drive.left, *drive.right):
+        link = frames.child(joint)
+        element, place, axis = frames.elements[link], frames.transform(link), frames.axis(joint)
+        inertial = element.find("inertial")
+        turn = (place if inertial is None else place @ frames.local(inertial))[:3, :3]
+        moments.append(float(axis @ turn @ inertia_tensor(link, element, frames) @ turn.T @ axis))
+    weight = 9.81 * sum(body.mass for body in inertials(frames).values())
+    newtons = sum(moments) * speed / (drive.radius**2 * _STEP)
+    if newtons >= _LIGHT * weight:
+        return ""
+    enough = _HEAVY * weight * drive.radius**2 * _STEP / (speed * len(moments))
+    return (
+        f"its wheels are light: Gazebo Classic's drive writes their speed and has no torque, so {min(moments):.2g}"
+        f" kg m^2 give the ground {newtons:.3g} N at {speed:g} m/s, and it weighs {weight:.3g} N: a caster or step may"
+        f" hold it; a motor's rotor has more inertia, so give each wheel {enough:.1g} kg m^2 about its axis, or drive"
+        " it in MuJoCo, whose motors have a torque"
+    )
 
 
 def _limit(sort: Float, value: float | None, frames: ModelFrames) -> float | None:

@@ -5,8 +5,8 @@ the simulator that runs it, in place of its own or ROS's, and loses its sensors,
 not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model has them at, as
 nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does one that turns
 without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is written elsewhere.
-What breaks it: meshes in packages that are not found, joints inside an <include>, an arm that hangs on endless joints,
-and a rocker without a spring, which becomes stiff (docs/robots.md).
+What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not found, an arm that
+hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError
+from rsegen.errors import FileError, ParameterError, shown
 from rsegen.field.limits import SIDE
 from rsegen.gazebo.sdf import numbers, prefixes
 from rsegen.input_files import text_of, xml_root
@@ -29,6 +29,7 @@ from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Tracks, Wheels, pose_publisher
+from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
@@ -38,12 +39,13 @@ from rsegen.robots.sdf_drives import (
     ReadDrive,
     find_drive,
     is_endless,
+    light_wheels,
     named_tracks,
     named_wheels,
     plugin_key,
     steered_wheels,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials, take_out_flat
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -54,8 +56,8 @@ from rsegen.standing.spots import body_of_size
 MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
 
-_SUFFIXES = (".sdf", ".urdf", ".xacro")
-"""Endings of files that are taken for a robot."""
+SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml")
+"""Endings of files that are taken for a robot, in any letters; what is in them says which they are."""
 
 _LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
@@ -125,6 +127,19 @@ class SdfRobot(RobotOnField):
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
 
     @property
+    def held(self) -> tuple[str, ...]:
+        """The joints that are held in a drive, as nothing drives them."""
+        return _hold_and_turn(self._model(), self)
+
+    @property
+    def light_wheels(self) -> str:
+        """A sentence if its wheels are too light for Gazebo Classic's drive; an empty one if they are not."""
+        drive = self.read_drive.drive if self.read_drive else None
+        if not isinstance(drive, Wheels):
+            return ""
+        return light_wheels(drive, ModelFrames(self._model(), self.kind), self.driving_speed)
+
+    @property
     def topic(self) -> str | None:
         """The topic of its drive with {name} for its name, None if no drive is known."""
         return self.command("{name}", 0, 0, self.backend or "classic").topic if self.read_drive else None
@@ -167,6 +182,8 @@ class SdfRobot(RobotOnField):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
+        if simulator == "classic" and self.light_wheels:
+            yield f"{self.kind}: {self.light_wheels}"
         if simulator in BACKENDS:
             changes = _make_drivable(self._model(), self, self.kind, simulator)
         else:
@@ -210,7 +227,9 @@ class SdfRobot(RobotOnField):
 
 def is_robot_file(what: object) -> bool:
     """Return whether this is a path, or a text that ends as the name of a robot's file does, before any arguments."""
-    return isinstance(what, os.PathLike) or (isinstance(what, str) and with_arguments(what)[0].endswith(_SUFFIXES))
+    return isinstance(what, os.PathLike) or (
+        isinstance(what, str) and with_arguments(what)[0].lower().endswith(SUFFIXES)
+    )
 
 
 def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: str | None = None) -> SdfRobot:
@@ -227,14 +246,26 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     if is_xacro(root, where):
         text, missing = expanded(text, where, arguments)
         root = xml_root(text, where)
+        if root.tag == "robot" and root.find("link") is None:
+            raise FileError(f"{where}: has macros and no <link>; give the file of the robot that includes it")
         remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
     ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
+    remarks += ros.remarks
     separate = re.split(r"[,+]", tracks or "")
     source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
     model, version = _model_and_version(source.sdf, where)
+    includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
+    includes.put_into(model, Path(where))
+    missing = list(includes.missing)
+    if model.find(".//link") is None:
+        advice = f"; {_some(missing)} that it includes is not found: {NOT_INCLUDED}" if missing else ""
+        raise FileError(f"{where}: the model has no <link>{advice}")
+    remarks += [f"left out what it includes and is not found: {_some(missing)}"] if missing else []
     resolve_uris(model, Path(where))
+    if flat := take_out_flat(model, where):
+        remarks.append(f"left out, as these collision shapes have no size: {_some(flat)}")
     # Places and shapes come first: what the drive's plug-in does not say is measured on them.
     frames = ModelFrames(model, where)
     shapes = frames.shapes
@@ -275,6 +306,10 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     )
 
 
+def _sdf_root(file: Path) -> Element:
+    return xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file))
+
+
 def _some(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
@@ -282,12 +317,21 @@ def _some(names: Sequence[str]) -> str:
 def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
     """Return the model of an <sdf>, and its version; FileError if it has none, or others."""
     models = root.findall("model")
-    if root.tag != "sdf" or len(models) != 1 or root.find("world") is not None:
-        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF")
+    if root.tag == "mujoco":
+        raise FileError(f"{where}: a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro")
+    parts = root.findall("include")
+    if root.tag == "sdf" and not models and len(parts) == 1:  # a file that only names a model
+        models = [SubElement(root, "model", name=(parts[0].findtext("name") or Path(where).stem).strip())]
+        parts[0].set("merge", "true")
+        models[0].append(parts[0])
+    if root.find("world") is not None:
+        raise FileError(f"{where}: a world; give the SDF file of the robot alone, with one <model> in <sdf>")
+    if root.tag != "sdf" or len(models) != 1:
+        name = shown(root.tag)[1:-1]
+        here = f"there are {len(models)} in <{name}>" if root.tag == "sdf" else f"it begins with <{name}>"
+        raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: {here}")
     if not models[0].get("name", "").strip():
         raise FileError(f"{where}: the model has no name")
-    if models[0].find("link") is None and models[0].find("include") is None and models[0].find("model") is None:
-        raise FileError(f"{where}: the model has no <link>")
     version = root.get("version", "").strip()
     version = version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"  # for one that there is not
     # Before SDF 1.5 joints' axes are in the model's frame, which a world of a later version has to say.
@@ -378,7 +422,7 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
-    kept = [plugin for plugin in model.iter("plugin") if plugin_key(plugin.get("filename", "")) in keys]
+    kept = [plugin for plugin in model.findall("plugin") if plugin_key(plugin.get("filename", "")) in keys]
     plugins, sensors, visuals = _leave_out(model, backend)
     for plugin in kept:
         for topic in plugin.findall("topic"):

@@ -286,6 +286,39 @@ def extents(frames: ModelFrames) -> Extents:
     return Extents(known, unknown, Extent(np.min(lows, axis=0), np.max(highs, axis=0)) if known else None)
 
 
+_SIZES = {"box": "size", "ellipsoid": "radii", "sphere": "radius", "cylinder": "radius length", "cone": "radius length"}
+"""Elements of a shape whose numbers are above 0; the cylinder of a capsule may have no length."""
+
+
+def take_out_flat(model: Element, where: str) -> list[str]:
+    """Take the collision shapes out of a model that have no size, which simulators load, and return their names.
+
+    Visuals too. FileError for a size below 0.
+    """
+    flat = []
+    for link in model.iter("link"):
+        for shape in [*link.findall("collision"), *link.findall("visual")]:
+            kind = next(iter(shape.iterfind("geometry/*")), None)
+            if kind is None or not _is_flat(kind, f"{where}: link {shown(link.get('name', ''))}: a <{shape.tag}>"):
+                continue
+            link.remove(shape)
+            flat += [f"{link.get('name', '')}::{shape.get('name', '')}"] if shape.tag == "collision" else []
+    return flat
+
+
+def _is_flat(kind: Element, where: str) -> bool:
+    tags = _SIZES.get(kind.tag, "radius" if kind.tag == "capsule" else "").split()
+    sizes = [(tag, value) for tag in tags for value in floats(kind.findtext(tag), _COUNTS.get(tag, 1), where)]
+    for tag, value in sizes:
+        if value < 0:
+            raise FileError(f"{where}: the {tag} {value:g} m of its {kind.tag} is below 0")
+    return any(value == 0 for _, value in sizes)
+
+
+_COUNTS = {"size": 3, "radii": 3}
+"""Numbers of a size; of the others one."""
+
+
 def swept_box(geometry: Element, where: str) -> SweptBox | None:
     """Return the swept box of a geometry; None for an unknown one."""
     kind = geometry[0]

@@ -12,8 +12,9 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
@@ -36,6 +37,9 @@ _LARGEST_MANIFEST = 2**16
 _AROUND = 2
 """Folders above a package in which others are looked for: its repository, and the workspace of repositories."""
 
+_DEEPER = 2
+"""Folders between a workspace and a package in a repository next to that of the file: repository/common/package."""
+
 _MOST_FOLDERS = 1000
 """Folders that are looked into for packages; a workspace has some hundreds, a home folder any number."""
 
@@ -52,9 +56,25 @@ def resolve_uris(model: Element, file: Path) -> None:
             uri.text = str(path)
     for mesh in model.iterfind(".//collision/geometry/mesh/uri"):
         text = (mesh.text or "").strip()
-        if not text.startswith("/"):
-            advice = "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
-            raise FileError(f"{file}: the mesh {text} of a collision shape is not found; {advice}")
+        if not text.startswith("/") or not os.path.exists(text):
+            raise FileError(f"{file}: the mesh {text} of a collision shape is not found; {_advice(text, file)}")
+
+
+def _advice(uri: str, file: Path) -> str:
+    """Return what makes a URI found that is not: the file, or its package."""
+    scheme, separator, rest = uri.partition("://")
+    if separator and scheme in ("model", "package"):
+        name, _, inner = rest.lstrip("/").partition("/")
+        folder = _resolved(f"{scheme}://{name}", file)
+        if folder is None:
+            return "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
+        return f"there is no {inner} in {folder}"
+    return "there is no such file"
+
+
+def found_uri(uri: str, file: Path) -> Path | None:
+    """Return the path of what a URI in a file names, None if it is not found."""
+    return _resolved(uri, file)
 
 
 def found_package(name: str, file: Path) -> Path | None:
@@ -62,16 +82,48 @@ def found_package(name: str, file: Path) -> Path | None:
     return _resolved(f"package://{name}", file)
 
 
+class Manifest(NamedTuple):
+    """What the package.xml of a folder says: the name of the package, and of those that it depends on."""
+
+    name: str
+    needs: frozenset[str]
+
+
+def manifest_of(package: Path) -> Manifest:
+    """Return what the package.xml of a folder says, an empty name if it says none."""
+    text = (regular_content(package / _MANIFEST, _LARGEST_MANIFEST) or b"").decode("utf-8", "replace")
+    name = re.search(r"<name>\s*([^<\s]+)\s*</name>", text)
+    return Manifest(name[1] if name else "", frozenset(re.findall(r"<(?:\w+_)?depend\b[^>]*>\s*([^<\s]+)\s*<", text)))
+
+
+def belong_together(package: Path, other: Path) -> bool:
+    """Return whether two packages are of one robot.
+
+    They are in one clone of a repository, one depends on the other, or their names begin alike, as those of
+    rover_description and rover_control do.
+    """
+    ours, theirs = manifest_of(package), manifest_of(other)
+    if package == other or theirs.name in ours.needs or ours.name in theirs.needs:
+        return True
+    first, second = (name.rpartition("_")[0] or name for name in (ours.name or package.name, theirs.name or other.name))
+    if first == second or first.startswith(f"{second}_") or second.startswith(f"{first}_"):
+        return True
+    repositories = [
+        next((f for f in p.parents if os.path.exists(f / ".git")), None) for p in (package / "_", other / "_")
+    ]
+    return repositories[0] is not None and repositories[0] == repositories[1]
+
+
 def packages_around(file: Path) -> Iterator[Path]:
     """Yield the folders of the packages around a file, its own first: each has a package.xml.
 
-    Those are its own package, those next to it, and those in the repositories next to it.
+    Those are its own package, those next to it, and those in the repositories next to it, up to two folders down.
     """
     own = next((folder for folder in file.absolute().parents if os.path.isfile(folder / _MANIFEST)), None)
     if own is None:
         return
     yield own
-    # Breadth first, two levels deep, and a limited number of folders: what is around may be a whole home directory.
+    # Breadth first, three levels deep, and a limited number of folders: what is around may be a whole home directory.
     seen, waiting, left = {own}, [(own, 0), *((folder, 0) for folder in list(own.parents)[:_AROUND])], _MOST_FOLDERS
     while waiting:
         folder, depth = waiting.pop(0)
@@ -86,8 +138,8 @@ def packages_around(file: Path) -> Iterator[Path]:
             seen.add(inner)
             if os.path.isfile(inner / _MANIFEST):
                 yield inner
-            elif not depth:
-                waiting.append((inner, 1))
+            elif depth < _DEEPER:
+                waiting.append((inner, depth + 1))
 
 
 def _resolved(uri: str, file: Path) -> Path | None:
@@ -95,9 +147,11 @@ def _resolved(uri: str, file: Path) -> Path | None:
     scheme, separator, rest = uri.partition("://")
     candidates: Iterable[Path] = ()
     if separator and scheme in ("model", "package"):
-        candidates = _of_package(rest, file)
-    elif uri and (scheme == "file" or not separator):
-        candidates = [file.absolute().parent / (rest if separator else uri)]
+        candidates = _of_package(rest.lstrip("/"), file)
+    elif uri and separator and scheme == "file":
+        candidates = [file.absolute().parent / rest]
+    elif uri and not separator:  # beside the file, or a model, as PX4's include each other
+        candidates = chain([file.absolute().parent / uri], _of_package(uri, file))
     return next(filter(os.path.exists, candidates), None)  # False for a name that is too long
 
 
@@ -112,9 +166,7 @@ def _of_package(rest: str, file: Path) -> Iterator[Path]:
         yield from (Path(folder, rest) for folder in _listed(variable))
     yield from (Path(prefix, "share", rest) for prefix in _listed(_PREFIXES))
     for folder in packages_around(file):
-        manifest = (regular_content(folder / _MANIFEST, _LARGEST_MANIFEST) or b"").decode("utf-8", "replace")
-        own_name = re.search(r"<name>\s*([^<\s]+)\s*</name>", manifest)
-        if own_name and own_name[1] == name:
+        if manifest_of(folder).name == name:
             yield folder / inner
 
 

@@ -24,6 +24,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError, UserError, library_message, line_of
+from rsegen.input_files import xml_root
 from rsegen.params.extras import pip_install
 from rsegen.robots import XACRO
 from rsegen.robots.uris import found_package
@@ -74,6 +75,22 @@ def is_xacro(root: Element, where: str) -> bool:
     return root.tag == "robot" and any("${" in text or "$(" in text for text in texts)
 
 
+_OF_URDF = {
+    *("link", "joint", "gazebo", "material", "transmission", "ros2_control", "sensor", "light", "projector", "contact"),
+    *("inertial", "visual", "collision", "origin"),
+}
+"""Elements of a <robot> and a <link>, which may have the names of macros."""
+
+
+def bare_macros(text: str) -> tuple[str, ...]:
+    """Return the properties and macros of a text that stand there without xacro:, as before ROS Jade."""
+    root = xml_root(text, "")
+    macros = {element.get("name") for element in root.iter() if element.tag.endswith("}macro")} - _OF_URDF
+    ours = {element.tag for element in root if element.tag in ("property", "macro")}
+    ours |= {inner.tag for element in (root, *root.iter("link")) for inner in element if inner.tag in macros}
+    return tuple(sorted(ours, reverse=True))
+
+
 def with_arguments(file: str) -> tuple[str, dict[str, str]]:
     """Return the path and the arguments in FILE NAME:=VALUE ..., as ROS's xacro takes them on a command line."""
     match = re.search(r"(?:\s+[A-Za-z_]\w*:=\S*)+\s*$", file, re.ASCII)
@@ -87,6 +104,9 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
 
     An argument that is not given has its default.
     """
+    if bare := bare_macros(text):
+        names = ", ".join(f"<{name}>" for name in bare)
+        raise FileError(f"{where}: there is no xacro: before the names of {names}, without which ROS expands nothing")
     if XACRO.is_missing:
         raise UserError(f"{where}: needs xacro, which is not installed; {pip_install([XACRO.name])}")
     environment = {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONIOENCODING": "utf-8"}  # imports nothing from this folder
@@ -138,7 +158,7 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     undefined = re.search(r"Undefined substitution argument (\w+)", reason)
     if undefined:
         return f"{reason}; give it after the file, as in 'FILE {undefined[1]}:=VALUE'"
-    if missing and "nknown macro" in reason:
+    if missing and ("nknown macro" in reason or "is not defined" in reason):
         advice = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
         return f"{reason}; these packages are not found: {', '.join(missing)}; {advice}"
     return reason

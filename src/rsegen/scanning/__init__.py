@@ -7,7 +7,10 @@ from rsegen.params.capabilities import Capability, Command
 from rsegen.params.extras import Extra
 
 SCAN = Extra(
-    "scan", "trimesh", "rsegen scan, compare: clouds and meshes in PLY, OBJ, STL, GLB and PCD files", ("pypcd4",)
+    "scan",
+    "trimesh",
+    "rsegen scan, compare: clouds and meshes in PLY, OBJ, STL, GLB, PCD, LAS and LAZ files",
+    ("pypcd4", "laspy", "lazrs"),
 )
 
 CAPABILITY = Capability(

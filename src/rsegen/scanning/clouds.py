@@ -1,4 +1,4 @@
-"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, and depth images with the camera's intrinsics.
+"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, LAS, LAZ, and depth images with their cameras.
 
 All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
 
@@ -15,16 +15,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeVar
 
 import numpy as np
 
-from rsegen.errors import FileError, ParameterError, UserError, library_message
+from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
 from rsegen.field.stepfield import Array
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import pip_install
 from rsegen.params.sorts import CENTIMETRES
 from rsegen.scanning import SCAN
+from rsegen.scanning.meshes import Cloud, seen_from_above
 from rsegen.scanning.scan_options import CLOUDS
 
 MOST_POINTS = 20_000_000
@@ -33,15 +35,37 @@ MOST_POINTS = 20_000_000
 _MAX_CLOUD_MIB = 1024
 """The largest text that is read, MiB: some 20 million lines of three numbers."""
 
+_MOST_NAMES = 12
+"""Names of a point's values in a message at most."""
+
 _MOST_VALUES = 1000
 """Values of a point in a PCD file at most: pypcd4 makes a name for each before it reads them."""
-
-_SAMPLED = 400_000
-"""Points on the surface of a mesh, spread evenly: 40 on each of 10,000 blocks; with fewer, blocks are not seen."""
 
 _NUMBER, _SEPARATOR = r"([-+]?(\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?|nan)", r"(\s*[,;]\s*|\s+)"
 _POINT = re.compile(rf"\s*{_NUMBER}{_SEPARATOR}{_NUMBER}{_SEPARATOR}{_NUMBER}({_SEPARATOR}|$)", re.IGNORECASE)
 """The start of a line with a point, in which no two parts can match the same letters: hostile lines take no time."""
+
+_WITH_COMMA, _BETWEEN = r"[-+]?\d+(,\d+)?(e[-+]?\d+)?", r"(\s*;\s*|,\s+|\s+)"
+_DECIMAL_COMMAS = re.compile(
+    rf"(?=.*\d,\d)\s*{_WITH_COMMA}{_BETWEEN}{_WITH_COMMA}{_BETWEEN}{_WITH_COMMA}({_BETWEEN}|$)", re.IGNORECASE
+)
+_A_DECIMAL_COMMA = re.compile(r",(?=\d)")
+"""The start of a line with a point in decimal commas, 0,5;1,25;-3,0 or with blanks between; and such a comma."""
+
+_CUT_NUMBER = re.compile(r"\d,0\d")
+"""A number after a comma that begins with 0 as no other does: 0,033 is one, and its comma a decimal one."""
+
+_LOOKED_AT = 1000
+"""Lines by which it is known what their commas are."""
+
+_OF_AXIS = re.compile(r"^([xyz])\s*(?:[\[(/_ ].*)$")
+"""The title of a column with its unit."""
+
+_MOST_COLUMNS, _OF_POINTS = 8, 20
+"""Numbers of a point of an array at most, as x, y, z, intensity, and colours; and times as many points that it has at
+least: no depth image is so narrow."""
+
+_Content = TypeVar("_Content")
 
 Intrinsics = tuple[float, float, float, float]
 """Focal lengths fx, fy and the centre cx, cy of a depth camera, in pixels."""
@@ -52,27 +76,39 @@ def is_cloud(path: Path) -> bool:
     return path.suffix.lower() in CLOUDS
 
 
-def read_clouds(paths: Sequence[Path], values: str | None = None, intrinsics: Intrinsics | None = None) -> Array:
-    """Return the points (n, 3) of all files together, metres, in the frame that they share.
+def read_clouds(
+    paths: Sequence[Path],
+    values: str | None = None,
+    intrinsics: Intrinsics | None = None,
+    up: Sequence[float] | None = None,
+) -> Cloud:
+    """Return the points of all files together, metres, in the frame that they share.
 
     values: the unit of their numbers (m, cm, mm, in, ft); default: m, but mm for depth images with whole numbers.
-    intrinsics: for depth images; x is right, y down and z away from the camera. A FileError if a file has no points.
+    intrinsics: for depth images; x is right, y down and z away from the camera. up: nearly the direction up (3,), from
+    which meshes are seen; default: found. A FileError if a file has no points.
     """
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
-        return np.concatenate([_read(path, values, intrinsics) for path in paths])
+        clouds = [_read(path, values, intrinsics, up) for path in paths]
+    known = next((cloud.up for cloud in clouds if cloud.up is not None), None)
+    return Cloud(np.concatenate([cloud.points for cloud in clouds]), known)
 
 
-def _read(path: Path, values: str | None, intrinsics: Intrinsics | None) -> Array:
+def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, up: Sequence[float] | None) -> Cloud:
     if not is_cloud(path):
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
-    numbers, usual = _READERS[CLOUDS[path.suffix.lower()]](path)
+    form = CLOUDS[path.suffix.lower()]
+    if form == "mesh":
+        (numbers, direction), usual = _mesh(path, up), "m"
+    else:
+        (numbers, usual), direction = _READERS[form](path), None
     if numbers.ndim == 2 and numbers.shape[1] != 3:
         points = _of_depth(path, numbers, intrinsics)
     elif intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
     else:
         points = np.asarray(numbers.reshape(-1, 3), dtype=np.float64)
-    return points * (CENTIMETRES[values or usual] / 100)
+    return Cloud(points * (CENTIMETRES[values or usual] / 100), direction)
 
 
 def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
@@ -90,9 +126,18 @@ def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
 
 
 def _array(path: Path) -> tuple[Array, str]:
+    """Return points, of which an array may have more than x, y, z, or names for them, or depths."""
     array = mapped(path)
+    fields = {name.lower(): name for name in array.dtype.names or ()}
+    if fields.keys() >= set("xyz") and all(array.dtype[fields[axis]].kind in "iuf" for axis in "xyz"):
+        _refuse_many(path, array.size)
+        return np.stack([array[fields[axis]].ravel() for axis in "xyz"], axis=-1).astype(np.float64), "m"
+    if array.ndim in (2, 3) and 3 < array.shape[-1] <= _MOST_COLUMNS and array.size > _OF_POINTS * array.shape[-1] ** 2:
+        array = array[..., :3]
     if array.dtype.kind not in "biuf" or not (array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)):
         raise FileError(f"{path}: an array of shape {array.shape}; give points (n, 3) or depths (rows, columns)")
+    if array.ndim == 2 and array.shape[0] == 3 and array.shape[1] > _OF_POINTS:
+        raise FileError(f"{path}: an array of shape {array.shape}; give its transpose, points (n, 3)")
     _refuse_many(path, array.size // 3)
     return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
 
@@ -106,23 +151,47 @@ def _image(path: Path) -> tuple[Array, str]:
 
 
 def _text(path: Path) -> tuple[Array, str]:
-    """Return the points of lines of x, y, z and perhaps more, by blanks, commas or semicolons, below any titles."""
+    """Return the points of lines of numbers by blanks, commas or semicolons, below any titles.
+
+    They are x, y, z and perhaps more, or what the titles name so; a comma is a decimal one where it cannot be else.
+    """
     lines = text_of(path, _MAX_CLOUD_MIB, "a cloud; write it as PLY or PCD").splitlines()
     first = next((at for at, line in enumerate(lines) if _POINT.match(line)), None)
     if first is None:
         raise FileError(f"{path}: no line has three numbers x, y, z")
     _refuse_many(path, len(lines) - first)
+    columns = _columns(path, lines[first - 1] if first else "", lines[first])
+    if any(_DECIMAL_COMMAS.match(line) for line in lines[first : first + _LOOKED_AT]):
+        lines[first:] = [_A_DECIMAL_COMMA.sub(".", line) for line in lines[first:]]
+    elif any(_CUT_NUMBER.search(line) for line in lines[first : first + _LOOKED_AT]):
+        raise FileError(f"{path}: commas are in its numbers and between them; write semicolons or blanks between them")
     separator = next((mark for mark in ",;" if mark in lines[first]), None)
     try:
-        return np.loadtxt(lines[first:], delimiter=separator, usecols=(0, 1, 2), ndmin=2, comments=("#", "//")), "m"
+        return np.loadtxt(lines[first:], delimiter=separator, usecols=columns, ndmin=2, comments=("#", "//")), "m"
     except ValueError as error:
         raise FileError(f"{path}: {library_message(error)}") from None
 
 
-def _mesh(path: Path) -> tuple[Array, str]:
-    """Return the points of a cloud, or of a mesh's surface, which trimesh reads."""
+def _columns(path: Path, titles: str, line: str) -> tuple[int, ...]:
+    """Return the columns of x, y and z by the titles above a line; the first three if these name none of them."""
+    separator = next((mark for mark in ";,\t" if mark in line and mark in titles), None)
+    names = [name.strip(" \"'/#").lower() for name in titles.strip(" /#").split(separator)]
+    # Programs write the unit after the name: x [m], X(m), x_m.
+    names = [_OF_AXIS.sub(r"\1", name) for name in names]
+    if len({"x", "y", "z"} & set(names)) < 2:  # one letter may be of a sentence
+        return 0, 1, 2
+    for axis in "xyz":
+        if names.count(axis) != 1:
+            raise FileError(
+                f"{path}: {names.count(axis)} of the titles {shown(titles.strip())} name the column of {axis}"
+            )
+    return tuple(names.index(axis) for axis in "xyz")
 
-    def read() -> Array:
+
+def _mesh(path: Path, up: Sequence[float] | None) -> Cloud:
+    """Return the points of a cloud, or what is seen of a mesh from above, which trimesh reads."""
+
+    def read() -> Cloud:
         import trimesh
 
         with open_regular(path) as file:
@@ -130,10 +199,11 @@ def _mesh(path: Path) -> tuple[Array, str]:
         if isinstance(loaded, trimesh.Scene):
             loaded = loaded.to_geometry()
         if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
-            return np.asarray(trimesh.sample.sample_surface(loaded, _SAMPLED, seed=0)[0])
-        return np.asarray(getattr(loaded, "vertices", np.empty((0, 3))))
+            return seen_from_above(loaded, up)
+        return Cloud(np.asarray(getattr(loaded, "vertices", np.empty((0, 3)))))
 
-    return _by_library(path, read), "m"
+    cloud = _by_library(path, read)
+    return Cloud(_checked(path, cloud.points), cloud.up)
 
 
 def _pcd(path: Path) -> tuple[Array, str]:
@@ -148,9 +218,27 @@ def _pcd(path: Path) -> tuple[Array, str]:
             if sum(header.count) > _MOST_VALUES:
                 raise FileError(f"{path}: {sum(header.count):,} values per point; give up to {_MOST_VALUES:,}")
             file.seek(0)
-            return np.asarray(PointCloud.from_fileobj(file).numpy(("x", "y", "z")), dtype=np.float64)
+            names = {name.lower(): name for name in header.fields}
+            lacking = [axis for axis in "xyz" if axis not in names]
+            if lacking:
+                raise FileError(f"{path}: no field {lacking[0]} among {', '.join(header.fields[:_MOST_NAMES])}")
+            cloud = PointCloud.from_fileobj(file)
+            return np.asarray(cloud.numpy([names[axis] for axis in "xyz"]), dtype=np.float64)
 
-    return _by_library(path, read), "m"
+    return _checked(path, _by_library(path, read)), "m"
+
+
+def _las(path: Path) -> tuple[Array, str]:
+    """Return the points of a laser scan in LAS or LAZ, which laspy reads; its places may be those of a map."""
+
+    def read() -> Array:
+        import laspy
+
+        with open_regular(path) as file, laspy.open(file) as reader:
+            _refuse_many(path, reader.header.point_count)
+            return np.asarray(reader.read().xyz, dtype=np.float64)
+
+    return _checked(path, _by_library(path, read)), "m"
 
 
 def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
@@ -162,11 +250,15 @@ def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
             return
 
 
-def _by_library(path: Path, read: Callable[[], Array]) -> Array:
+def _by_library(path: Path, read: Callable[[], _Content]) -> _Content:
     try:
-        points = read_by_library(path, read)
+        return read_by_library(path, read)
     except ImportError as error:
         raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
+
+
+def _checked(path: Path, points: Array) -> Array:
+    """Return points (n, 3); a FileError if there are none, or too many."""
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise FileError(f"{path}: has no points")
     _refuse_many(path, len(points))
@@ -179,6 +271,6 @@ def _refuse_many(path: Path, points: int) -> None:
 
 
 _READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
-    {"text": _text, "mesh": _mesh, "pcd": _pcd, "array": _array, "image": _image}
+    {"text": _text, "pcd": _pcd, "las": _las, "array": _array, "image": _image}
 )
-"""Readers of files: of points (n, 3), or depths (rows, columns), and their usual unit."""
+"""Readers of files but meshes: of points (n, 3), or depths (rows, columns), and their usual unit."""

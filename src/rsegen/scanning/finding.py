@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rsegen.errors import ScanError
-from rsegen.field.stepfield import Array, StepField
+from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import Cell
 from rsegen.scanning.extent import (
@@ -73,7 +73,37 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
         return _scan_of_known_field(near, middle, settings, known)
     scan = _found_field(_gridded(near, middle, settings, None), settings)
     better = _corrected(settings, scan)
-    return scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
+    scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
+    if settings.block_width is None and settings.blocks is None and _is_one_patch(scan):
+        raise ScanError(
+            "one raised patch of one height, in which nothing shows blocks, is no field; "
+            "give block_width_cm if it is made of blocks"
+        )
+    return scan
+
+
+def _is_one_patch(scan: Scan) -> bool:
+    """Return whether all that is raised is one patch of one level without holes, as a box or a cup on a table is."""
+    tops = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels)  # its rim may look like a frame
+    raised = tops > 0
+    if len(np.unique(tops[raised])) > 1:
+        return False
+    # Cells that were not seen may be raised or not; with a margin all that is outside is one part.
+    return _parts(np.pad(raised, 1)) == 1 and _parts(np.pad(tops == 0, 1, constant_values=True)) <= 1
+
+
+def _parts(cells: Mask) -> int:
+    """Return the number of parts of some cells that are connected by sides."""
+    labels = np.where(cells, np.arange(1, cells.size + 1).reshape(cells.shape), 0)
+    while True:
+        around = np.pad(labels, 1)
+        spread = np.max(
+            [around[1:-1, 1:-1], around[2:, 1:-1], around[:-2, 1:-1], around[1:-1, 2:], around[1:-1, :-2]], 0
+        )
+        joined = np.where(cells, spread, 0)
+        if np.array_equal(joined, labels):
+            return len(np.unique(labels[cells]))
+        labels = joined
 
 
 def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:

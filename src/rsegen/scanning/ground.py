@@ -120,6 +120,8 @@ def _normal(points: Array, tolerance: float, up: Sequence[float] | None) -> Arra
     counts = (np.abs(normals @ scored.T - heights[:, None]) < tolerance).sum(axis=1)
     best = np.argsort(-counts, kind="stable")[:_REFINED]
     refined = [_plane_fit(points, normals[at], heights[at], tolerance) for at in best]
+    if up is not None:  # it may be exact, as that of a mesh is
+        refined.append(direction)
     layered = [_layered(points @ normal, tolerance) for normal in refined]
     if max(layered) < _LEAST_LAYERED:
         raise ScanError("no ground plane: the points are not in level layers; give a cloud of blocks and some floor")
@@ -165,7 +167,7 @@ def _layered(heights: Array, tolerance: float) -> float:
 
     Of fewer than forty slices only a quarter, as ten would hold most of the points by themselves.
     """
-    inner = heights[(heights > np.quantile(heights, 0.01)) & (heights < np.quantile(heights, 0.99))]
+    inner = heights[(heights >= np.quantile(heights, 0.01)) & (heights <= np.quantile(heights, 0.99))]
     if len(inner) < 3:
         return 1.0
     counts, _ = _layers(inner, tolerance)
@@ -184,8 +186,8 @@ def _side(points: Array, heights: Array, normal: Array, tolerance: float) -> flo
         near = across[:, np.abs(sign * heights - ground) < 1.5 * tolerance]
         some = near if near.shape[1] else np.zeros((2, 1))
         areas.append(float(np.prod(np.quantile(some, 0.97, axis=1) - np.quantile(some, 0.03, axis=1))))
-    if max(areas) < 1.25 * min(areas):  # as wide as each other within the error of the areas: z of the cloud decides
-        return 1.0 if normal[2] >= 0 else -1.0
+    if max(areas) < 1.25 * min(areas):  # as wide as each other within the error of the areas
+        return 1.0 if normal[int(np.abs(normal).argmax())] >= 0 else -1.0  # z of the cloud decides, or y if that is up
     return 1.0 if areas[0] > areas[1] else -1.0
 
 

@@ -18,6 +18,7 @@ CLOUDS: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), "text"),
         **dict.fromkeys((".ply", ".obj", ".stl", ".glb"), "mesh"),
         ".pcd": "pcd",
+        **dict.fromkeys((".las", ".laz"), "las"),
         ".npy": "array",
         **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), "image"),
     }

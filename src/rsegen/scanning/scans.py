@@ -22,7 +22,7 @@ from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.pictures import comparison_plot, scan_plot
-from rsegen.scanning.scan import Scan
+from rsegen.scanning.scan import Scan, ScanSettings
 from rsegen.scanning.scan_options import ScanOptions
 
 Clouds: TypeAlias = "str | Path | Sequence[str | Path] | Array"
@@ -112,8 +112,8 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
         If there is no field in the cloud.
     """
     options = options or ScanOptions()
-    points, name = _points(clouds, options)
-    field = find_field(points, options.settings)
+    points, settings, name = _points(clouds, options)
+    field = find_field(points, settings)
     return ScannedMap(scan=field, recipe=_recipe(field, name, fill_holes=options.fill_holes), points=points)
 
 
@@ -150,8 +150,8 @@ def compare(
     if isinstance(stands, (Recipe, StepField)):
         return ComparedMap(comparison=compared(_field(stands), field), units=units)
     options = options or ScanOptions()
-    points, _ = _points(stands, options)
-    built = find_field(points, options.settings, known=field)
+    points, settings, _ = _points(stands, options)
+    built = find_field(points, settings, known=field)
     stretch = built.unit / built.measured_unit
     comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
     return ComparedMap(comparison=comparison, scan=built, units=units)
@@ -161,14 +161,17 @@ def _field(shown: Recipe | StepField) -> StepField:
     return build(shown, shown.first_map) if isinstance(shown, Recipe) else shown
 
 
-def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, str]:
-    """Return the points [m], and a name for what they show."""
+def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, ScanSettings, str]:
+    """Return the points [m], what is known of the field in them, and a name for what they show."""
+    settings = options.settings
     if isinstance(clouds, np.ndarray):
-        return clouds, "scan"
+        return clouds, settings, "scan"
     paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
     if not paths:
         raise FileError("no cloud is given")
-    return read_clouds(paths, options.values, options.intrinsics), paths[0].stem
+    cloud = read_clouds(paths, options.values, options.intrinsics, settings.up)
+    up = settings.up if cloud.up is None else (float(cloud.up[0]), float(cloud.up[1]), float(cloud.up[2]))
+    return cloud.points, replace(settings, up=up), paths[0].stem
 
 
 def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:

@@ -1,0 +1,165 @@
+"""Put the models that an SDF model includes into it, as Gazebo does, so that their links and joints are known.
+
+<include> becomes a nested model with its name and pose, or, with merge, links and joints of the model itself. A pose of
+a merged link is the product of that of the include and its own. A model is a folder with model.config, or a file: it is
+found beside the file that includes it, as model://, file:// or a path (uris.py). Cost: linear in the files, of which
+there are at most _MOST. What breaks it: addresses on the internet, such as those of Fuel, which are never fetched.
+What is not found is left out, with the joints that hang on it, and named; but not what would be merged, such as the
+chassis of a robot to which a file adds a sensor.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from rsegen.errors import FileError, shown
+from rsegen.field.stepfield import Array
+from rsegen.robots.links import angles
+from rsegen.robots.sdf_shapes import ModelFrames
+from rsegen.robots.uris import found_uri, resolve_uris
+
+_MOST = 100
+"""Models that are included at most, those in others too; makers' models have up to some ten."""
+
+NOT_INCLUDED = "put its folder next to that of the file, or into GZ_SIM_RESOURCE_PATH; rsegen fetches nothing itself"
+"""What makes a model found that is not."""
+
+_CONFIGURED = re.compile(r"""<sdf(?:\s+version\s*=\s*["']1\.(\d+)["'])?\s*>\s*([^<\s]+)\s*</sdf>""")
+"""A file in model.config, with the version of SDF that it has."""
+
+Read = Callable[[Path], Element]
+"""What reads the <model> of an SDF file."""
+
+
+class Includes:
+    """Reads the models that are included; missing: the URIs that were not found, as they stand in the file."""
+
+    def __init__(self, read: Read) -> None:
+        self._read, self._left = read, _MOST
+        self.missing: dict[str, None] = {}
+
+    def put_into(self, model: Element, file: Path, above: tuple[Path, ...] = ()) -> None:
+        """Replace every <include> of a model of a file; FileError if a model includes itself.
+
+        above: the files that include this one
+        """
+        for nested in model.findall("model"):
+            self.put_into(nested, file, above)
+        lost: list[str] = []
+        for include in model.findall("include"):
+            at = list(model).index(include)
+            model.remove(include)
+            inner, is_merged = self._included(include, file, (*above, file)), include.get("merge", "") in ("1", "true")
+            if inner is None and is_merged:
+                uri = (include.findtext("uri") or "").strip()
+                raise FileError(f"{file}: {uri}, of which it is a part, is not found: {NOT_INCLUDED}")
+            if inner is None:
+                lost.append((include.findtext("name") or "").strip() or _last(include))
+            elif is_merged:
+                for offset, element in enumerate(_merged(inner)):
+                    model.insert(at + offset, element)
+            else:
+                model.insert(at, inner)
+        if lost:
+            _take_out_joints(model, lost)
+
+    def _included(self, include: Element, file: Path, above: tuple[Path, ...]) -> Element | None:
+        """Return the model of an <include> with its name and pose; None if it is not found."""
+        uri = (include.findtext("uri") or "").strip()
+        path = _sdf_file(found_uri(uri, file))
+        if path is None:
+            self.missing[uri] = None
+            return None
+        if path.absolute() in {other.absolute() for other in above}:
+            raise FileError(f"{path}: includes itself")
+        self._left -= 1
+        if self._left < 0:
+            raise FileError(f"{file}: more than {_MOST} models are included")
+        inner = self._read(path)
+        self.put_into(inner, path, above)
+        resolve_uris(inner, path)
+        if name := (include.findtext("name") or "").strip():
+            inner.set("name", name)
+        _place(inner, include, str(path))
+        return inner
+
+
+def _last(include: Element) -> str:
+    """Return the last name in the URI of an <include>, which is mostly that of its model."""
+    return (include.findtext("uri") or "").strip().rstrip("/").rpartition("/")[2]
+
+
+def _sdf_file(path: Path | None) -> Path | None:
+    """Return the SDF file of a model, that of the latest version if its folder has several; None for no model."""
+    if path is None or path.is_file():
+        return path
+    try:
+        config = (path / "model.config").read_text("utf-8", "replace")
+    except OSError:
+        config = ""
+    files = _CONFIGURED.findall(config)
+    names = [name for _, name in sorted(files, key=lambda found: -int(found[0] or 0))]
+    candidates = [path / name for name in (*names, "model.sdf")]
+    return next((file for file in candidates if file.is_file()), None)
+
+
+def _place(model: Element, include: Element, where: str) -> None:
+    """Give an included model the pose of its <include>, which may be that of one of its frames."""
+    pose, frame = include.find("pose"), (include.findtext("placement_frame") or "").strip()
+    frame = frame or model.get("placement_frame", "").strip()
+    if pose is None and not frame:
+        return
+    wanted = Element("pose") if pose is None else pose
+    if frame:
+        frames = ModelFrames(model, where)
+        if frame not in {*frames.elements, *frames.joints}:
+            raise FileError(f"{where}: has no frame {shown(frame)} by which it is placed")
+        outer = Element("model")
+        outer.append(wanted)
+        moved = _text(frames.local(outer) @ np.linalg.inv(frames.transform(frame)))
+        relative = wanted.get("relative_to")
+        wanted = Element("pose", {} if relative is None else {"relative_to": relative})
+        wanted.text = moved
+    for own in model.findall("pose"):
+        model.remove(own)
+    model.attrib.pop("placement_frame", None)
+    model.insert(0, wanted)
+
+
+def _merged(model: Element) -> list[Element]:
+    """Return the elements of a model as those of the model that it is merged into."""
+    frames, pose = ModelFrames(model, model.get("name", "")), model.find("pose")
+    base, relative = frames.local(model), "" if pose is None else pose.get("relative_to", "")
+    elements = [element for element in model if element.tag in ("link", "joint", "frame", "model", "plugin", "gripper")]
+    for element in elements:
+        own = element.find("pose")
+        other = "" if own is None else own.get("relative_to", own.get("frame", ""))
+        is_of_model = element.tag in ("link", "model") or (element.tag == "frame" and not element.get("attached_to"))
+        if other not in ("", "__model__") or not (is_of_model or other):
+            continue
+        moved = _text(base @ frames.local(element))
+        if own is not None:
+            element.remove(own)
+        placed = Element("pose", {"relative_to": relative} if relative else {})
+        placed.text = moved
+        element.insert(0, placed)
+    return elements
+
+
+def _take_out_joints(model: Element, lost: list[str]) -> None:
+    """Take out the joints of a model whose links are in models that are not there."""
+    known = {child.get("name", "") for tag in ("link", "frame", "model", "joint") for child in model.findall(tag)}
+    known = {"world", "__model__", *known}.difference(lost)
+    for joint in model.findall("joint"):
+        ends = ((joint.findtext(tag) or "").strip().partition("::")[0] for tag in ("parent", "child"))
+        if not known.issuperset(ends):
+            model.remove(joint)
+
+
+def _text(transform: Array) -> str:
+    return " ".join(f"{value + 0.0:.12g}" for value in (*transform[:3, 3], *angles(transform[:3, :3])))

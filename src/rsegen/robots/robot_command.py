@@ -1,0 +1,144 @@
+"""The command `rsegen robot`: what was read of a robot, and where each figure is from."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+from xml.etree.ElementTree import fromstring
+
+from rsegen.cli.parser import Parser
+from rsegen.cli.report import Report
+
+if TYPE_CHECKING:
+    from rsegen.robots.base import Robot
+    from rsegen.robots.sdf_file import SdfRobot
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Figure:
+    """A figure of a robot, as text with its unit, and its origin in words."""
+
+    name: str
+    value: str
+    origin: str
+
+
+def add_robot(command: Parser) -> None:
+    """Add the arguments of `rsegen robot`."""
+    command.explain(
+        "Print what was read of a robot's file, and where each figure is from: its mass, size, wheels, speed, friction "
+        "and effort; what was assumed, and what is left out.",
+        "rsegen drive, metrics, predict and all other commands take the same robot.",
+    )
+    text = "a kind of robot, or an SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments"
+    command.add_argument("robot", metavar="KIND|FILE", help=text)
+    group = command.group("robot")
+    group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, in place of those that are found")
+    group.add_argument("--tracks", metavar="LEFT,RIGHT", help="links of its tracks, in place of those that are found")
+
+
+def run_robot(arguments: argparse.Namespace) -> Report:
+    """Read the robot, and list its figures."""
+    from rsegen.errors import ParameterError
+    from rsegen.robots.lookup import robot_of
+    from rsegen.robots.sdf_file import SdfRobot, from_file
+
+    robot = robot_of(arguments.robot)
+    if not isinstance(robot, SdfRobot):
+        if arguments.wheels or arguments.tracks:
+            raise ParameterError("wheels" if arguments.wheels else "tracks", "are for a robot of a file")
+        return _report(robot.kind, list(_of_kind(robot)), ())
+    if arguments.wheels or arguments.tracks:
+        robot = from_file(arguments.robot, arguments.wheels, arguments.tracks)
+    return _report(robot.kind, list(_of_file(robot)), tuple(_remarks(robot)))
+
+
+def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Report:
+    names, values = (
+        max(len(text) for text in column) for column in zip(*((f.name, f.value) for f in figures), strict=True)
+    )
+    lines = [kind, *(f"{f.name:<{names}}  {f.value:<{values}}  {f.origin}" for f in figures)]
+    content = {"kind": kind, "figures": [asdict(figure) for figure in figures], "remarks": list(remarks)}
+    return Report(lines=lines, content=content, notes=remarks)
+
+
+def _of_kind(robot: Robot) -> Iterator[Figure]:
+    """Yield the figures of one of rsegen's robots, which all have one source."""
+    drive = robot.drive
+    yield Figure(name="mass", value=f"{robot.mass:.4g} kg", origin=robot.source)
+    for name, value in (
+        ("size", _metres(robot.size)),
+        ("drive", " and ".join("+".join(side) for side in (drive.left, drive.right))),
+        ("separation", f"{drive.separation:.4g} m"),
+        ("radius", f"{drive.radius:.4g} m"),
+        ("speed", f"{robot.speed:.4g} m/s"),
+        ("turn rate", f"{robot.turn:.4g} rad/s"),
+    ):
+        yield Figure(name=name, value=value, origin="likewise")
+
+
+def _of_file(robot: SdfRobot) -> Iterator[Figure]:
+    """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
+    from rsegen.robots.drives import Wheels
+    from rsegen.robots.sdf_shapes import ModelFrames, inertials
+
+    frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
+    masses = inertials(frames)
+    bare = [name for name, link in frames.links() if link.find("inertial/mass") is None]
+    usual = f"; 1 kg each, as SDF has it, for {len(bare)} without a mass" if bare else ""
+    mass = sum(body.mass for body in masses.values())
+    yield Figure(name="mass", value=f"{mass:.4g} kg", origin=f"the <inertial> of {len(masses)} links{usual}")
+    kinds: dict[str, int] = {}
+    for _, _, geometry in frames.collisions():
+        kinds[geometry[0].tag] = kinds.get(geometry[0].tag, 0) + 1
+    shapes = ", ".join(f"{kind} {count}" for kind, count in kinds.items())
+    yield Figure(name="shapes", value=str(sum(kinds.values())), origin=f"its <collision>: {shapes or 'none'}")
+    measured = "the box around its collision shapes, about its origin"
+    yield Figure(name="size", value=_metres(robot.size), origin=_assumed(robot, "size") or measured)
+    read = robot.read_drive
+    if read is None:
+        why = (
+            f"{', '.join(robot.steered)} are steered"
+            if robot.steered
+            else "nothing says it, and no links look like wheels"
+        )
+        yield Figure(name="drive", value="none", origin=why)
+        return
+    drive = read.drive
+    sides = " and ".join("+".join(side) for side in (drive.left, drive.right))
+    yield Figure(name="drive", value=sides, origin=read.origin)
+    yield Figure(name="separation", value=f"{drive.separation:.4g} m", origin=read.sizes)
+    yield Figure(name="radius", value=f"{drive.radius:.4g} m", origin=read.sizes)
+    yield Figure(name="speed", value=f"{robot.speed:.4g} m/s", origin=_assumed(robot, "speed") or read.limits_by)
+    yield Figure(name="turn rate", value=f"{robot.turn:.4g} rad/s", origin=_assumed(robot, "turn") or read.limits_by)
+    if isinstance(drive, Wheels):
+        efforts = [frames.joints[joint].findtext("axis/limit/effort") for joint in (*drive.left, *drive.right)]
+        value = " ".join(dict.fromkeys(effort or "none" for effort in efforts))
+        yield Figure(
+            name="effort", value=f"{value} Nm" if any(efforts) else "none", origin="<effort> of its wheels' joints"
+        )
+    links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
+    shapes_of = [collision for link, collision, _ in frames.collisions() if link in links]
+    mu = sorted({float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes_of})
+    limits = " to ".join(f"{value:g}" for value in dict.fromkeys((mu[0], mu[-1]))) if mu else "none"
+    yield Figure(
+        name="friction", value=limits, origin="<mu> of what it drives on; 1 if there is none, and 1 at most counts"
+    )
+
+
+def _remarks(robot: SdfRobot) -> Iterator[str]:
+    yield from robot.remarks
+    if robot.light_wheels:
+        yield robot.light_wheels
+    if robot.held:
+        yield f"held in a drive as its model has them, as nothing drives them: {', '.join(robot.held)}"
+
+
+def _assumed(robot: SdfRobot, name: str) -> str:
+    return "assumed, as nothing says it" if name in robot.assumed else ""
+
+
+def _metres(sides: Sequence[float]) -> str:
+    return " x ".join(f"{side:.3f}" for side in sides) + " m"

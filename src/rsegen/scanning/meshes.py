@@ -1,0 +1,217 @@
+"""What a camera above a mesh sees of it, as points.
+
+Walls have half of the area of a step field, or more, and no height of a block. So points are spread over the faces by
+area as it is seen from above, and those that something covers are left out, such as a floor below blocks, and their
+undersides. That also makes it the same which way faces are wound, which scanning apps and people mix up.
+
+    seen    ______        ______        pixels from above hold the highest point in them; what is lower than
+                 |       |              this by more than its own face rises across a pixel is covered
+    covered .....|_______|......
+
+Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen.
+From below, closed blocks are all equally high, and a surface is the same from either side; so up is where the heights
+differ more. Blocks without a floor stand on the ground: its points are added around them, as high as their undersides.
+Cost: linear in the faces; some seconds for a million. What breaks it: a wall that is larger than the field and its
+floor, if `up` is not given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rsegen.field.stepfield import Array, Ints, Mask
+
+if TYPE_CHECKING:
+    import trimesh
+
+_SAMPLED = 400_000
+"""Points that are kept: 40 on each of 10,000 blocks; with fewer, blocks are not seen."""
+
+_SPREAD, _SPREAD_ROUGHLY = 2_000_000, 200_000
+"""Points that are spread over a mesh to see what is covered, and to choose the direction."""
+
+_PER_PIXEL = 8
+"""Points of a face in a pixel on average: exp(-8) = 0.03 % of the pixels that it covers have none."""
+
+_FINEST = 2_000
+"""Pixels along a side at most, 4 mm of 8 m."""
+
+_RISES = 2.0
+"""Times the rise of a face along the side of a pixel by which points in the pixel differ: its diagonal, and a rest."""
+
+_DIRECTIONS = 4
+"""Directions that are tried: three of blocks, and one of something else."""
+
+_SAME = float(np.cos(np.radians(15)))
+"""Cosine of the angle up to which faces have one direction: those of a phone's mesh are uneven."""
+
+_APART = float(np.cos(np.radians(30)))
+"""Cosine of the angle up to which a direction is another's, or the one that is given as up."""
+
+_FLATTER = 1.25
+"""Times the range of heights from the other side that there has to be from the one that is up: of a surface that is
+open, both have the same, and up is found by the ground (ground.py)."""
+
+
+class Cloud(NamedTuple):
+    """Points (n, 3), and the direction up (3,) of the object in them, None if it is not known."""
+
+    points: Array
+    up: Array | None = None
+
+
+def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) -> Cloud:
+    """Return what a camera above a mesh sees of it, and of the ground on which it stands.
+
+    up: nearly its direction, if it is known. Nothing is seen of a mesh without an area.
+    """
+    normals, areas = np.asarray(mesh.face_normals), np.asarray(mesh.area_faces)
+    directions = list(_directions(normals, areas))
+    if up is not None:
+        wanted = np.asarray(up, dtype=float) / np.linalg.norm(up)
+        near = [turned for normal in directions if (turned := normal * np.sign(normal @ wanted)) @ wanted > _APART]
+        directions = near or [wanted]
+    views = [_view(mesh, normals, areas, direction, _SPREAD_ROUGHLY) for direction in directions]
+    if not views or not any(view.area for view in views):
+        return Cloud(np.empty((0, 3)))
+    best = int(np.argmax([view.area for view in views]))
+    direction, side = directions[best], views[best].range
+    if up is not None:
+        return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points[:_SAMPLED], direction)
+    other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range
+    if other > side:
+        direction, side, other = -direction, other, side
+    is_closed = side > _FLATTER * other
+    return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points[:_SAMPLED], direction if is_closed else None)
+
+
+def _directions(normals: Array, areas: Array) -> Iterator[Array]:
+    """Yield unit vectors (3,) along which much of the area faces, either way, the most first."""
+    if not areas.sum() > 0:
+        return
+    # Some thousand faces by area tell the directions; each is then the principal axis of all normals near it.
+    few = normals[np.random.default_rng(0).choice(len(areas), 2_000, p=areas / areas.sum())]
+    for _ in range(_DIRECTIONS):
+        if not len(few):
+            return
+        middle = few[int((np.abs(few @ few.T) > _SAME).sum(axis=1).argmax())]
+        near = np.abs(normals @ middle) > _SAME
+        axis = np.linalg.eigh((normals[near] * areas[near, None]).T @ normals[near])[1][:, 2]
+        yield axis * np.sign(axis[int(np.abs(axis).argmax())])
+        few = few[np.abs(few @ axis) < _APART]
+
+
+_LOW, _HIGH = 0.01, 0.99
+"""Quantiles of heights that count as the lowest and the highest: a few points at edges are seen through."""
+
+_FOOT = 0.005
+"""Quantile of the heights of corners that counts as the height of the undersides, or of the lower ends of walls."""
+
+_THICK = 0.05
+"""Share of the range of heights from which on these are below the lowest that is seen, and no noise."""
+
+_AS_THICK = 0.75
+"""Share of the first step above it from which on the lowest that is seen is a block or a frame, and no floor."""
+
+_EVEN, _MOST_EVEN = 0.1, 0.9
+"""Share of the range of heights up to which a rim is at the lowest, and share of it from which on it is a floor: the
+rim of blocks without one has all their heights."""
+
+_MOST_HOLES = 0.005
+"""Share of the pixels inside that may have no points in a floor: blocks at level 0 are holes of many."""
+
+_MARGIN = 0.1
+"""Width of the ground that is added around, as a share of that of the mesh: a block or more of 10."""
+
+
+class _View(NamedTuple):
+    """What is seen along a direction: points (n, 3), the area that they are spread over, and the range of heights."""
+
+    points: Array
+    area: float
+    range: float
+
+
+def _view(mesh: trimesh.Trimesh, normals: Array, areas: Array, up: Array, count: int) -> _View:
+    """Return what is seen from a direction, of `count` points that are spread evenly as seen from there."""
+    import trimesh
+
+    cosines = np.abs(normals @ up)
+    weights = areas * cosines
+    points, faces = trimesh.sample.sample_surface(mesh, count, face_weight=weights, seed=0)
+    rises = np.sqrt(np.maximum(1 - cosines**2, 0)) / np.maximum(cosines, 1e-6)
+    axes = np.stack([*np.linalg.svd(up[None])[2][1:], up])
+    placed = np.asarray(points) @ axes.T
+    # A corner that is far away by mistake makes no raster without end.
+    pixel = max(
+        float(np.sqrt(_PER_PIXEL * weights.sum() / count)), float(np.ptp(placed[:, :2], axis=0).max()) / _FINEST
+    )
+    raster = _Raster.of(placed[:, :2], pixel)
+    seen = _uncovered(raster.keys, placed[:, 2], _RISES * pixel * rises[faces] + pixel / 10)
+    low, high = (float(height) for height in np.quantile(placed[seen, 2], [_LOW, _HIGH]))
+    bottom = float(np.quantile(np.asarray(mesh.vertices) @ up, _FOOT))
+    is_thick = low - bottom > _THICK * (high - bottom)
+    ground = raster.ground(bottom) if is_thick and not _has_floor(raster, placed, seen, bottom) else np.empty((0, 3))
+    order = np.random.default_rng(0).permutation(int(seen.sum()) + len(ground))  # so that the first are any
+    everything = np.concatenate([placed[seen], ground])[order] @ axes
+    return _View(everything, float(weights.sum() * seen.mean()), float(high - low))
+
+
+class _Raster(NamedTuple):
+    """Pixels from above: the flat index of that of each point (n,), their shape, the first's corner and their side."""
+
+    keys: Ints
+    shape: tuple[int, int]
+    corner: Array
+    pixel: float
+
+    @classmethod
+    def of(cls, places: Array, pixel: float) -> _Raster:
+        """Return the raster of places (n, 2), with a margin in which none are."""
+        extent = np.ptp(places, axis=0)
+        corner = places.min(axis=0) - _MARGIN * extent
+        n_x, n_y = (int(side) + 1 for side in extent * (1 + 2 * _MARGIN) / pixel)
+        i, j = np.floor((places - corner) / pixel).astype(np.int64).T
+        return cls(i * n_y + j, (n_x, n_y), corner, pixel)
+
+    def ground(self, height: float) -> Array:
+        """Return points (n, 3) at a height, spread over the pixels without points as densely as others on average."""
+        empty = np.ones(self.shape[0] * self.shape[1], dtype=bool)
+        empty[self.keys] = False
+        places = np.repeat(np.stack(np.unravel_index(np.flatnonzero(empty), self.shape), axis=1), _PER_PIXEL, axis=0)
+        inside = np.random.default_rng(0).random(places.shape)
+        return np.column_stack([self.corner + (places + inside) * self.pixel, np.full(len(places), height)])
+
+
+def _has_floor(raster: _Raster, placed: Array, seen: Mask, bottom: float) -> bool:
+    """Return whether a mesh has a floor around its field: a rim of one height, the lowest, without holes inside, that
+    is thinner than the first step above it, as a frame around blocks is not; bottom: the height of its underside.
+    """
+    heights = placed[seen, 2]
+    low, high = np.quantile(heights, [_LOW, _HIGH])
+    above = heights[heights > low + _THICK * (high - low)]
+    if len(above) and low - bottom > _AS_THICK * (np.quantile(above, _LOW) - low):
+        return False
+    pixels = np.full(raster.shape[0] * raster.shape[1], np.nan)
+    pixels[raster.keys[seen]] = heights
+    lines = [line for lines in (pixels.reshape(raster.shape), pixels.reshape(raster.shape).T) for line in lines]
+    rims, holes = [], 0
+    for line in lines:
+        if len(known := np.flatnonzero(np.isfinite(line))):
+            rims += [line[known[0]], line[known[-1]]]
+            holes += int(known[-1] - known[0]) + 1 - len(known)
+    is_even = float((np.array(rims) <= low + _EVEN * (high - low)).mean()) > _MOST_EVEN
+    return is_even and holes < _MOST_HOLES * 2 * int(np.isfinite(pixels).sum())  # rows and columns count each pixel
+
+
+def _uncovered(keys: Ints, heights: Array, within: Array) -> Mask:
+    """Return which points of pixels (n,) are at most `within` (n,) below the highest in their pixel."""
+    order = np.lexsort((heights, keys))
+    last = np.flatnonzero(np.diff(keys[order], append=-1))  # the highest of a pixel is the last of its points
+    top = np.repeat(heights[order][last], np.diff(last, prepend=-1))
+    seen = np.empty(len(keys), dtype=bool)
+    seen[order] = top - heights[order] <= within[order]
+    return seen

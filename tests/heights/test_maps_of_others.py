@@ -1,0 +1,107 @@
+"""Terrain in floating-point numbers, and occupancy maps with other modes, transparent parts and spellings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from PIL.TiffImagePlugin import ImageFileDirectory_v2
+
+from rsegen.errors import FileError, ParameterError
+from rsegen.field.stepfield import Array
+from rsegen.heights.image import OccupancyImage, Picture
+
+SLOPE = 300.0 + 2 * np.arange(12).reshape(3, 4)  # metres, the top row first
+LEVELS = np.arange(12).reshape(3, 4)[::-1].T
+
+
+def image(path: Path, pixels: Array, no_data: str | None = None) -> Path:
+    tags: Any = ImageFileDirectory_v2()
+    if no_data is not None:
+        tags[42113] = no_data
+    Image.fromarray(pixels).save(path, tiffinfo=tags)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("dtype", "factor", "values"),
+    [("f4", 1, "m"), ("f4", 100, "cm"), ("i4", 1000, "mm"), ("i4", 1, "m"), ("u2", 100, "cm")],
+)
+def test_heights_of_terrain_are_read_in_their_unit(tmp_path: Path, dtype: str, factor: int, values: str) -> None:
+    file = image(tmp_path / "a.tif", (SLOPE * factor).astype(dtype))
+    heights = Picture(values=values, datum_cm=30_000).read(file, 200)
+    np.testing.assert_array_equal(heights.levels, LEVELS)
+
+
+@pytest.mark.parametrize(("low", "high"), [(300, 480), (3, 4.8), (-0.5, 0.5)])
+def test_floating_point_numbers_have_no_white(tmp_path: Path, low: float, high: float) -> None:
+    file = image(tmp_path / "a.tif", np.array([[low, high]], dtype="f4"))
+    with pytest.raises(
+        FileError, match=rf"a.tif: floating-point numbers of {low:g}..{high:g} have no white; give values m"
+    ):
+        Picture().read(file, None)
+
+
+def test_numbers_below_0_are_heights_alone(tmp_path: Path) -> None:
+    file = image(tmp_path / "a.tif", np.array([[-200, -20]], dtype="i4"))
+    with pytest.raises(FileError, match=r"grey values of -200..-20; give an image of 8 or 16 bits, or values m"):
+        Picture().read(file, None)
+    assert Picture(values="cm", datum_cm=-200).read(file, 10).levels.ravel().tolist() == [0, 18]
+
+
+def test_pixels_without_data_are_holes(tmp_path: Path) -> None:
+    pixels = SLOPE.astype("f4")
+    pixels[1, 1] = -9999
+    named, unnamed = image(tmp_path / "a.tif", pixels, "-9999"), image(tmp_path / "b.tif", pixels)
+    with pytest.raises(FileError, match="nan cm is a hole"):
+        Picture(values="m", datum_cm=30_000).read(named, 200)
+    heights = Picture(values="m", datum_cm=30_000, fill_holes=True).read(named, 200)
+    assert heights.holes is not None
+    assert np.argwhere(heights.holes).tolist() == [[1, 1]]
+    with pytest.raises(FileError, match=r"is not 0\.\.32766 whole units"):
+        Picture(values="m", datum_cm=30_000, fill_holes=True).read(unnamed, 200)
+
+
+MAP = "image: m.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: {}\noccupied_thresh: 0.65\nfree_thresh: 0.196\n{}"
+
+
+def walls(folder: Path, pixels: Array, negate: str = "0", mode: str = "", *, unknown: bool = False) -> list[int]:
+    Image.fromarray(np.array(pixels, dtype=np.uint8)).save(folder / "m.png")
+    (folder / "m.yaml").write_text(MAP.format(negate, f"mode: {mode}\n" if mode else ""))
+    levels: list[int] = OccupancyImage(unknown=unknown).read(folder / "m.yaml", None).levels.ravel().tolist()
+    return levels
+
+
+@pytest.mark.parametrize(("unknown", "wanted"), [(False, [0, 0, 1, 1, 0, 0]), (True, [0, 0, 1, 1, 1, 1])])
+def test_pixels_of_a_raw_map_are_per_cent(tmp_path: Path, unknown: bool, wanted: list[int]) -> None:
+    assert walls(tmp_path, np.array([[0, 60, 70, 100, 101, 255]]), mode="raw", unknown=unknown) == wanted
+
+
+@pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
+def test_transparent_pixels_are_unknown(tmp_path: Path, mode: str) -> None:
+    full, free = (100, 0) if mode == "raw" else (0, 254)
+    pixels = np.array([[[full] * 3 + [255], [full] * 3 + [0], [free] * 3 + [255], [free] * 3 + [0]]])
+    assert walls(tmp_path, pixels, mode=mode) == [1, 0, 0, 0]
+    assert walls(tmp_path, pixels, mode=mode, unknown=True) == [1, 1, 0, 1]
+
+
+def test_in_a_scaled_map_nothing_between_the_thresholds_is_unknown(tmp_path: Path) -> None:
+    pixels = np.array([[0, 128, 254]])
+    assert walls(tmp_path, pixels, mode="scale", unknown=True) == [1, 0, 0]
+    assert walls(tmp_path, pixels, mode="trinary", unknown=True) == [1, 1, 0]
+
+
+@pytest.mark.parametrize(
+    ("negate", "wanted"), [("false", [1, 0]), ("no", [1, 0]), ("0", [1, 0]), ("true", [0, 1]), ("1", [0, 1])]
+)
+def test_negate_is_written_as_yaml_has_it(tmp_path: Path, negate: str, wanted: list[int]) -> None:
+    assert walls(tmp_path, np.array([[0, 254]]), negate) == wanted
+
+
+@pytest.mark.parametrize(("negate", "mode"), [("maybe", ""), ("2", ""), ("0", "grey")])
+def test_other_values_are_one_line(tmp_path: Path, negate: str, mode: str) -> None:
+    with pytest.raises((FileError, ParameterError), match=r"m\.yaml: (negate|mode)"):
+        walls(tmp_path, np.array([[0, 254]]), negate, mode)

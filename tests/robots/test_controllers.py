@@ -1,0 +1,100 @@
+"""Which files of controllers are those of a robot, and what of them ROS reads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rsegen.robots.drives import Wheels
+from rsegen.robots.sdf_file import SdfRobot, from_file
+from tests.robots.urdf_robots import two_wheels_urdf
+
+PACKAGE = "<package><name>{}</name>{}</package>"
+WHEELS = "drive:\n  left_wheel: {}left_hub\n  right_wheel: {}right_hub\n  linear: {{x: {{max_velocity: 1.7}}}}\n"
+FOREIGN = WHEELS.format("", "") + "  wheel_separation: 0.12\n"
+
+
+def workspace(folder: Path, own: str, other: str, content: str, needs: str = "") -> SdfRobot:
+    """The two wheels of a package in a workspace whose other package has a file of a controller."""
+    (folder / own / "urdf").mkdir(parents=True)
+    (folder / other / "config").mkdir(parents=True)
+    (folder / own / "package.xml").write_text(PACKAGE.format(own, needs))
+    (folder / other / "package.xml").write_text(PACKAGE.format(other, ""))
+    (folder / other / "config/control.yaml").write_text(content)
+    file = folder / own / "urdf/robot.urdf"
+    file.write_text(two_wheels_urdf(""))
+    return from_file(file)
+
+
+def separation(robot: SdfRobot) -> float:
+    assert isinstance(robot.drive, Wheels)
+    return robot.drive.separation
+
+
+@pytest.mark.parametrize("other", ["small_control", "tiny", "my_other_robot_control"])
+def test_a_controller_of_another_robots_package_is_not_used_and_named(tmp_path: Path, other: str) -> None:
+    robot = workspace(tmp_path, "my_robot_description", other, FOREIGN)
+    assert separation(robot) == pytest.approx(0.3)
+    assert "speed" in robot.assumed
+    assert any(
+        note.startswith(f"my_robot: {other}/config/control.yaml is not used: its wheels are called like those")
+        for note in robot.notes("classic")
+    )
+
+
+@pytest.mark.parametrize(
+    ("own", "other", "needs"),
+    [
+        ("my_robot_description", "my_robot_control", ""),
+        ("my_robot_xl_description", "my_robot_bringup", ""),
+        ("big_description", "small_control", "<exec_depend>small_control</exec_depend>"),
+    ],
+)
+def test_a_controller_of_a_package_of_the_robot_counts(tmp_path: Path, own: str, other: str, needs: str) -> None:
+    robot = workspace(tmp_path, own, other, FOREIGN, needs)
+    assert separation(robot) == 0.12
+    assert robot.speed == 1.7
+    note = next(robot.notes("classic"))
+    assert f"by {other}/config/control.yaml, 0.12 m apart" in note
+    assert "although its wheels are 0.3 m apart" in note
+
+
+def test_packages_of_one_clone_belong_together(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    assert separation(workspace(tmp_path, "big_description", "small_control", FOREIGN)) == 0.12
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        WHEELS.format("", "") + "ekf: {two_d_mode: true, frequency: 50, two_d_mode: true}\n",
+        WHEELS.format("", "").replace("1.7", "0.3") + WHEELS.format("", ""),
+        WHEELS.format("'$(arg prefix)", "'$(arg prefix)").replace("_hub", "_hub'"),
+        WHEELS.format("$(var prefix)", "$(var prefix)"),
+        WHEELS.format("${namespace}/", "${namespace}/"),
+        WHEELS.format("<prefix>", "<prefix>"),
+    ],
+)
+def test_a_file_that_ros_reads_is_read(tmp_path: Path, content: str) -> None:
+    robot = workspace(tmp_path, "my_description", "my_control", content)
+    assert robot.speed == 1.7
+    assert separation(robot) == pytest.approx(0.3)
+
+
+def test_a_prefix_is_what_the_joints_begin_with(tmp_path: Path) -> None:
+    file = tmp_path / "robot.urdf"
+    (tmp_path / "package.xml").write_text(PACKAGE.format("my_description", ""))
+    (tmp_path / "control.yaml").write_text(WHEELS.format("$(arg prefix)", "$(arg prefix)"))
+    file.write_text(two_wheels_urdf("").replace("left_hub", "front_left_hub").replace("right_hub", "front_right_hub"))
+    robot = from_file(file)
+    assert robot.speed == 1.7
+    assert robot.drive.left == ("front_left_hub",)
+
+
+def test_a_file_that_names_the_wheels_and_is_not_read_is_named_with_its_line(tmp_path: Path) -> None:
+    robot = workspace(tmp_path, "my_description", "my_control", WHEELS.format("", "") + "  <<: *unknown\n")
+    assert "speed" in robot.assumed
+    assert any(
+        remark.startswith("left out, as it is not read: my_control/config/control.yaml:5") for remark in robot.remarks
+    )

@@ -1,0 +1,133 @@
+"""Meshes of fields as drawing programs and phones make them: what a camera above sees gives their levels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import rsegen
+from rsegen.field.stepfield import Array, Ints
+from rsegen.recipe.examples import EXAMPLES
+from rsegen.scanning.meshes import seen_from_above
+
+LEVELS = np.random.default_rng(11).integers(0, 5, (8, 7))
+
+
+def blocks(levels: Ints = LEVELS, width: float = 0.1) -> trimesh.Trimesh:
+    """A closed box for each raised block, as a drawing program has them."""
+    boxes = []
+    for i, j in np.argwhere(levels > 0):
+        height = levels[i, j] * 0.1
+        boxes.append(trimesh.creation.box((width, width, height)))
+        boxes[-1].apply_translation(((i + 0.5) * width, (j + 0.5) * width, height / 2))
+    return joined(*boxes)
+
+
+def joined(*meshes: trimesh.Trimesh) -> trimesh.Trimesh:
+    together = trimesh.util.concatenate(meshes)
+    assert isinstance(together, trimesh.Trimesh)
+    return together
+
+
+def slab(thickness: float) -> trimesh.Trimesh:
+    box = trimesh.creation.box((1.6, 1.5, thickness))
+    box.apply_translation((0.4, 0.35, -thickness / 2))
+    return joined(blocks(), box)
+
+
+def turned(mesh: trimesh.Trimesh, seed: int) -> trimesh.Trimesh:
+    mesh.apply_transform(trimesh.transformations.random_rotation_matrix(np.random.default_rng(seed).random(3)))
+    return mesh
+
+
+def of_phone(seed: int) -> trimesh.Trimesh:
+    """One surface of small uneven triangles, wound the wrong way, y up, as scanning apps write it."""
+    rng, step = np.random.default_rng(seed), 0.012
+    x, y = np.meshgrid(np.arange(-0.3, 1.1, step), np.arange(-0.3, 1.0, step), indexing="ij")
+    i, j = np.floor(x / 0.1).astype(int), np.floor(y / 0.1).astype(int)
+    inside = (i >= 0) & (i < 8) & (j >= 0) & (j < 7)
+    z = np.where(inside, LEVELS[i.clip(0, 7), j.clip(0, 6)] * 0.1, 0) + rng.normal(0, 0.003, x.shape)
+    at = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (corner.ravel() for corner in (at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]))
+    faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([a, d, c], axis=1)])
+    places = np.stack([x, z, -y], axis=-1).reshape(-1, 3)
+    return trimesh.Trimesh(places, faces, process=False)
+
+
+def framed() -> trimesh.Trimesh:
+    """Blocks that are all raised, in a frame, without a floor: nothing but their undersides is at level 0."""
+    return blocks(np.pad(1 + LEVELS[:6, :6] % 4, 1, constant_values=1))
+
+
+MESHES: Mapping[str, tuple[Callable[[], trimesh.Trimesh], Ints]] = {
+    "alone.stl": (blocks, LEVELS),
+    "on_a_floor.stl": (lambda: slab(0.02), LEVELS),
+    "on_a_thick_floor.ply": (lambda: slab(0.04), LEVELS),
+    "turned.obj": (lambda: turned(blocks(), 3), LEVELS),
+    "upside_down.stl": (lambda: turned(slab(0.01), 8), LEVELS),
+    "phone.ply": (lambda: of_phone(1), LEVELS),
+    "framed.stl": (framed, 1 + LEVELS[:6, :6] % 4),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MESHES)
+def test_the_levels_of_a_mesh_come_back(name: str, tmp_path: Path) -> None:
+    make, levels = MESHES[name]
+    make().export(tmp_path / name)
+    scan = rsegen.scan(tmp_path / name).scan
+    assert scan.unit == 0.1
+    assert scan.block_width == 0.1
+    assert scan.frame.any() == (name == "framed.stl")
+    found = scan.blocks
+    assert any(np.array_equal(np.rot90(found, turns), levels) for turns in range(4))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "kind"), [("figure-7", "merged"), ("five-pallet-dash", "watertight")])
+def test_a_mesh_of_an_example_is_scanned_as_what_it_was_made_of(name: str, kind: str, tmp_path: Path) -> None:
+    recipe = rsegen.load(EXAMPLES[name])
+    field = rsegen.build(recipe, recipe.first_map)
+    mesh = rsegen.mesh(field, kind)
+    trimesh.Trimesh(mesh.vertices, mesh.triangles).export(tmp_path / "map.stl")
+    scan = rsegen.scan(tmp_path / "map.stl").scan
+    wanted = np.where(field.frame, 0, field.levels)
+    assert scan.frame.sum() == field.frame.sum() > 0
+    assert any(np.array_equal(np.rot90(scan.levels, turns), wanted) for turns in range(4))
+
+
+def heights_over(points: Array, low: float, high: float) -> Array:
+    """The heights of the points whose x and y are both between these."""
+    return np.asarray(points[((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1), 2])
+
+
+def test_nothing_that_is_covered_is_seen() -> None:
+    table = trimesh.creation.box((1, 1, 0.02))
+    table.apply_translation((0, 0, 0.5))
+    floor = trimesh.Trimesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    points, _ = seen_from_above(joined(table, floor), (0, 0, 1))
+    assert len(points) > 100_000
+    below = heights_over(points, -0.45, 0.45)
+    assert len(below) > 10_000
+    assert (below > 0.5).mean() > 0.999
+    assert np.allclose(heights_over(points, 0.55, 0.95), 0)
+
+
+def test_a_box_stands_on_the_ground_around_it() -> None:
+    points, up = seen_from_above(trimesh.creation.box((2, 2, 0.5)), (0, 0, 1))
+    assert up is not None
+    assert up == pytest.approx((0, 0, 1))
+    assert np.unique(np.round(points[:, 2], 6)).tolist() == [-0.25, 0.25]
+    on_top = np.abs(points[:, :2]).max(axis=1) < 0.97
+    assert (points[on_top, 2] > 0).mean() > 0.999
+    assert (points[np.abs(points[:, :2]).max(axis=1) > 1.03, 2] < 0).all()
+
+
+def test_a_mesh_without_an_area_shows_nothing() -> None:
+    assert (
+        len(seen_from_above(trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False)).points) == 0
+    )
