@@ -77,6 +77,7 @@ from rsegen.scanning.scans import ComparedMap as ComparedMap
 from rsegen.scanning.scans import ScannedMap as ScannedMap
 from rsegen.scanning.scans import compare as compare
 from rsegen.scanning.scans import scan as scan
+from rsegen.scene.contact import Contact as Contact
 from rsegen.scene.scene import Scene as Scene
 from rsegen.scene.scene import compose as compose
 from rsegen.simulators.commands import open as open
@@ -102,6 +103,7 @@ __all__ = [
     "KINDS",
     "Boxes",
     "ComparedMap",
+    "Contact",
     "Curve",
     "CutSettings",
     "Dataset",

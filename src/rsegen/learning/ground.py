@@ -32,6 +32,7 @@ from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, with_values
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.contact import CONTACT
 from rsegen.scene.scene import Scene
 
 _EDGE = 1e-5
@@ -92,15 +93,25 @@ class Ground:
         Where the middle of the map is, metres.
     outside : int, default 0
         Level of the ground around the map.
+    priority : int, default 10
+        Priority of the blocks in MuJoCo, by which it is decided whose friction acts.
     """
 
-    def __init__(self, recipe: Recipe, levels: Any, pos: Sequence[float] | Array = (0, 0, 0), outside: int = 0) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        levels: Any,
+        pos: Sequence[float] | Array = (0, 0, 0),
+        outside: int = 0,
+        priority: int = CONTACT.priority,
+    ) -> None:
         if recipe.boundary != "none":
             raise ParameterError("boundary", f"'{recipe.boundary}' has frames; give none, or take Ground.of(scene)")
         self.block_width: float = recipe.block_width_cm / 100
         self.unit: float = recipe.unit_cm / 100
         self._floor: float = recipe.ground_level * self.unit
         self.position: Array = np.array(pos, dtype=float)
+        self.priority: int = priority
         self._library, given = library_of("levels", levels)
         if given.ndim not in (2, 3):
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give (n_x, n_y) or (worlds, n_x, n_y)")
@@ -163,6 +174,18 @@ class Ground:
         """Return the coefficient of sliding friction of the ground at points, (...,)."""
         points = self._own("points", points)
         return self._values(self._friction, self._materials(points, 0.0, worlds), like=points)
+
+    def acting_friction(self, points: Any, own: Any, priority: int = 0, worlds: Any = None) -> Any:
+        """Return the coefficient that acts in MuJoCo between the ground and what is on it at points, (...,).
+
+        own: the coefficient of that, a number or (...,); priority: the priority of its geoms. The higher priority
+        decides; of equal ones MuJoCo takes the larger coefficient.
+        """
+        ground = self.friction(points, worlds)
+        other = ground * 0 + array_like(ground, own, ground.dtype)
+        if priority == self.priority:
+            return self._library.maximum(ground, other)
+        return other if priority > self.priority else ground
 
     def highest(self, points: Any, radius: float | Array, worlds: Any = None) -> Any:
         """Return the height of the highest block in squares around points, (...,), metres.
