@@ -20,7 +20,7 @@ MESH = Extra("mesh", "trimesh", "terrain for Isaac Lab")
 
 CAPABILITY = Capability(
     summary="step fields where robots learn",
-    needs=("datasets", "measuring", "standing"),
+    needs=("datasets", "measuring"),
     commands=(
         Command(
             "terrain",
