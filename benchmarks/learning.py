@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _measured_anew(part: str) -> int:
     """Measure some of the rows; the rest of the record stays. Exit code: 0."""
     record, (anew, word) = json.loads(FILE.read_text("utf-8")), PARTS[part]
-    place = next(number for number, row in enumerate(record["rows"]) if word in row["work"])
+    place = next((number for number, row in enumerate(record["rows"]) if word in row["work"]), len(record["rows"]))
     kept = [row for row in record["rows"] if word not in row["work"]]
     record["rows"] = [*kept[:place], *(asdict(row) for row in anew()), *kept[place:]]
     record["later"] = {**record.get("later", {}), part: machine()}
@@ -123,6 +123,7 @@ def rows() -> Iterator[Row]:
         lambda: rsegen.mesh(terrain.field),
     )
     yield from _meshes()
+    yield from _ground()
     yield from _in_place()
     yield from _worlds()
 
@@ -206,6 +207,74 @@ def _meshes() -> Iterator[Row]:
             "`rsegen.mesh(field)`, merged",
             partial(rsegen.mesh, field),
         )
+
+
+def _ground() -> Iterator[Row]:
+    """Heights of a ground, beside a look-up of the same points in an array; by the clock, as both use all cores."""
+    recipe, worlds = _recipe(40), 1024
+    levels = rsegen.build_many(recipe, range(worlds))
+    points = np.random.default_rng(7).uniform(-1.9, 1.9, (worlds, 187, 2)).astype(np.float32)
+    for name, array, compiled in _libraries():
+        ground, tops = rsegen.Ground(recipe, array(levels)), array((levels * 0.05).astype(np.float32))
+        own, rows = array(points), array(np.arange(worlds)[:, None])
+        in_blocks = array(np.float32(0.1)), array(np.float32(20))
+        ours = compiled(ground.heights)
+        plain = compiled(partial(_looked_up, tops, rows, in_blocks))
+        if abs(np.asarray(ours(own)) - np.asarray(plain(own))).mean() > 1e-3:
+            raise AssertionError(f"{name}: the heights of a ground are not those of its blocks")
+        for turn in (ours, plain):  # compiled, and warm
+            _waited(turn(own))
+        seconds, its, ratio = _in_turns(
+            lambda ours=ours, own=own: _repeated(ours, own),  # type: ignore[misc]  # at once, in this turn
+            lambda plain=plain, own=own: _repeated(plain, own),  # type: ignore[misc]  # the same
+            time.perf_counter,
+        )
+        yield Row(
+            work=f"`Ground.heights`, {name}",
+            seconds=seconds,
+            count=REPEATED * points.size // 2,
+            unit="points",
+            beside="a look-up in an array",
+            beside_seconds=its,
+            ratio=ratio,
+        )
+
+
+REPEATED = 10
+
+
+def _repeated(ask: Callable[[Any], Any], points: Any) -> None:
+    for _ in range(REPEATED):
+        _waited(ask(points))
+
+
+def _waited(answer: Any) -> None:
+    if hasattr(answer, "block_until_ready"):
+        answer.block_until_ready()
+
+
+def _looked_up(tops: Any, rows: Any, in_blocks: tuple[Any, Any], points: Any) -> Any:
+    """The height of the block below each point: no edges, nothing around the map, no check."""
+    cells = points / in_blocks[0] + in_blocks[1]
+    whole = cells.long() if hasattr(cells, "long") else cells.astype(np.int32)
+    return tops[rows, whole[..., 0], whole[..., 1]]
+
+
+def _libraries() -> Iterator[tuple[str, Callable[[Any], Any], Callable[[Any], Any]]]:
+    """The libraries that are here: a name, what makes an array, and what compiles a function."""
+    yield "numpy", np.asarray, lambda ask: ask
+    try:
+        import jax
+
+        yield "`jax.jit`", jax.numpy.asarray, jax.jit
+    except ImportError:
+        pass
+    try:
+        import torch
+
+        yield "`torch.compile`", torch.as_tensor, torch.compile
+    except ImportError:
+        pass
 
 
 def _in_place() -> Iterator[Row]:
@@ -328,6 +397,7 @@ def _seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
 PARTS: Mapping[str, tuple[Callable[[], Iterator[Row]], str]] = {
     "maps at once": (_many, "`build_many`"),
     "closed meshes": (_meshes, "rsegen.mesh("),
+    "the ground": (_ground, "`Ground.heights`"),
 }
 """Rows that can be measured alone, and what their names have in common."""
 
