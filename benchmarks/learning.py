@@ -30,9 +30,13 @@ from rsegen import (
     NormalRandom,
     Pallet,
     Peak,
+    Pit,
     Platform,
+    Rails,
     Random,
     Recipe,
+    Stairs,
+    Stones,
     Terrain,
 )
 from rsegen.params.sorts import ANYWHERE
@@ -63,6 +67,29 @@ DESIGNS: Mapping[str, Mapping[str, Any]] = {
     "random, max_step of the recipe": {"max_step": 2},
 }
 """Recipes of maps that are made together: what changes of one of random blocks."""
+
+OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
+    "random": ({}, 4096),
+    "random, weights": (DESIGNS["random, weights"], 4096),
+    "random, counts": ({"obstacles": [Random(levels=LEVELS, counts=(20,) * 5)]}, 4096),
+    "random, `max_step` of the recipe": ({"max_step": 2}, 4096),
+    "random, `max_step` of its own": ({"obstacles": [Random(levels=LEVELS, max_step=2)]}, 64),
+    "random, `crossable_by`": ({"crossable_by": (10, 10, 20)}, 64),
+    "random, difficulty 0.5": ({"difficulty": 0.5}, 4096),
+    "normal random": (DESIGNS["normal random"], 4096),
+    "barriers at drawn ends": (DESIGNS["diagonal barrier with drawn ends"], 4096),
+    "random, barrier and peak, blends": (DESIGNS["random, barrier and peak, blends"], 4096),
+    "peak": (DESIGNS["peak"], 4096),
+    "platform": (DESIGNS["platform"], 4096),
+    "matrix": (DESIGNS["matrix at a drawn place"], 4096),
+    "stairs": ({"obstacles": [Stairs(levels=LEVELS)]}, 4096),
+    "rails": ({"obstacles": [Rails(levels=LEVELS)]}, 4096),
+    "pit": ({"ground_level": 4, "obstacles": [Pit(levels=LEVELS)]}, 4096),
+    "stones": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS)]}, 4096),
+    "stones, uneven": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS, uneven=2)]}, 4096),
+    "pallet": ({"obstacles": [Pallet(levels=LEVELS)]}, 64),
+}
+"""What changes of a recipe of random blocks for each kind of map, and how many maps are made."""
 
 LARGE = ("random", "diagonal barrier", "peak", "random, difficulty 0.5", "random, max_step of the recipe")
 """Designs of which maps of 40 x 40 blocks are measured too."""
@@ -112,6 +139,7 @@ def _measured_anew(part: str) -> int:
 
 def rows() -> Iterator[Row]:
     """All of them."""
+    yield from _kinds()
     yield from _many()
     terrain = Terrain(recipes=_recipe(40), rows=10, columns=20)
     yield _compared(
@@ -126,6 +154,20 @@ def rows() -> Iterator[Row]:
     yield from _ground()
     yield from _in_place()
     yield from _worlds()
+
+
+def _kinds() -> Iterator[Row]:
+    """Maps of every kind, beside as many random numbers of numpy."""
+    for name, (changes, count) in OF_KINDS.items():
+        recipe = replace(_recipe(10), **changes)
+        numbers = partial(_in_one_call, 10, 4096)
+        row = _compared(
+            f"maps of {name}", partial(rsegen.build_many, recipe, range(count)), count, "maps", "numpy", numbers
+        )
+        # As many maps as numpy's numbers are for: those that are made one by one take long.
+        share = 4096 / count
+        its = row.beside_seconds / share
+        yield replace(row, beside="numpy, a number per block", beside_seconds=its, ratio=row.ratio * share)
 
 
 def _many() -> Iterator[Row]:
@@ -395,6 +437,7 @@ def _seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 PARTS: Mapping[str, tuple[Callable[[], Iterator[Row]], str]] = {
+    "kinds of maps": (_kinds, "maps of "),
     "maps at once": (_many, "`build_many`"),
     "closed meshes": (_meshes, "rsegen.mesh("),
     "the ground": (_ground, "`Ground.heights`"),
