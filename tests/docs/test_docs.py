@@ -154,13 +154,13 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
-    terrain, exports, stairs, ground, seats, many, _tensor, _isaaclab, _mjlab, in_place, reset, touch, *_ = blocks(
+    terrain, exports, stairs, ground, seats, many, _tensor, _isaaclab, _mjlab, in_place, reset, touch, ice, *_ = blocks(
         ROOT / "docs" / "learning.md", "python"
     )
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
-    parts = [terrain, exports, stairs, ground, seats, many, in_place, write_ant, reset, touch]
+    parts = [terrain, exports, stairs, ground, seats, many, in_place, write_ant, reset, touch, ice]
     script = "\n".join([*parts, 'assert info["map"] >= 0'])
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds" / "terrain_0000" / "terrain_0000.world").is_file()

@@ -22,7 +22,7 @@ from tests.formats.maps import made
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 gymnasium = pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
-from rsegen.learning.mujoco import BlockGrid, add_map, geom_bounds, roots_of  # noqa: E402  # it needs MuJoCo
+from rsegen.learning.mujoco import BlockGrid, add_map, add_terrain, geom_bounds, roots_of  # noqa: E402  # it needs MuJoCo
 from rsegen.scene.contact import Contact  # noqa: E402
 
 FRICTIONS = (0.35, 0.45, 0.55, 0.65, 0.75)
@@ -314,3 +314,37 @@ def test_a_contact_of_no_sort_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"priority: 1.5 is not a whole number"):
         Contact(priority=1.5)  # type: ignore[arg-type]
     assert replace(Contact(), condim=6).attributes(0.4)["friction"] == (0.4, 0.005, 0.0001)
+
+
+def test_each_tile_of_a_terrain_has_the_friction_of_its_recipe() -> None:
+    """By contacts on every tile and around them, and by the ground of the terrain."""
+    ice, wood = (
+        replace(RECIPE, name=name, chunk_size=8, block_width_cm=10, friction=friction, level_friction=of_levels)
+        for name, friction, of_levels in (("ice", 0.1, None), ("wood", 0.6, (0.7, 0.8)))
+    )
+    terrain = rsegen.Terrain(recipes=[ice, wood], rows=3, columns=4, border=3, gap=1)
+    spec = mujoco.MjSpec()
+    add_terrain(spec, terrain, pos=(1, 2, 0.3))
+    foot = spec.worldbody.add_body()
+    foot.add_freejoint()
+    foot.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.02, 0, 0], friction=[0.4, 0.02, 0.01], priority=1)
+    model = spec.compile()
+    data, ground = mujoco.MjData(model), terrain.ground((1, 2, 0.3))
+    assert np.array_equal(ground.levels, terrain.field.levels)
+    found = set()
+    for i, j in np.random.default_rng(0).integers(0, terrain.field.shape, (300, 2)):
+        x, y = ((at + 0.5 - cells / 2) * 0.1 for at, cells in zip((i, j), terrain.field.shape, strict=True))
+        data.qpos[:3] = 1 + x, 2 + y, ground.heights([1 + x, 2 + y]) + 0.0195
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 1
+        level = terrain.field.levels[i, j]
+        tile = (np.abs(terrain.origins[..., :2] - (x, y)) < 0.4).all(axis=2)
+        kind = {0: "ice", 1: "ice", 2: "wood", 3: "wood"}[int(np.nonzero(tile)[1][0])] if tile.any() else "ice"
+        expected = 0.1 if kind == "ice" else [0.6, 0.7, 0.8, 0.6, 0.6, 0.6][level]
+        assert data.contact.friction[0, 0] == pytest.approx(expected)
+        assert ground.friction([1 + x, 2 + y]) == pytest.approx(expected)
+        found.add((kind, expected))
+    assert len(found) == 4
+    assert terrain.spots((0.3, 0.3)).shape == (3, 4, 1, 4)
+    with pytest.raises(ParameterError, match=r"^recipes\[1\]\.friction: 0\.6"):
+        assert terrain.recipe

@@ -118,6 +118,14 @@ def test_the_recipe_of_a_terrain_builds_the_same_field() -> None:
     assert rsegen.compose(terrain.recipe).name == "terrain_0000"
 
 
+def test_a_terrain_of_several_frictions_is_no_single_map() -> None:
+    terrain = Terrain(recipes=[ROUGH, replace(ROUGH, level_friction=(0.5,))], rows=2, columns=2)
+    with pytest.raises(ParameterError, match=r"recipes\[1\].level_friction: .* give one for all"):
+        assert terrain.recipe
+    assert set(np.unique(terrain.frictions)) == {0.5, ROUGH.friction}
+    assert np.array_equal(terrain.frictions == 0.5, (terrain.field.levels == 1) & (np.arange(40) >= 20))
+
+
 def test_spots_are_the_most_level_places_of_their_tiles() -> None:
     terrain = Terrain(recipes=[ROUGH, TABLE], rows=3, columns=2, border=2, gap=2)
     spots = terrain.spots((0.3, 0.2), 2, seed=3)
@@ -193,10 +201,6 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),
         ({"recipes": [ROUGH, replace(ROUGH, unit_cm=10)]}, r"recipes\[1\].unit_cm: 10.0, and 5.0 in the first recipe"),
-        (
-            {"recipes": [ROUGH, replace(ROUGH, level_friction=(0.5,))]},
-            r"recipes\[1\].level_friction: .* give one for all",
-        ),
         (
             {"rows": 1000, "columns": 1000, "recipes": replace(ROUGH, chunk_size=40)},
             "rows: a terrain of 40,020 x 40,020",

@@ -4,7 +4,8 @@
                  terrain a robot goes to next
     isaaclab     StepFieldTerrainCfg, a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
-    mujoco       add_map to an MjSpec; BlockGrid, whose map changes without compiling anew
+    mujoco       add_map and add_terrain to an MjSpec; BlockGrid, whose map changes without compiling anew
+    seating      seat: any MuJoCo model put on the ground, or dropped until it rests
     mujoco_warp  BlocksOfWorlds: a map of its own for each world
     newton       add_map to a ModelBuilder; BlockGrid
     gymnasium    NewFieldAtReset, a wrapper around an environment

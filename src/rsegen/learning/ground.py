@@ -46,10 +46,11 @@ _HOLE = 1e4
 """Units by which a place in a hole counts as more uneven than any other one."""
 
 
-def friction_by_level(recipe: Recipe) -> Array:
-    """Return the friction coefficient of each level from 0 to the highest of a recipe; 0 is the ground."""
+def friction_by_level(recipe: Recipe, highest: int | None = None) -> Array:
+    """Return the friction coefficient of each level from 0 to the highest, by default of a recipe; 0 is the ground."""
     scene = Scene(recipe=recipe, index=0, field=unframed(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
-    return np.array([recipe.friction, *map(scene.friction_of, range(1, recipe.highest_level + 1))])
+    levels = range(1, (recipe.highest_level if highest is None else highest) + 1)
+    return np.array([recipe.friction, *map(scene.friction_of, levels)])
 
 
 def check_levels(levels: Any, highest: int) -> None:
@@ -130,7 +131,7 @@ class Ground:
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
         self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), self._checked(given, is_new=True))
         self._every = array_like(given, np.arange(many[0] if many else 0))
-        self._scene: Scene | None = None
+        self._fixed: StepField | None = None
 
     @classmethod
     def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Ground:
@@ -145,13 +146,29 @@ class Ground:
         ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
         ground._keep_tables(heights[order], friction[order], like=ground._cells)
         ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
-        ground._scene = scene
+        ground._fixed = field
+        return ground
+
+    @classmethod
+    def of_cells(cls, recipe: Recipe, field: StepField, friction: Array, pos: Sequence[float] = (0, 0, 0)) -> Ground:
+        """Return the ground of a field without frames, each of whose cells has a friction; it cannot be written.
+
+        friction: (n_x, n_y); recipe: that of the ground around the field.
+        """
+        ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
+        # Materials are pairs of a level and a friction, sorted by level: the higher of two cells has the higher index.
+        pairs = np.column_stack([np.append(0, field.levels), np.append(recipe.friction, friction)])
+        known, material = np.unique(pairs, axis=0, return_inverse=True)
+        ground._keep_tables(known[:, 0] * field.unit, known[:, 1], like=ground._cells)
+        ground._cells[:] = material.flat[0]
+        ground._cells[1:-1, 1:-1] = material.reshape(-1)[1:].reshape(field.shape)
+        ground._fixed = field
         return ground
 
     @property
     def levels(self) -> Any:
         """The levels of the blocks, as they are now: (n_x, n_y), or (worlds, n_x, n_y)."""
-        return self._inner if self._scene is None else self._scene.field.levels
+        return self._inner if self._fixed is None else self._fixed.levels
 
     @property
     def worlds(self) -> int | None:
@@ -161,8 +178,8 @@ class Ground:
     def write(self, levels: Any, worlds: Any = None) -> None:
         """Put maps into these worlds, (worlds, n_x, n_y), or into all: at a reset, as in BlocksOfWorlds."""
         _, given = self._library_of("levels", levels)
-        if self._scene is not None:
-            raise ParameterError("levels", f"the ground is that of the map {self._scene.name}; give Ground a recipe")
+        if self._fixed is not None:
+            raise ParameterError("levels", "the ground is that of one field; give Ground a recipe")
         rows = None if worlds is None else self._rows(worlds)
         shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
         if tuple(given.shape) != shape:
@@ -278,8 +295,8 @@ class Ground:
 
     def field(self, world: int = 0) -> StepField:
         """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
-        if self._scene is not None:
-            return self._scene.field
+        if self._fixed is not None:
+            return self._fixed
         levels = self.levels if self.worlds is None else self.levels[world]
         own = np.array(levels.cpu() if hasattr(levels, "cpu") else levels)
         return unframed(own, self.block_width, self.unit)

@@ -10,16 +10,19 @@ grid.write(model, rsegen.build_many(recipe, [17])[0])
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import mujoco
 import numpy as np
 
+from rsegen.datasets.difficulty_tiles import as_recipes
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.columns import Column, columns
-from rsegen.learning.blocks import BELOW, BlockArrays
+from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
 from rsegen.learning.ground import Ground
+from rsegen.learning.terrain import Terrain
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
@@ -43,6 +46,27 @@ def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), contact: 
         geom = add_box(body, column, contact.attributes(scene.friction_of(column.material)))
         geom.name = f"{scene.name}_{index}"
         geom.rgba = [*scene.colour(column.material), 1.0]
+    return body
+
+
+def add_terrain(spec: Any, terrain: Terrain, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Any:
+    """Add a terrain to an MjSpec as a static body of boxes, its middle at `pos` in metres; gives the body.
+
+    Each tile has the friction of its own recipe. The boxes reach a unit below z = 0, as level ground has a friction
+    too, so add no plane; and add the terrain last, as a map.
+    """
+    let_touch(spec)
+    body = spec.worldbody.add_body(name=terrain.name, pos=list(pos))
+    field, frictions, look = (
+        terrain.field,
+        terrain.frictions,
+        Scene(recipe=as_recipes(terrain.recipes)[0], index=0, field=terrain.field),
+    )
+    for friction in np.unique(frictions):
+        raised = replace(field, levels=np.where(frictions == friction, field.levels + 1, 0).astype(np.int16))
+        for (x, y, z), size, level in columns(raised):
+            geom = add_box(body, Column((x, y, z - field.unit), size, level), contact.attributes(float(friction)))
+            geom.rgba = [*(look.colour(level - 1) if level > 1 else GROUND_COLOUR), 1.0]
     return body
 
 
