@@ -34,6 +34,7 @@ from rsegen.heights.base import imported as imported
 from rsegen.learning.ground import Ground as Ground
 from rsegen.learning.ground import next_rows as next_rows
 from rsegen.learning.ground import scan_points as scan_points
+from rsegen.learning.scans import ScanSensor as ScanSensor
 from rsegen.learning.terrain import Terrain as Terrain
 from rsegen.measuring.catalogue import Metric as Metric
 from rsegen.measuring.catalogue import Metrics as Metrics
@@ -141,6 +142,7 @@ __all__ = [
     "RespawnResult",
     "RsegenError",
     "ScanOptions",
+    "ScanSensor",
     "ScannedMap",
     "Scene",
     "Series",

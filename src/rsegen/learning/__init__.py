@@ -2,6 +2,7 @@
 
     ground       Ground: heights, friction, scans and places to start, in numpy, torch or jax; next_rows: which row of a
                  terrain a robot goes to next
+    scans        ScanSensor: scans with noise, steps, lost rays, a delay, and a map that drifts
     isaaclab     StepFieldTerrainCfg, a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
     mujoco       add_map and add_terrain to an MjSpec; BlockGrid, whose map changes without compiling anew
@@ -32,6 +33,7 @@ CAPABILITY = Capability(
     ),
     public={
         "rsegen.learning.ground": ("Ground", "next_rows", "scan_points"),
+        "rsegen.learning.scans": ("ScanSensor",),
         "rsegen.learning.terrain": ("Terrain",),
     },
     extras=(MESH,),

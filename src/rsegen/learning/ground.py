@@ -115,8 +115,9 @@ class Ground:
         self.position: Array = np.array(pos, dtype=float)
         self.priority: int = priority
         self._middle: tuple[float, float, float] = tuple(self.position.tolist())
-        self._library, given = library_of("levels", levels)
-        self._array: type = class_of(self._library)
+        self.library: Any
+        self.library, given = library_of("levels", levels)
+        self._array: type = class_of(self.library)
         if given.ndim not in (2, 3):
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give (n_x, n_y) or (worlds, n_x, n_y)")
         if not 0 <= outside <= recipe.highest_level:
@@ -193,7 +194,7 @@ class Ground:
 
     def friction(self, points: Any, worlds: Any = None) -> Any:
         """Return the coefficient of sliding friction of the ground at points, (...,)."""
-        points = self._own("points", points)
+        points = self.own("points", points)
         return self._values(self._friction, self._materials(points, 0.0, worlds), like=points)
 
     def acting_friction(self, points: Any, own: Any, priority: int = 0, worlds: Any = None) -> Any:
@@ -205,7 +206,7 @@ class Ground:
         ground = self.friction(points, worlds)
         other = ground * 0 + (own if isinstance(own, int | float) else self._here(own, ground.dtype))
         if priority == self.priority:
-            return self._library.maximum(ground, other)
+            return self.library.maximum(ground, other)
         return other if priority > self.priority else ground
 
     def highest(self, points: Any, radius: float | Array, worlds: Any = None) -> Any:
@@ -213,7 +214,7 @@ class Ground:
 
         radius: half of their side along x and y, metres; or, in numpy, (..., 2) of rectangles.
         """
-        points = self._own("points", points)
+        points = self.own("points", points)
         return self._values(self._heights, self._materials(points, radius, worlds), like=points) + self._middle[2]
 
     def normals(self, points: Any, radius: float, worlds: Any = None) -> Any:
@@ -224,7 +225,7 @@ class Ground:
         """
         if not radius > 0:
             raise ParameterError("radius", f"{shown(radius)} m; give one above 0, as tops are level")
-        points, library = self._own("points", points), self._library
+        points, library = self.own("points", points), self.library
         # The heights of five rows along x, each of five points along y; their sums over the squares of the distances.
         steps = [radius * (2 * place / (_PLANE - 1) - 1) for place in range(_PLANE)]
         x, y = points[..., 0], points[..., 1]
@@ -242,12 +243,12 @@ class Ground:
 
         pattern: (points, 2), x and y in the robot's frame, such as `scan_points()`; poses: (..., 4), x, y, z [m], yaw.
         """
-        poses = self._own("poses", poses, 4)
-        pattern = as_type(self._own("pattern", pattern), poses.dtype)
-        cosine, sine = self._library.cos(poses[..., 3:]), self._library.sin(poses[..., 3:])
+        poses = self.own("poses", poses, 4)
+        pattern = as_type(self.own("pattern", pattern), poses.dtype)
+        cosine, sine = self.library.cos(poses[..., 3:]), self.library.sin(poses[..., 3:])
         x = poses[..., :1] + cosine * pattern[:, 0] - sine * pattern[:, 1]
         y = poses[..., 1:2] + sine * pattern[:, 0] + cosine * pattern[:, 1]
-        return self.heights(self._library.stack([x, y], -1), worlds) - poses[..., 2:3]
+        return self.heights(self.library.stack([x, y], -1), worlds) - poses[..., 2:3]
 
     def lift(self, points: Any, radius: float | Array = 0.0, worlds: Any = None) -> Any:
         """Return how far each robot has to be raised so that none of its points is in the ground, (...,), metres.
@@ -255,8 +256,8 @@ class Ground:
         points: (..., points, 3), its feet, or the lowest points of its shapes; radius: half of their width, metres.
         Negative for a robot above the ground, which has to be lowered so far to stand on it.
         """
-        points = self._own("points", points, 3)
-        return self._library.amax(self.highest(points, radius, worlds) - points[..., 2], -1)
+        points = self.own("points", points, 3)
+        return self.library.amax(self.highest(points, radius, worlds) - points[..., 2], -1)
 
     def spots(self, size: Sequence[float], count: int = 1, *, seed: int = 0) -> Any:
         """Return places for a robot to start, (count, 4) or (worlds, count, 4): x, y, z [m], yaw.
@@ -274,7 +275,7 @@ class Ground:
         places = along_x * along_y
         if not 0 < count <= places:
             raise ParameterError("count", f"{count} is outside 1..{places}, the number of places on a map")
-        rng, library = np.random.default_rng(seed), self._library
+        rng, library = np.random.default_rng(seed), self.library
         # Ties are broken by a random number below 1, a unit: the least difference of two levels that differ.
         chance = array_like(low, rng.random((*many, along_x, along_y), dtype=np.float32))
         bottoms, tops = (self._values(self._heights, own, like=chance) for own in (low, high))
@@ -315,7 +316,7 @@ class Ground:
             first = row * n_y + before
             for column in columns:
                 own = cells[first + column]
-                highest = own if highest is None else self._library.maximum(highest, own)
+                highest = own if highest is None else self.library.maximum(highest, own)
         return highest
 
     def _places(self, radius: float | Array) -> tuple[Sequence[float | Array], Sequence[float | Array]]:
@@ -333,7 +334,7 @@ class Ground:
 
     def _indices(self, coordinates: Any, places: Sequence[float | Array], axis: int) -> list[Any]:
         """Return the indices of cells along an axis, at each place of a square; what is no number is outside."""
-        library, last = self._library, self._cells.shape[axis - 2] - 1
+        library, last = self.library, self._cells.shape[axis - 2] - 1
         middle = coordinates / self.block_width + ((last + 1) / 2 - self._middle[axis] / self.block_width)
         found = []
         for place in places:
@@ -370,7 +371,7 @@ class Ground:
 
     def _library_of(self, where: str, given: Any) -> tuple[Any, Any]:
         """Return the library of an array, and the array; one of that of the levels needs no look."""
-        return (self._library, given) if isinstance(given, self._array) else library_of(where, given)
+        return (self.library, given) if isinstance(given, self._array) else library_of(where, given)
 
     def _here(self, array: Any, dtype: Any = None) -> Any:
         """Return an array on the device of the levels, in a type of their library; one that is there stays."""
@@ -378,14 +379,17 @@ class Ground:
             return array_like(self._cells, array, dtype)
         return array if dtype is None else as_type(array, dtype)
 
-    def _own(self, where: str, given: Any, least: int = 2) -> Any:
-        """Return an array of the library of the levels, whose last axis has so many numbers at least."""
+    def own(self, where: str, given: Any, least: int = 2) -> Any:
+        """Return an array as one of the library of the levels, on their device.
+
+        Its last axis has so many numbers at least, or a ParameterError says `where` it comes from.
+        """
         library, array = self._library_of(where, given)
-        if library is not self._library:
+        if library is not self.library:
             if library is not np:
-                own, other = self._library.__name__, library.__name__
+                own, other = self.library.__name__, library.__name__
                 raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; give that")
-            array = array_like(self._cells, array, self._library.float32)
+            array = array_like(self._cells, array, self.library.float32)
         if array.ndim < 1 or array.shape[-1] < least:
             raise ParameterError(where, f"of shape {tuple(array.shape)}; give (..., {least})")
         return array
@@ -402,15 +406,15 @@ class Ground:
             if min(levels.shape):
                 check_levels(levels, most)
             return levels
-        return self._library.clip(levels, 0, most)
+        return self.library.clip(levels, 0, most)
 
     def _index(self, values: Any) -> Any:
         """Return numbers as indices, in the type that the library looks up fastest; jax has no other."""
-        return as_type(values, self._library.int64 if hasattr(self._cells, "dim") else self._library.int32)
+        return as_type(values, self.library.int64 if hasattr(self._cells, "dim") else self.library.int32)
 
     def _keep_tables(self, heights: Any, friction: Any, like: Any) -> None:
         """Keep the height and the friction of each material on the device of the levels."""
-        dtype = None if self._library is np else self._library.float32
+        dtype = None if self.library is np else self.library.float32
         self._heights, self._friction = (array_like(like, table, dtype) for table in (heights, friction))
 
     def _values(self, table: Any, materials: Any, like: Any) -> Any:
