@@ -30,9 +30,13 @@ from rsegen import (
     NormalRandom,
     Pallet,
     Peak,
+    Pit,
     Platform,
+    Rails,
     Random,
     Recipe,
+    Stairs,
+    Stones,
     Terrain,
 )
 from rsegen.params.sorts import ANYWHERE
@@ -63,6 +67,29 @@ DESIGNS: Mapping[str, Mapping[str, Any]] = {
     "random, max_step of the recipe": {"max_step": 2},
 }
 """Recipes of maps that are made together: what changes of one of random blocks."""
+
+OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
+    "random": ({}, 4096),
+    "random, weights": (DESIGNS["random, weights"], 4096),
+    "random, counts": ({"obstacles": [Random(levels=LEVELS, counts=(20,) * 5)]}, 4096),
+    "random, `max_step` of the recipe": ({"max_step": 2}, 4096),
+    "random, `max_step` of its own": ({"obstacles": [Random(levels=LEVELS, max_step=2)]}, 64),
+    "random, `crossable_by`": ({"crossable_by": (10, 10, 20)}, 64),
+    "random, difficulty 0.5": ({"difficulty": 0.5}, 4096),
+    "normal random": (DESIGNS["normal random"], 4096),
+    "barriers at drawn ends": (DESIGNS["diagonal barrier with drawn ends"], 4096),
+    "random, barrier and peak, blends": (DESIGNS["random, barrier and peak, blends"], 4096),
+    "peak": (DESIGNS["peak"], 4096),
+    "platform": (DESIGNS["platform"], 4096),
+    "matrix": (DESIGNS["matrix at a drawn place"], 4096),
+    "stairs": ({"obstacles": [Stairs(levels=LEVELS)]}, 4096),
+    "rails": ({"obstacles": [Rails(levels=LEVELS)]}, 4096),
+    "pit": ({"ground_level": 4, "obstacles": [Pit(levels=LEVELS)]}, 4096),
+    "stones": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS)]}, 4096),
+    "stones, uneven": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS, uneven=2)]}, 4096),
+    "pallet": ({"obstacles": [Pallet(levels=LEVELS)]}, 64),
+}
+"""What changes of a recipe of random blocks for each kind of map, and how many maps are made."""
 
 LARGE = ("random", "diagonal barrier", "peak", "random, difficulty 0.5", "random, max_step of the recipe")
 """Designs of which maps of 40 x 40 blocks are measured too."""
@@ -102,7 +129,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _measured_anew(part: str) -> int:
     """Measure some of the rows; the rest of the record stays. Exit code: 0."""
     record, (anew, word) = json.loads(FILE.read_text("utf-8")), PARTS[part]
-    place = next(number for number, row in enumerate(record["rows"]) if word in row["work"])
+    place = next((number for number, row in enumerate(record["rows"]) if word in row["work"]), len(record["rows"]))
     kept = [row for row in record["rows"] if word not in row["work"]]
     record["rows"] = [*kept[:place], *(asdict(row) for row in anew()), *kept[place:]]
     record["later"] = {**record.get("later", {}), part: machine()}
@@ -112,6 +139,7 @@ def _measured_anew(part: str) -> int:
 
 def rows() -> Iterator[Row]:
     """All of them."""
+    yield from _kinds()
     yield from _many()
     terrain = Terrain(recipes=_recipe(40), rows=10, columns=20)
     yield _compared(
@@ -123,8 +151,23 @@ def rows() -> Iterator[Row]:
         lambda: rsegen.mesh(terrain.field),
     )
     yield from _meshes()
+    yield from _ground()
     yield from _in_place()
     yield from _worlds()
+
+
+def _kinds() -> Iterator[Row]:
+    """Maps of every kind, beside as many random numbers of numpy."""
+    for name, (changes, count) in OF_KINDS.items():
+        recipe = replace(_recipe(10), **changes)
+        numbers = partial(_in_one_call, 10, 4096)
+        row = _compared(
+            f"maps of {name}", partial(rsegen.build_many, recipe, range(count)), count, "maps", "numpy", numbers
+        )
+        # As many maps as numpy's numbers are for: those that are made one by one take long.
+        share = 4096 / count
+        its = row.beside_seconds / share
+        yield replace(row, beside="numpy, a number per block", beside_seconds=its, ratio=row.ratio * share)
 
 
 def _many() -> Iterator[Row]:
@@ -206,6 +249,74 @@ def _meshes() -> Iterator[Row]:
             "`rsegen.mesh(field)`, merged",
             partial(rsegen.mesh, field),
         )
+
+
+def _ground() -> Iterator[Row]:
+    """Heights of a ground, beside a look-up of the same points in an array; by the clock, as both use all cores."""
+    recipe, worlds = _recipe(40), 1024
+    levels = rsegen.build_many(recipe, range(worlds))
+    points = np.random.default_rng(7).uniform(-1.9, 1.9, (worlds, 187, 2)).astype(np.float32)
+    for name, array, compiled in _libraries():
+        ground, tops = rsegen.Ground(recipe, array(levels)), array((levels * 0.05).astype(np.float32))
+        own, rows = array(points), array(np.arange(worlds)[:, None])
+        in_blocks = array(np.float32(0.1)), array(np.float32(20))
+        ours = compiled(ground.heights)
+        plain = compiled(partial(_looked_up, tops, rows, in_blocks))
+        if abs(np.asarray(ours(own)) - np.asarray(plain(own))).mean() > 1e-3:
+            raise AssertionError(f"{name}: the heights of a ground are not those of its blocks")
+        for turn in (ours, plain):  # compiled, and warm
+            _waited(turn(own))
+        seconds, its, ratio = _in_turns(
+            lambda ours=ours, own=own: _repeated(ours, own),  # type: ignore[misc]  # at once, in this turn
+            lambda plain=plain, own=own: _repeated(plain, own),  # type: ignore[misc]  # the same
+            time.perf_counter,
+        )
+        yield Row(
+            work=f"`Ground.heights`, {name}",
+            seconds=seconds,
+            count=REPEATED * points.size // 2,
+            unit="points",
+            beside="a look-up in an array",
+            beside_seconds=its,
+            ratio=ratio,
+        )
+
+
+REPEATED = 10
+
+
+def _repeated(ask: Callable[[Any], Any], points: Any) -> None:
+    for _ in range(REPEATED):
+        _waited(ask(points))
+
+
+def _waited(answer: Any) -> None:
+    if hasattr(answer, "block_until_ready"):
+        answer.block_until_ready()
+
+
+def _looked_up(tops: Any, rows: Any, in_blocks: tuple[Any, Any], points: Any) -> Any:
+    """The height of the block below each point: no edges, nothing around the map, no check."""
+    cells = points / in_blocks[0] + in_blocks[1]
+    whole = cells.long() if hasattr(cells, "long") else cells.astype(np.int32)
+    return tops[rows, whole[..., 0], whole[..., 1]]
+
+
+def _libraries() -> Iterator[tuple[str, Callable[[Any], Any], Callable[[Any], Any]]]:
+    """The libraries that are here: a name, what makes an array, and what compiles a function."""
+    yield "numpy", np.asarray, lambda ask: ask
+    try:
+        import jax
+
+        yield "`jax.jit`", jax.numpy.asarray, jax.jit
+    except ImportError:
+        pass
+    try:
+        import torch
+
+        yield "`torch.compile`", torch.as_tensor, torch.compile
+    except ImportError:
+        pass
 
 
 def _in_place() -> Iterator[Row]:
@@ -326,8 +437,10 @@ def _seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 PARTS: Mapping[str, tuple[Callable[[], Iterator[Row]], str]] = {
+    "kinds of maps": (_kinds, "maps of "),
     "maps at once": (_many, "`build_many`"),
     "closed meshes": (_meshes, "rsegen.mesh("),
+    "the ground": (_ground, "`Ground.heights`"),
 }
 """Rows that can be measured alone, and what their names have in common."""
 

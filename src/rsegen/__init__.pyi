@@ -34,6 +34,7 @@ from rsegen.heights.base import imported as imported
 from rsegen.learning.ground import Ground as Ground
 from rsegen.learning.ground import next_rows as next_rows
 from rsegen.learning.ground import scan_points as scan_points
+from rsegen.learning.scans import ScanSensor as ScanSensor
 from rsegen.learning.terrain import Terrain as Terrain
 from rsegen.measuring.catalogue import Metric as Metric
 from rsegen.measuring.catalogue import Metrics as Metrics
@@ -77,6 +78,7 @@ from rsegen.scanning.scans import ComparedMap as ComparedMap
 from rsegen.scanning.scans import ScannedMap as ScannedMap
 from rsegen.scanning.scans import compare as compare
 from rsegen.scanning.scans import scan as scan
+from rsegen.scene.contact import Contact as Contact
 from rsegen.scene.scene import Scene as Scene
 from rsegen.scene.scene import compose as compose
 from rsegen.simulators.commands import open as open
@@ -102,6 +104,7 @@ __all__ = [
     "KINDS",
     "Boxes",
     "ComparedMap",
+    "Contact",
     "Curve",
     "CutSettings",
     "Dataset",
@@ -139,6 +142,7 @@ __all__ = [
     "RespawnResult",
     "RsegenError",
     "ScanOptions",
+    "ScanSensor",
     "ScannedMap",
     "Scene",
     "Series",

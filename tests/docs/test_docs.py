@@ -154,13 +154,28 @@ def test_the_python_of_the_page_of_learning_works(tmp_path: Path) -> None:
     for library in ("mujoco", "trimesh", "pxr"):
         pytest.importorskip(library)
     gymnasium = pytest.importorskip("gymnasium")
-    terrain, exports, stairs, ground, many, _tensor, _isaaclab, _mjlab, in_place, reset, *_ = blocks(
-        ROOT / "docs" / "learning.md", "python"
-    )
+    (
+        terrain,
+        exports,
+        stairs,
+        ground,
+        sensor,
+        seats,
+        many,
+        _tensor,
+        _isaaclab,
+        _mjlab,
+        in_place,
+        reset,
+        touch,
+        ice,
+        *_,
+    ) = blocks(ROOT / "docs" / "learning.md", "python")
     ant = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
     (tmp_path / "robot.xml").write_bytes(ant.read_bytes())
     write_ant = 'open("ant_on_blocks.xml", "w").write(spec.to_xml())'
-    script = "\n".join([terrain, exports, stairs, ground, many, in_place, write_ant, reset, 'assert info["map"] >= 0'])
+    parts = [terrain, exports, stairs, ground, sensor, seats, many, in_place, write_ant, reset, touch, ice]
+    script = "\n".join([*parts, 'assert info["map"] >= 0'])
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
     assert (tmp_path / "worlds" / "terrain_0000" / "terrain_0000.world").is_file()
     assert (tmp_path / "terrain.glb").stat().st_size > 100_000
@@ -180,7 +195,9 @@ def test_the_race_of_the_page_of_learning_is_won_on_easy_fields(tmp_path: Path) 
 
 def test_the_page_of_learning_gives_a_tensor() -> None:
     pytest.importorskip("torch", reason="PyTorch is not installed: it is a download of gigabytes")
-    terrain, _exports, _stairs, _ground, _many, tensor, *_ = blocks(ROOT / "docs" / "learning.md", "python")
+    terrain, _exports, _stairs, _ground, _sensor, _seats, _many, tensor, *_ = blocks(
+        ROOT / "docs" / "learning.md", "python"
+    )
     script = f"{terrain.partition('terrain =')[0]}\n{tensor}\nassert tuple(levels.shape) == (16_384, 20, 20)"
     subprocess.run([sys.executable, "-c", script], check=True)
 

@@ -23,7 +23,7 @@ def options(folder: Path, *flags: str) -> dict[str, object]:
     return found
 
 
-HFIELD = {"shape": "hfield", "pixels": 4}
+HFIELD = {"shape": "hfield", "pixels": 4, "priority": 10}
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,7 @@ def test_a_ball_that_is_dropped_comes_to_rest_on_a_block(shape: str, tmp_path: P
       <worldbody>
         <body name="ball" pos="{x} {y} {scene.field.heights[i, j] + drop}">
           <freejoint/>
-          <geom type="sphere" size="0.02" mass="0.1" condim="6" friction="1 0.01 0.01"/>
+          <geom type="sphere" size="0.02" mass="0.1" condim="6" friction="1 0.01 0.01" priority="11"/>
         </body>
       </worldbody>
     </mujoco>"""

@@ -81,7 +81,7 @@ def test_rays_of_mujoco_end_on_the_ground_of_a_scene_with_frames() -> None:
     assert np.array_equal(ground.levels, scene.field.levels)
     x, y, z, _ = ground.spots((0.3, 0.3))[0]
     assert ground.highest([x, y], 0.149) == pytest.approx(z)
-    with pytest.raises(ParameterError, match="levels: the ground is that of the map rse_0003; give Ground a recipe"):
+    with pytest.raises(ParameterError, match="levels: the ground is that of one field; give Ground a recipe"):
         ground.write(scene.field.levels)
 
 

@@ -1,7 +1,8 @@
 """Sub-terrains for Isaac Lab: its generator gets distinct tiles, and the same ones again, with and without its cache.
 
 The package starts a simulator when it is imported. A stand-in has the parts that the adapter needs, and a generator
-that does with a sub-terrain what Isaac Lab's does; where Isaac Lab is installed, its own generator is asked too.
+that does with a sub-terrain what that of Isaac Lab 2.3 or 3.0 does; where Isaac Lab is installed, its own generator is
+asked too.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ import copy
 import json
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -40,10 +42,17 @@ class SubTerrainBaseCfg:
     size: tuple[float, float] = (10.0, 10.0)
 
     def __post_init__(self) -> None:
-        """Nothing: Isaac Lab copies lists here."""
+        """Set all values anew, as Isaac Lab does with copies of them."""
+        for name in [name for name in dir(self) if not name.startswith("__")]:
+            if not callable(value := getattr(self, name)) and not isinstance(getattr(type(self), name, 0), property):
+                setattr(self, name, copy.deepcopy(value))
 
     def copy(self) -> Any:
         return replace(self)
+
+
+CLONES: dict[str, Callable[[Any], Any]] = {"2.3": lambda cfg: cfg.copy(), "3.0": replace}
+"""How a generator copies the configuration of a sub-terrain for each tile."""
 
 
 @dataclass
@@ -61,17 +70,22 @@ class GeneratorCfg:
     border_width: float = 1.0
 
 
-def _generated(cfg: GeneratorCfg) -> Tiles:
+def _to_dict(cfg: Any) -> dict[str, Any]:
+    """The attributes as the cache of Isaac Lab names them."""
+    values = {name: value for name, value in vars(cfg).items() if not name.startswith("__")}
+    return {**values, "function": f"{cfg.function.__module__}:{cfg.function.__name__}"}
+
+
+def _generated(cfg: GeneratorCfg, version: str) -> Tiles:
     """The tiles, as TerrainGenerator makes them: sizes first, then for each a copy, the cache, and the function."""
     for own in cfg.sub_terrains.values():
         own.size = cfg.size
     rng, kept, tiles = np.random.default_rng(cfg.seed), Path(cfg.cache_dir or "."), []
-    for _ in range(cfg.num_rows * cfg.num_cols):
-        (given,) = cfg.sub_terrains.values()
-        difficulty, own = rng.uniform(*cfg.difficulty_range), given.copy()
+    kinds = list(cfg.sub_terrains.values())
+    for number in range(cfg.num_rows * cfg.num_cols):
+        difficulty, own = rng.uniform(*cfg.difficulty_range), CLONES[version](kinds[number % len(kinds)])
         own.difficulty, own.seed = float(difficulty), cfg.seed
-        values = {**asdict(own), "function": f"{own.function.__module__}:{own.function.__name__}", "seed": cfg.seed}
-        name = kept / f"{abs(hash(json.dumps({**values, 'difficulty': difficulty}, sort_keys=True)))}.npz"
+        name = kept / f"{abs(hash(json.dumps(_to_dict(own), sort_keys=True)))}.npz"
         if not (cfg.use_cache and name.is_file()):
             (mesh,), origin = own.function(difficulty, own)
             if not cfg.use_cache:
@@ -109,7 +123,8 @@ def real(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Any, type, Callable[
         pytest.skip("Isaac Lab is not installed: pip install --no-deps isaaclab, beside torch and warp-lang")
     pytest.importorskip("torch", reason="torch is not installed")
     pytest.importorskip("warp", reason="Warp is not installed")
-    home = Path(found.origin).parent / "source" / "isaaclab" / "isaaclab"
+    own = Path(found.origin).parent
+    home = own if (own / "terrains").is_dir() else own / "source" / "isaaclab" / "isaaclab"  # 3.0, and 2.3
     names = {"isaaclab": home, "isaaclab.terrains": home / "terrains", "isaaclab.utils": home / "utils"}
     _packages(monkeypatch, {name: [str(path)] for name, path in names.items()})
     homes = {
@@ -161,11 +176,34 @@ def _check_generation(terrain: type, generator_cfg: type, generated: Callable[[A
     return tiles
 
 
-def test_tiles_are_distinct_and_the_same_again(isaaclab: Any, tmp_path: Path) -> None:
-    _check_generation(isaaclab.StepFieldTerrainCfg, GeneratorCfg, _generated, tmp_path)
+@pytest.mark.parametrize("version", list(CLONES))
+def test_tiles_are_distinct_and_the_same_again(isaaclab: Any, version: str, tmp_path: Path) -> None:
+    _check_generation(isaaclab.StepFieldTerrainCfg, GeneratorCfg, partial(_generated, version=version), tmp_path)
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # Isaac Lab's own, of torch and Warp
+@pytest.mark.parametrize("version", list(CLONES))
+def test_sub_terrains_alike_and_unlike_have_tiles_of_their_own(isaaclab: Any, version: str) -> None:
+    """Two of one recipe never share a map, and another sort in between leaves the maps of the first as they are."""
+    terrain = isaaclab.StepFieldTerrainCfg
+    alike = {name: terrain(recipe=RECIPE) for name in ("a", "b")}
+    assert len(set(_shapes(_generated(GeneratorCfg(sub_terrains=alike), version)))) == 20
+    other = {"a": terrain(recipe=RECIPE), "b": terrain(recipe=replace(RECIPE, seed=4))}
+    shapes = _shapes(_generated(GeneratorCfg(sub_terrains=other), version))
+    assert len(set(shapes)) == 20
+    alone = _shapes(_generated(GeneratorCfg(sub_terrains={"a": terrain(recipe=RECIPE)}), version))
+    assert shapes[::2] == alone[:10]
+
+
+def test_a_configuration_that_is_no_copy_has_the_first_tile(isaaclab: Any) -> None:
+    terrain = isaaclab.StepFieldTerrainCfg
+    cfg = terrain(recipe=RECIPE)
+    _generated(GeneratorCfg(sub_terrains={"a": cfg}, size=(10.0, 10.0)), "3.0")
+    assert cfg.tile == terrain(recipe=RECIPE).tile == 0
+    assert [replace(cfg).tile for _ in range(2)] == [20, 21]
+    assert _to_dict(cfg).keys() == {field.name for field in fields(cfg)}
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning")  # Isaac Lab's own, of torch and Warp
 @pytest.mark.long(reason="Isaac Lab with torch, which are installed by hand")
 def test_tiles_of_isaac_lab_are_distinct_and_the_same_again(real: Any, tmp_path: Path) -> None:
     adapter, generator_cfg, generated = real

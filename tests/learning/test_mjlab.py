@@ -94,6 +94,52 @@ def test_every_level_has_its_friction_and_no_geom_a_mass(mjlab: Any) -> None:
     assert model.body_mass.sum() == 0
 
 
+@pytest.mark.parametrize("shape", ["boxes", "hfield"])
+def test_each_sub_terrain_has_a_friction_of_its_own_that_acts(mjlab: Any, shape: str) -> None:
+    """By contacts of feet as mjlab has them, of friction 0.6 and priority 1, on every sub-terrain."""
+    from mjlab.terrains.terrain_generator import TerrainGenerator, TerrainGeneratorCfg
+
+    kinds = {"ice": 0.1, "wood": 0.5, "rubber": 1.3}
+    sub_terrains = {
+        name: mjlab.StepFieldTerrainCfg(
+            recipe=replace(RECIPE, name=name, friction=friction, level_friction=None), shape=shape, proportion=1 / 3
+        )
+        for name, friction in kinds.items()
+    }
+    cfg = TerrainGeneratorCfg(
+        size=(2.0, 2.0), num_rows=3, num_cols=3, curriculum=True, seed=1, sub_terrains=sub_terrains
+    )
+    spec = mujoco.MjSpec()
+    generator = TerrainGenerator(cfg)
+    generator.compile(spec)
+    foot = spec.worldbody.add_body(name="foot", pos=[0, 0, 9])
+    foot.add_freejoint()
+    foot.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.02, 0, 0], friction=[0.6, 0.02, 0.01], priority=1)
+    model = spec.compile()
+    state = mujoco.MjData(model)
+    acting = np.zeros((3, 3))
+    for row, column in np.ndindex(acting.shape):
+        x, y, _ = generator.terrain_origins[row, column] + 0.05
+        state.qpos[:3] = x, y, 9
+        mujoco.mj_forward(model, state)
+        state.qpos[2] = _height(model, state, x, y)[0] + 0.0195
+        mujoco.mj_forward(model, state)
+        assert state.ncon
+        (acting[row, column],) = set(np.round(state.contact.friction[:, 0], 9))
+    assert np.array_equal(np.sort(acting), [list(kinds.values())] * 3)
+    assert (acting == acting[0]).all()
+
+
+def test_the_friction_of_feet_acts_if_blocks_have_the_lower_priority(mjlab: Any) -> None:
+    from rsegen.scene.contact import Contact
+
+    model, *_ = _compiled(mjlab, {"contact": Contact(priority=-1)})
+    boxes = model.geom_type == mujoco.mjtGeom.mjGEOM_BOX
+    of_blocks = boxes & (model.geom_contype == 2**31 - 1)
+    assert of_blocks.sum() > 50
+    assert set(model.geom_priority[of_blocks]) == {-1}
+
+
 def test_the_generator_s_seed_chooses_the_maps(mjlab: Any) -> None:
     once, again, other = (_compiled(mjlab, seed=seed)[0].geom_size for seed in (1, 1, 2))
     assert np.array_equal(once, again)

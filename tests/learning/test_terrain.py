@@ -118,28 +118,48 @@ def test_the_recipe_of_a_terrain_builds_the_same_field() -> None:
     assert rsegen.compose(terrain.recipe).name == "terrain_0000"
 
 
-def test_spots_are_even_places_of_their_tiles() -> None:
-    terrain = Terrain(recipes=TABLE, rows=3, columns=2, border=2, gap=2)
+def test_a_terrain_of_several_frictions_is_no_single_map() -> None:
+    terrain = Terrain(recipes=[ROUGH, replace(ROUGH, level_friction=(0.5,))], rows=2, columns=2)
+    with pytest.raises(ParameterError, match=r"recipes\[1\].level_friction: .* give one for all"):
+        assert terrain.recipe
+    assert set(np.unique(terrain.frictions)) == {0.5, ROUGH.friction}
+    assert np.array_equal(terrain.frictions == 0.5, (terrain.field.levels == 1) & (np.arange(40) >= 20))
+
+
+def test_spots_are_the_most_level_places_of_their_tiles() -> None:
+    terrain = Terrain(recipes=[ROUGH, TABLE], rows=3, columns=2, border=2, gap=2)
     spots = terrain.spots((0.3, 0.2), 2, seed=3)
     assert spots.shape == (3, 2, 2, 4)
     assert np.array_equal(spots, terrain.spots((0.3, 0.2), 2, seed=3))
-    field = terrain.field
-    for row, column, number in np.ndindex(3, 2, 2):
-        x, y, z, yaw = spots[row, column, number]
-        assert abs(x - terrain.origins[row, column, 0]) < terrain.tile_size[0] / 2
-        assert abs(y - terrain.origins[row, column, 1]) < terrain.tile_size[1] / 2
-        ahead = np.array([np.cos(yaw), np.sin(yaw)]) * 0.149
-        for at in (np.array([x, y]), np.array([x, y]) + ahead, np.array([x, y]) - ahead):
-            i, j = (int(value // field.block_width + cells / 2) for value, cells in zip(at, field.shape, strict=True))
-            assert field.heights[i, j] == pytest.approx(z)
+    width, unit = terrain.field.block_width, terrain.field.unit
+    for row, column in np.ndindex(3, 2):
+        levels = terrain.levels[row, column].astype(int)
+        windows = np.lib.stride_tricks.sliding_window_view(levels, (3, 2))
+        for x, y, z, _ in spots[row, column]:
+            i, j = (
+                round((at - middle) / width + (cells - wide) / 2)
+                for at, middle, cells, wide in zip(
+                    (x, y), terrain.origins[row, column, :2], levels.shape, (3, 2), strict=True
+                )
+            )
+            under = levels[i : i + 3, j : j + 2]
+            assert under.shape == (3, 2)
+            assert z == pytest.approx(under.max() * unit)
+            assert np.ptp(under) <= np.sort(np.ptp(windows, axis=(2, 3)), axis=None)[1]
+            # The same place in the field of all tiles.
+            n_x, n_y = terrain.field.shape
+            across, along = round(x / width + n_x / 2 - 1.5), round(y / width + n_y / 2 - 1)
+            assert np.array_equal(terrain.field.levels[across : across + 3, along : along + 2], under)
 
 
-@pytest.mark.slow
-def test_a_tile_without_a_spot_is_named() -> None:
-    terrain = Terrain(recipes=ROUGH, rows=2, columns=2, gap=12)  # so wide that it falls off every tile
-    with pytest.raises(ParameterError, match=r"^tile 1, 0.robot: no spot on this map"):
-        terrain.spots((0.9, 0.9))
-    assert terrain.spots((0.9, 0.9), evenest=True).shape == (2, 2, 1, 4)
+def test_spots_of_a_terrain_are_not_in_holes() -> None:
+    pit = Pit(levels=4, gap_width=3, first=(0, 0), last=(9, 9))
+    recipe = Recipe(seed=1, unit_cm=5, boundary="none", ground_level=4, obstacles=[pit])
+    terrain = Terrain(recipes=[ROUGH, recipe], rows=2, columns=2)
+    assert terrain.levels[1, 1].min() == 1
+    assert (terrain.spots((0.1, 0.1), 10)[..., 2] >= 4 * 0.05 - 1e-9).all()
+    with pytest.raises(ParameterError, match=r"size: 2 x 0\.3 m is larger than the map of 10 x 10 blocks"):
+        terrain.spots((2, 0.3))
 
 
 @pytest.mark.slow
@@ -181,10 +201,6 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),
         ({"recipes": [ROUGH, replace(ROUGH, unit_cm=10)]}, r"recipes\[1\].unit_cm: 10.0, and 5.0 in the first recipe"),
-        (
-            {"recipes": [ROUGH, replace(ROUGH, level_friction=(0.5,))]},
-            r"recipes\[1\].level_friction: .* give one for all",
-        ),
         (
             {"rows": 1000, "columns": 1000, "recipes": replace(ROUGH, chunk_size=40)},
             "rows: a terrain of 40,020 x 40,020",

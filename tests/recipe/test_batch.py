@@ -103,6 +103,24 @@ def test_every_kind_with_drawn_ends_and_every_blend(kind: str, blend: str, ends:
         assert len(np.unique(many, axis=0)) > 6
 
 
+@pytest.mark.parametrize(
+    "ends",
+    [
+        {},
+        {"first": (7, 1), "last": (0, 5)},
+        {"first": ANYWHERE, "last": ANYWHERE},
+        {"first": (4, "random"), "last": ("random", 3)},
+    ],
+    ids=str,
+)
+def test_uneven_stones_of_many_maps_are_those_built_one_by_one(ends: dict[str, Any]) -> None:
+    stones = rsegen.Stones(levels=5, uneven=3, stone_width=1, platform_width=2, softness=20, key="tops", **ends)
+    recipe = Recipe(seed=5, chunk_size=9, ground_level=4, obstacles=[stones, rsegen.Stones(levels=2, uneven=1, **ends)])
+    many = rsegen.build_many(recipe, range(40))
+    assert np.array_equal(many, _one_by_one(recipe, range(40)))
+    assert len(np.unique(many, axis=0)) > 20
+
+
 @pytest.mark.parametrize("difficulty", [1, 0.6])
 def test_maps_too_large_to_be_made_together_are_those_built_one_by_one(difficulty: float) -> None:
     obstacles = [

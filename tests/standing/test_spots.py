@@ -21,14 +21,12 @@ from rsegen.standing.resting import resting_poses
 from rsegen.standing.settling import PaddedGround, outer_radius
 from rsegen.standing.spots import (
     MOST_TILT,
-    Bounds,
     Outline,
     Spot,
     apart,
     body_of_size,
     find_spots,
     fits,
-    spots_of_parts,
 )
 
 KINDS = pytest.mark.parametrize("kind", ["burger", "jackal", "crawler"])
@@ -189,31 +187,3 @@ def test_a_large_map_costs_no_more_than_a_small_one() -> None:
     field, before = rough(1, blocks=600), time.process_time()
     assert spots_of(field, body("jackal"), 1, 1)
     assert time.process_time() - before < 3
-
-
-@pytest.mark.slow
-@KINDS
-def test_spots_of_parts_are_those_of_each_part_as_it_lies_in_the_field(kind: str) -> None:
-    levels = np.random.default_rng(5).integers(0, 3, (60, 40))
-    levels[::20] = levels[:, 5:15] = 0
-    field, robot = field_of(levels), body(kind)
-    windows = [(slice(x, x + 20), slice(y, y + 20)) for x in (0, 20, 40) for y in (0, 20)]
-    rngs = [np.random.default_rng(seed) for seed in range(len(windows))]
-    for window, found in zip(windows, spots_of_parts(field, robot, 2, windows, rngs, evenest=True), strict=True):
-        assert len(found) == 2
-        for spot in found:
-            low, high = Bounds.of(field, window)
-            corners = Outline.of(robot).at(spot)
-            assert (corners >= np.array(low) - 1e-6).all()
-            assert (corners <= np.array(high) + 1e-6).all()
-            if not spot.reason:
-                rest = resting_poses(field, robot, spot.x, spot.y, spot.yaw)
-                assert rest.pushes.all()
-                assert float(rest.tilt[0]) < MOST_TILT + 1e-6
-
-
-def test_one_part_that_is_all_of_a_field_has_its_spots() -> None:
-    field, robot = rough(2), body("burger")
-    (found,) = spots_of_parts(field, robot, 3, [(slice(0, 20), slice(0, 20))], [np.random.default_rng(4)])
-    assert field.shape == (20, 20)
-    assert found == spots_of(field, robot, 3, 4)

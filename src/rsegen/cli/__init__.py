@@ -59,6 +59,7 @@ CAPABILITY = Capability(
         "rsegen.writing.journal": ("Verified", "verify"),
         "rsegen.writing.recipe_files": ("save",),
         "rsegen.writing.worlds": ("Generated", "GeneratedMap"),
+        "rsegen.scene.contact": ("Contact",),
         "rsegen.scene.scene": ("Scene", "compose"),
     },
     extras=(CLUSTER,),

@@ -22,7 +22,8 @@ from rsegen.gazebo.obj import material_name, texture_files, texture_name
 from rsegen.gazebo.sdf import numbers, utf8
 from rsegen.geometry.columns import Column, columns
 from rsegen.params.numbers import decimal
-from rsegen.params.sorts import Choice, Integer
+from rsegen.params.sorts import Choice, Integer, parameters
+from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
 
 
@@ -45,6 +46,7 @@ class Mjcf(Format):
     pixels: Annotated[
         int, Integer(1, 100, help="samples of a height field along each side of a cell; mujoco_warp takes up to 4")
     ] = 4
+    priority: Annotated[int, parameters(Contact)["priority"]] = CONTACT.priority
 
     @property
     def array_bytes(self) -> int:
@@ -53,8 +55,12 @@ class Mjcf(Format):
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:
         """Return the map under its own name, the scene, and the mesh or height field files of the map."""
-        body = self._body(scene)
-        return {f"{scene.name}.xml": utf8(_map(scene, body)), "scene.xml": utf8(_scene(scene)), **body.files}
+        body, contact = self._body(scene), Contact(priority=self.priority)
+        return {
+            f"{scene.name}.xml": utf8(_map(scene, body, contact)),
+            "scene.xml": utf8(_scene(scene, contact)),
+            **body.files,
+        }
 
     def _body(self, scene: Scene) -> _BodyElements:
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
@@ -73,12 +79,12 @@ class Mjcf(Format):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _BodyElements:
-    """The parts of a body: assets, <geom> elements, the files that they need, defaults of collision geoms."""
+    """The parts of a body: assets, <geom> elements, the files that they need, and the group of collision geoms."""
 
     assets: Iterable[str] = ()
     geoms: Iterable[str] = ()
     files: Mapping[str, Iterable[bytes]] = field(default_factory=dict)
-    collisions: str = ""
+    group: int = 0
 
 
 def _meshes(scene: Scene) -> _BodyElements:
@@ -101,7 +107,7 @@ def _meshes(scene: Scene) -> _BodyElements:
         assets=chain(assets, meshes),
         geoms=chain(visuals, (_box(scene, column) for column in columns(scene.field))),
         files={f"{name}.obj": content for name, content in files.items()} | images,
-        collisions=' group="3"',
+        group=3,
     )
 
 
@@ -147,16 +153,17 @@ def _sampled(field: StepField, pixels: int) -> Array:
     return heights
 
 
-def _map(scene: Scene, body: _BodyElements) -> Iterator[str]:
+def _map(scene: Scene, body: _BodyElements, contact: Contact) -> Iterator[str]:
     """Yield the file of the body alone, to be included or attached."""
-    # In pieces, as a large map has many geoms; names have the map's name, so that two maps can be in a scene.
+    # In pieces, as a large map has many geoms; names have the map's name, so that two maps can be in a scene. The class
+    # has all that decides a contact, as it would inherit the rest from the defaults of a model that includes the file.
     name = scene.name
     yield f"""\
 <!-- made by rsegen: metres, z up, the middle of the map at 0 0 0, the ground at z = 0 -->
 <mujoco model="{name}">
   <default>
     <default class="{name}">
-      <geom type="box" mass="0" {_friction(scene.friction)}{body.collisions}/>
+      <geom type="box" mass="0" quat="1 0 0 0" group="{body.group}" {_contact(contact, scene.friction)}/>
     </default>
   </default>
   <asset>
@@ -171,7 +178,7 @@ def _map(scene: Scene, body: _BodyElements) -> Iterator[str]:
     yield "    </body>\n  </worldbody>\n</mujoco>\n"
 
 
-def _scene(scene: Scene) -> Iterator[str]:
+def _scene(scene: Scene, contact: Contact) -> Iterator[str]:
     """Yield the scene with light, a ground plane and a camera; the free camera of viewers sees the whole map."""
     # Viewers put the free camera at 1.5 times `extent` from the centre.
     across = hypot(*scene.field.extent)
@@ -189,7 +196,8 @@ def _scene(scene: Scene) -> Iterator[str]:
 {_SKY if scene.recipe.sky else ""}  <worldbody>
     <light name="sun" directional="true" castshadow="{shadows}" dir="-0.4 0.3 -0.86" diffuse="0.6 0.6 0.6"/>
     <camera name="overview" pos="0 {decimal(-across)} {decimal(across)}" xyaxes="1 0 0 0 1 1"/>
-    <geom name="ground" type="plane" size="0 0 1" {_friction(scene.friction)} rgba="0.6 0.6 0.6 1"/>
+    <geom name="ground" type="plane" size="0 0 1" pos="0 0 0" quat="1 0 0 0" group="0" rgba="0.6 0.6 0.6 1"
+      {_contact(contact, scene.friction)}/>
   </worldbody>
 </mujoco>
 """
@@ -216,11 +224,11 @@ def _material(scene: Scene, material: int, part: str = "") -> str:
 def _box(scene: Scene, column: Column, material: str = "") -> str:
     """Return the <geom> of a box; its friction is only written if it is not the map's."""
     friction = scene.friction_of(column.material)
-    own = "" if friction == scene.friction else f" {_friction(friction)}"
+    own = "" if friction == scene.friction else f' friction="{decimal(friction)}"'
     place = f'pos="{numbers(column.centre)}" size="{numbers(side / 2 for side in column.size)}"'
     return f"      <geom {place}{own}{material}/>\n"
 
 
-def _friction(sliding: float) -> str:
-    """Return the friction attribute; torsional and rolling friction are left to the engine, of which some have none."""
-    return f'friction="{decimal(sliding)}"'
+def _contact(contact: Contact, sliding: float) -> str:
+    """Return the attributes of a <geom> that decide its contacts."""
+    return " ".join(f'{name}="{numbers(values)}"' for name, values in contact.attributes(sliding).items())

@@ -2,9 +2,11 @@
 
     ground       Ground: heights, friction, scans and places to start, in numpy, torch or jax; next_rows: which row of a
                  terrain a robot goes to next
+    scans        ScanSensor: scans with noise, steps, lost rays, a delay, and a map that drifts
     isaaclab     StepFieldTerrainCfg, a sub-terrain of Isaac Lab
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
-    mujoco       add_map to an MjSpec; BlockGrid, whose map changes without compiling anew
+    mujoco       add_map and add_terrain to an MjSpec; BlockGrid, whose map changes without compiling anew
+    seating      seat: any MuJoCo model put on the ground, or dropped until it rests
     mujoco_warp  BlocksOfWorlds: a map of its own for each world
     newton       add_map to a ModelBuilder; BlockGrid
     gymnasium    NewFieldAtReset, a wrapper around an environment
@@ -20,7 +22,7 @@ MESH = Extra("mesh", "trimesh", "terrain for Isaac Lab")
 
 CAPABILITY = Capability(
     summary="step fields where robots learn",
-    needs=("datasets", "measuring", "standing"),
+    needs=("datasets", "measuring"),
     commands=(
         Command(
             "terrain",
@@ -31,6 +33,7 @@ CAPABILITY = Capability(
     ),
     public={
         "rsegen.learning.ground": ("Ground", "next_rows", "scan_points"),
+        "rsegen.learning.scans": ("ScanSensor",),
         "rsegen.learning.terrain": ("Terrain",),
     },
     extras=(MESH,),

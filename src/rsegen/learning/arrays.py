@@ -17,6 +17,9 @@ from rsegen.errors import ParameterError, shown
 
 _LIBRARIES = {"numpy": "numpy", "torch": "torch", "jax": "jax.numpy", "jaxlib": "jax.numpy"}
 
+_CLASSES = {"numpy": "ndarray", "torch": "Tensor", "jax.numpy": "ndarray"}
+"""The class of all arrays of a library, those of functions that are being compiled too."""
+
 
 def library_of(where: str, given: Any) -> tuple[Any, Any]:
     """Return the library of an array, and the array; numbers in lists become numpy's. ParameterError if it is none."""
@@ -33,6 +36,16 @@ def array_like(other: Any, values: Any, dtype: Any = None) -> Any:
     """Return values as an array of the library of another one, in torch on its device; jax places them itself."""
     library = _library(_package(other))
     return library.asarray(values, dtype=dtype, **({"device": other.device} if library.__name__ == "torch" else {}))
+
+
+def class_of(library: Any) -> type:
+    """Return the class of the arrays of a library."""
+    return getattr(library, _CLASSES[library.__name__])  # type: ignore[no-any-return]
+
+
+def as_type(array: Any, dtype: Any) -> Any:
+    """Return an array in a type of its library, on its device: without a copy if it is of that type."""
+    return array.to(dtype) if hasattr(array, "to") else array.astype(dtype)
 
 
 def with_values(array: Any, place: tuple[Any, ...], values: Any) -> Any:
@@ -54,11 +67,6 @@ def extremes(levels: Any, wide: Sequence[int]) -> tuple[Any, Any]:
             own = reduce(combine, [own[(..., slice(first, first + places), *rest)] for first in range(cells)])
         ends.append(own)
     return ends[0], ends[1]
-
-
-def is_traced(array: Any) -> bool:
-    """Return whether the numbers of an array may not be known yet, as in a function that jax compiles."""
-    return _package(array) == "jax"
 
 
 def _package(value: Any) -> str:

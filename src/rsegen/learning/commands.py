@@ -62,7 +62,7 @@ def run_terrain(arguments: argparse.Namespace) -> Report:
         recipes = [replace(recipe, seed=seed) for recipe in recipes]
     terrain = Terrain(recipes=recipes, **values)
     path = Path(arguments.folder) / f"{terrain.name}_0000.json"
-    with counting(terrain.rows * terrain.columns * (1 if size is None else 2), "tile") as progress:
+    with counting(terrain.rows * terrain.columns, "tile") as progress:
         terrain = replace(terrain, progress=progress)
         report = produce(terrain.recipe, arguments, {path.name: lambda: tiles_json(terrain, size)})
     return report if arguments.json else replace(report, notes=[f"its tiles: {path}"])
@@ -73,7 +73,7 @@ def tiles_json(terrain: Terrain, robot_size: tuple[float, float] | None = None) 
 
     robot_size: length and width of a robot, for which each tile gets a spot to start at
     """
-    spots = {} if robot_size is None else {"spots": terrain.spots(robot_size, evenest=True)[:, :, 0].tolist()}
+    spots = {} if robot_size is None else {"spots": terrain.spots(robot_size)[:, :, 0].tolist()}
     tiles = {
         "name": terrain.name,
         "tile_size": list(terrain.tile_size),

@@ -7,7 +7,9 @@
 Idea: a point divided by the block width is its cell; one that is on an edge gets the higher block, as everywhere in
 rsegen. A square around a point is looked at in places less than a block apart, so no cell under it is missed. Levels
 and results stay arrays of the library that the levels came from (numpy, torch or jax), on their device. Arrays of Warp
-are viewed without a copy: as numpy's on the CPU, as torch's on a GPU.
+are viewed without a copy: as numpy's on the CPU, as torch's on a GPU. No question about heights and friction asks the
+device for a number, so none waits for it, and all can be compiled (`jax.jit`, `jax.vmap`, `torch.compile`). Levels and
+indices of worlds are checked where that costs no waiting: levels of torch when a Ground is made, and all of numpy.
 
 Cost: four look-ups per point, and as many more as blocks are under a square. What breaks it: a ground that overhangs.
 
@@ -21,8 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import reduce
-from itertools import product
+from importlib import import_module
 from math import ceil, floor
 from typing import Any
 
@@ -30,8 +31,9 @@ import numpy as np
 
 from rsegen.errors import ParameterError, TooLarge, shown
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.learning.arrays import array_like, extremes, is_traced, library_of, with_values
+from rsegen.learning.arrays import array_like, as_type, class_of, extremes, library_of, with_values
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.contact import CONTACT
 from rsegen.scene.scene import Scene
 
 _EDGE = 1e-5
@@ -44,10 +46,11 @@ _HOLE = 1e4
 """Units by which a place in a hole counts as more uneven than any other one."""
 
 
-def friction_by_level(recipe: Recipe) -> Array:
-    """Return the friction coefficient of each level from 0 to the highest of a recipe; 0 is the ground."""
+def friction_by_level(recipe: Recipe, highest: int | None = None) -> Array:
+    """Return the friction coefficient of each level from 0 to the highest, by default of a recipe; 0 is the ground."""
     scene = Scene(recipe=recipe, index=0, field=unframed(np.zeros((1, 1), dtype=np.int16), 1.0, 1.0))
-    return np.array([recipe.friction, *map(scene.friction_of, range(1, recipe.highest_level + 1))])
+    levels = range(1, (recipe.highest_level if highest is None else highest) + 1)
+    return np.array([recipe.friction, *map(scene.friction_of, levels)])
 
 
 def check_levels(levels: Any, highest: int) -> None:
@@ -92,16 +95,29 @@ class Ground:
         Where the middle of the map is, metres.
     outside : int, default 0
         Level of the ground around the map.
+    priority : int, default 10
+        Priority of the blocks in MuJoCo, by which it is decided whose friction acts.
     """
 
-    def __init__(self, recipe: Recipe, levels: Any, pos: Sequence[float] | Array = (0, 0, 0), outside: int = 0) -> None:
+    def __init__(
+        self,
+        recipe: Recipe,
+        levels: Any,
+        pos: Sequence[float] | Array = (0, 0, 0),
+        outside: int = 0,
+        priority: int = CONTACT.priority,
+    ) -> None:
         if recipe.boundary != "none":
             raise ParameterError("boundary", f"'{recipe.boundary}' has frames; give none, or take Ground.of(scene)")
         self.block_width: float = recipe.block_width_cm / 100
         self.unit: float = recipe.unit_cm / 100
         self._floor: float = recipe.ground_level * self.unit
         self.position: Array = np.array(pos, dtype=float)
-        self._library, given = library_of("levels", levels)
+        self.priority: int = priority
+        self._middle: tuple[float, float, float] = tuple(self.position.tolist())
+        self.library: Any
+        self.library, given = library_of("levels", levels)
+        self._array: type = class_of(self.library)
         if given.ndim not in (2, 3):
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give (n_x, n_y) or (worlds, n_x, n_y)")
         if not 0 <= outside <= recipe.highest_level:
@@ -114,8 +130,9 @@ class Ground:
             worlds = f"{many[0] if many else 1} maps of {n_x} x {n_y} blocks"
             raise TooLarge(f"levels: {worlds} are more than this machine's memory; give fewer") from None
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
-        self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), self._checked(given))
-        self._scene: Scene | None = None
+        self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), self._checked(given, is_new=True))
+        self._every = array_like(given, np.arange(many[0] if many else 0))
+        self._fixed: StepField | None = None
 
     @classmethod
     def of(cls, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Ground:
@@ -130,13 +147,29 @@ class Ground:
         ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
         ground._keep_tables(heights[order], friction[order], like=ground._cells)
         ground._cells[1:-1, 1:-1] = np.argsort(order)[material]
-        ground._scene = scene
+        ground._fixed = field
+        return ground
+
+    @classmethod
+    def of_cells(cls, recipe: Recipe, field: StepField, friction: Array, pos: Sequence[float] = (0, 0, 0)) -> Ground:
+        """Return the ground of a field without frames, each of whose cells has a friction; it cannot be written.
+
+        friction: (n_x, n_y); recipe: that of the ground around the field.
+        """
+        ground = cls(replace(recipe, boundary="none"), np.zeros(field.shape, dtype=np.int16), pos)
+        # Materials are pairs of a level and a friction, sorted by level: the higher of two cells has the higher index.
+        pairs = np.column_stack([np.append(0, field.levels), np.append(recipe.friction, friction)])
+        known, material = np.unique(pairs, axis=0, return_inverse=True)
+        ground._keep_tables(known[:, 0] * field.unit, known[:, 1], like=ground._cells)
+        ground._cells[:] = material.flat[0]
+        ground._cells[1:-1, 1:-1] = material.reshape(-1)[1:].reshape(field.shape)
+        ground._fixed = field
         return ground
 
     @property
     def levels(self) -> Any:
         """The levels of the blocks, as they are now: (n_x, n_y), or (worlds, n_x, n_y)."""
-        return self._inner if self._scene is None else self._scene.field.levels
+        return self._inner if self._fixed is None else self._fixed.levels
 
     @property
     def worlds(self) -> int | None:
@@ -145,15 +178,15 @@ class Ground:
 
     def write(self, levels: Any, worlds: Any = None) -> None:
         """Put maps into these worlds, (worlds, n_x, n_y), or into all: at a reset, as in BlocksOfWorlds."""
-        _, given = library_of("levels", levels)
-        if self._scene is not None:
-            raise ParameterError("levels", f"the ground is that of the map {self._scene.name}; give Ground a recipe")
+        _, given = self._library_of("levels", levels)
+        if self._fixed is not None:
+            raise ParameterError("levels", "the ground is that of one field; give Ground a recipe")
         rows = None if worlds is None else self._rows(worlds)
         shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
         if tuple(given.shape) != shape:
             raise ParameterError("levels", f"of shape {tuple(given.shape)}; give {shape}")
         place = (... if rows is None else rows, slice(1, -1), slice(1, -1))
-        self._cells = with_values(self._cells, place, array_like(self._cells, self._checked(given)))
+        self._cells = with_values(self._cells, place, self._here(self._checked(given), self._cells.dtype))
 
     def heights(self, points: Any, worlds: Any = None) -> Any:
         """Return the height of the ground at points, (...,), metres."""
@@ -161,17 +194,28 @@ class Ground:
 
     def friction(self, points: Any, worlds: Any = None) -> Any:
         """Return the coefficient of sliding friction of the ground at points, (...,)."""
-        points = self._own("points", points)
+        points = self.own("points", points)
         return self._values(self._friction, self._materials(points, 0.0, worlds), like=points)
+
+    def acting_friction(self, points: Any, own: Any, priority: int = 0, worlds: Any = None) -> Any:
+        """Return the coefficient that acts in MuJoCo between the ground and what is on it at points, (...,).
+
+        own: the coefficient of that, a number or (...,); priority: the priority of its geoms. The higher priority
+        decides; of equal ones MuJoCo takes the larger coefficient.
+        """
+        ground = self.friction(points, worlds)
+        other = ground * 0 + (own if isinstance(own, int | float) else self._here(own, ground.dtype))
+        if priority == self.priority:
+            return self.library.maximum(ground, other)
+        return other if priority > self.priority else ground
 
     def highest(self, points: Any, radius: float | Array, worlds: Any = None) -> Any:
         """Return the height of the highest block in squares around points, (...,), metres.
 
         radius: half of their side along x and y, metres; or, in numpy, (..., 2) of rectangles.
         """
-        points = self._own("points", points)
-        tops = self._values(self._heights, self._materials(points, radius, worlds), like=points)
-        return tops + float(self.position[2])
+        points = self.own("points", points)
+        return self._values(self._heights, self._materials(points, radius, worlds), like=points) + self._middle[2]
 
     def normals(self, points: Any, radius: float, worlds: Any = None) -> Any:
         """Return unit normals, (..., 3), of the planes through the ground in squares around points.
@@ -181,11 +225,16 @@ class Ground:
         """
         if not radius > 0:
             raise ParameterError("radius", f"{shown(radius)} m; give one above 0, as tops are level")
-        points, library = self._own("points", points), self._library
-        grid = scan_points((2 * radius, 2 * radius), 2 * radius / (_PLANE - 1))
-        own = array_like(points, grid, points.dtype)
-        heights = self.heights(points[..., None, :2] + own, worlds)
-        slopes = [(heights * own[:, axis]).sum(-1) / float((grid[:, axis] ** 2).sum()) for axis in (0, 1)]
+        points, library = self.own("points", points), self.library
+        # The heights of five rows along x, each of five points along y; their sums over the squares of the distances.
+        steps = [radius * (2 * place / (_PLANE - 1) - 1) for place in range(_PLANE)]
+        x, y = points[..., 0], points[..., 1]
+        heights = [[self.heights(library.stack([x + dx, y + dy], -1), worlds) for dy in steps] for dx in steps]
+        squares = _PLANE * sum(step**2 for step in steps)
+        slopes = [
+            sum(step * sum(row) for step, row in zip(steps, rows, strict=True)) / squares
+            for rows in (heights, list(zip(*heights, strict=True)))
+        ]
         length = (slopes[0] ** 2 + slopes[1] ** 2 + 1) ** 0.5
         return library.stack([-slopes[0] / length, -slopes[1] / length, 1 / length], -1)
 
@@ -194,12 +243,12 @@ class Ground:
 
         pattern: (points, 2), x and y in the robot's frame, such as `scan_points()`; poses: (..., 4), x, y, z [m], yaw.
         """
-        poses = self._own("poses", poses, 4)
-        pattern = array_like(poses, self._own("pattern", pattern), poses.dtype)
-        cosine, sine = self._library.cos(poses[..., 3:]), self._library.sin(poses[..., 3:])
+        poses = self.own("poses", poses, 4)
+        pattern = as_type(self.own("pattern", pattern), poses.dtype)
+        cosine, sine = self.library.cos(poses[..., 3:]), self.library.sin(poses[..., 3:])
         x = poses[..., :1] + cosine * pattern[:, 0] - sine * pattern[:, 1]
         y = poses[..., 1:2] + sine * pattern[:, 0] + cosine * pattern[:, 1]
-        return self.heights(self._library.stack([x, y], -1), worlds) - poses[..., 2:3]
+        return self.heights(self.library.stack([x, y], -1), worlds) - poses[..., 2:3]
 
     def lift(self, points: Any, radius: float | Array = 0.0, worlds: Any = None) -> Any:
         """Return how far each robot has to be raised so that none of its points is in the ground, (...,), metres.
@@ -207,8 +256,8 @@ class Ground:
         points: (..., points, 3), its feet, or the lowest points of its shapes; radius: half of their width, metres.
         Negative for a robot above the ground, which has to be lowered so far to stand on it.
         """
-        points = self._own("points", points, 3)
-        return self._library.amax(self.highest(points, radius, worlds) - points[..., 2], -1)
+        points = self.own("points", points, 3)
+        return self.library.amax(self.highest(points, radius, worlds) - points[..., 2], -1)
 
     def spots(self, size: Sequence[float], count: int = 1, *, seed: int = 0) -> Any:
         """Return places for a robot to start, (count, 4) or (worlds, count, 4): x, y, z [m], yaw.
@@ -226,13 +275,13 @@ class Ground:
         places = along_x * along_y
         if not 0 < count <= places:
             raise ParameterError("count", f"{count} is outside 1..{places}, the number of places on a map")
-        rng, library = np.random.default_rng(seed), self._library
+        rng, library = np.random.default_rng(seed), self.library
         # Ties are broken by a random number below 1, a unit: the least difference of two levels that differ.
         chance = array_like(low, rng.random((*many, along_x, along_y), dtype=np.float32))
         bottoms, tops = (self._values(self._heights, own, like=chance) for own in (low, high))
         uneven = (tops - bottoms) / self.unit + chance + _HOLE * (bottoms < self._floor - _EDGE)
         best = library.argsort(uneven.reshape((*many, places)), -1)[..., :count]
-        rows = (array_like(low, np.arange(many[0]))[:, None],) if many else ()
+        rows = (self._every[:, None],) if many else ()
         z = tops.reshape((*many, places))[(*rows, best)]
         i, j = best // along_y, best % along_y
         x, y = (
@@ -247,8 +296,8 @@ class Ground:
 
     def field(self, world: int = 0) -> StepField:
         """Return the map of a world as a field, about its own middle: for `rsegen.poses`, `metrics` and `mesh`."""
-        if self._scene is not None:
-            return self._scene.field
+        if self._fixed is not None:
+            return self._fixed
         levels = self.levels if self.worlds is None else self.levels[world]
         own = np.array(levels.cpu() if hasattr(levels, "cpu") else levels)
         return unframed(own, self.block_width, self.unit)
@@ -260,82 +309,132 @@ class Ground:
 
     def _materials(self, points: Any, radius: float | Array, worlds: Any) -> Any:
         """Return the material of the highest block in squares around points: an index into the tables."""
-        # The places are less than a block apart: a whole block between two of them would be missed.
-        radius_in_blocks = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
-        shares = np.linspace(-1, 1, floor(2 * float(radius_in_blocks.max())) + 2)
-        along_x, along_y = (
-            (radius_in_blocks, radius_in_blocks)
-            if radius_in_blocks.ndim == 0
-            else (radius_in_blocks[..., 0], radius_in_blocks[..., 1])
-        )
-        i, j = (
-            [self._cell(points[..., axis], share * own, axis) for share in shares]
-            for axis, own in enumerate((along_x, along_y))
-        )
-        worlds_of = self._along(points, worlds)
-        return reduce(self._library.maximum, [self._cells[(*worlds_of, *cell)] for cell in product(i, j)])
+        cells, n_y = self._cells.reshape(-1), self._cells.shape[-1]
+        before, highest = self._before(points, worlds), None
+        rows, columns = (self._indices(points[..., axis], own, axis) for axis, own in enumerate(self._places(radius)))
+        for row in rows:
+            first = row * n_y + before
+            for column in columns:
+                own = cells[first + column]
+                highest = own if highest is None else self.library.maximum(highest, own)
+        return highest
 
-    def _cell(self, coordinates: Any, offset: Array, axis: int) -> Any:
-        """Return the index of cells along an axis, offset by a number of cells; one that is no number is outside."""
-        library, cells = self._library, self._cells.shape[axis - 2]
-        start = cells / 2 - float(self.position[axis]) / self.block_width
-        own = start + offset if np.ndim(offset) == 0 else array_like(coordinates, start + offset, coordinates.dtype)
-        cell = library.clip(coordinates / self.block_width + own, 0, cells - 1)
-        return self._index(library.where(library.isnan(cell), 0.0, cell))
+    def _places(self, radius: float | Array) -> tuple[Sequence[float | Array], Sequence[float | Array]]:
+        """Return the places along x and y at which a square is looked at, from its middle, in blocks."""
+        # They are less than a block apart: a whole block between two of them would be missed.
+        if isinstance(radius, int | float):
+            reach = (radius + _EDGE) / self.block_width
+            last = floor(2 * reach) + 1
+            places = [reach * (2 * place / last - 1) for place in range(last + 1)]
+            return places, places
+        reaches = (np.asarray(radius, dtype=float) + _EDGE) / self.block_width
+        shares = np.linspace(-1, 1, floor(2 * float(reaches.max())) + 2)
+        x, y = (reaches, reaches) if reaches.ndim == 0 else (reaches[..., 0], reaches[..., 1])
+        return [share * x for share in shares], [share * y for share in shares]
 
-    def _along(self, points: Any, worlds: Any) -> tuple[Any, ...]:
-        """Return the index of worlds along the first axis of points: nothing for one map."""
+    def _indices(self, coordinates: Any, places: Sequence[float | Array], axis: int) -> list[Any]:
+        """Return the indices of cells along an axis, at each place of a square; what is no number is outside."""
+        library, last = self.library, self._cells.shape[axis - 2] - 1
+        middle = coordinates / self.block_width + ((last + 1) / 2 - self._middle[axis] / self.block_width)
+        found = []
+        for place in places:
+            cell = middle + (place if isinstance(place, float) else self._here(place, coordinates.dtype))
+            if library is np:  # which warns of what is no number
+                cell = np.nan_to_num(np.clip(cell, 0, last))
+            found.append(library.clip(self._index(cell), 0, last))
+        return found
+
+    def _before(self, points: Any, worlds: Any) -> Any:
+        """Return how many cells are before the worlds along the first axis of points: 0 for one map."""
         if self.worlds is None and worlds is None:
-            return ()
+            return 0
         rows = self._rows(worlds)
         if points.ndim < 2 or points.shape[0] != len(rows):
             given = f"of shape {tuple(points.shape)} for {len(rows)} worlds"
             raise ParameterError("points", f"{given}; give ({len(rows)}, ..., {points.shape[-1]})")
-        return (rows.reshape((-1, *[1] * (points.ndim - 2))),)
+        return self._index(rows.reshape((-1, *[1] * (points.ndim - 2)))) * (
+            self._cells.shape[-2] * self._cells.shape[-1]
+        )
 
     def _rows(self, worlds: Any) -> Any:
         """Return indices of worlds as an array, by default of all; ParameterError if any is not there."""
         if self.worlds is None:
             raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
-        rows = array_like(self._cells, np.arange(self.worlds) if worlds is None else library_of("worlds", worlds)[1])
-        if rows.ndim != 1 or (len(rows) and "int" not in str(rows.dtype)):
+        if worlds is None:
+            return self._every
+        library, rows = self._library_of("worlds", worlds)
+        if rows.ndim != 1 or (len(rows) and not _is_whole(rows)):
             raise ParameterError("worlds", f"{shown(worlds)} is not a list of indices of worlds")
-        if len(rows) and not 0 <= int(rows.min()) <= int(rows.max()) < self.worlds:
-            raise ParameterError("worlds", f"{int(rows.min())}..{int(rows.max())} are not all in 0..{self.worlds - 1}")
-        return rows
+        if library is np and len(rows) and not 0 <= rows.min() <= rows.max() < self.worlds:
+            raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
+        return self._here(rows)
 
-    def _own(self, where: str, given: Any, least: int = 2) -> Any:
-        """Return an array of the library of the levels, whose last axis has so many numbers at least."""
-        library, array = library_of(where, given)
-        if library is not self._library:
+    def _library_of(self, where: str, given: Any) -> tuple[Any, Any]:
+        """Return the library of an array, and the array; one of that of the levels needs no look."""
+        return (self.library, given) if isinstance(given, self._array) else library_of(where, given)
+
+    def _here(self, array: Any, dtype: Any = None) -> Any:
+        """Return an array on the device of the levels, in a type of their library; one that is there stays."""
+        if not isinstance(array, self._array):
+            return array_like(self._cells, array, dtype)
+        return array if dtype is None else as_type(array, dtype)
+
+    def own(self, where: str, given: Any, least: int = 2) -> Any:
+        """Return an array as one of the library of the levels, on their device.
+
+        Its last axis has so many numbers at least, or a ParameterError says `where` it comes from.
+        """
+        library, array = self._library_of(where, given)
+        if library is not self.library:
             if library is not np:
-                own, other = self._library.__name__, library.__name__
+                own, other = self.library.__name__, library.__name__
                 raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; give that")
-            array = array_like(self._cells, array, self._library.float32)
+            array = array_like(self._cells, array, self.library.float32)
         if array.ndim < 1 or array.shape[-1] < least:
             raise ParameterError(where, f"of shape {tuple(array.shape)}; give (..., {least})")
         return array
 
-    def _checked(self, levels: Any) -> Any:
-        """Return levels; ParameterError if they are no integers, or none of the recipe. Those of jax may be traced."""
-        if "int" not in str(levels.dtype):
+    def _checked(self, levels: Any, *, is_new: bool = False) -> Any:
+        """Return levels; ParameterError if they are no integers, or none of the recipe, where their numbers are known.
+
+        Those that are on a device, or that are being traced, are kept within the levels of the recipe.
+        """
+        if not _is_whole(levels):
             raise ParameterError("levels", f"of {levels.dtype}; give integers, in units")
-        if min(levels.shape) and not is_traced(levels):
-            check_levels(levels, len(self._heights) - 1)
-        return levels
+        most = len(self._heights) - 1
+        if isinstance(levels, np.ndarray) or (is_new and _can_be_asked(levels)):
+            if min(levels.shape):
+                check_levels(levels, most)
+            return levels
+        return self.library.clip(levels, 0, most)
 
     def _index(self, values: Any) -> Any:
-        return array_like(self._cells, values, self._library.int32)
+        """Return numbers as indices, in the type that the library looks up fastest; jax has no other."""
+        return as_type(values, self.library.int64 if hasattr(self._cells, "dim") else self.library.int32)
 
     def _keep_tables(self, heights: Any, friction: Any, like: Any) -> None:
         """Keep the height and the friction of each material on the device of the levels."""
-        dtype = None if self._library is np else self._library.float32
+        dtype = None if self.library is np else self.library.float32
         self._heights, self._friction = (array_like(like, table, dtype) for table in (heights, friction))
 
     def _values(self, table: Any, materials: Any, like: Any) -> Any:
         """Return the values of materials in a table, in the type of an array of numbers."""
         values = table[self._index(materials)]
-        return array_like(values, values, like.dtype) if "float" in str(like.dtype) else values
+        return as_type(values, like.dtype) if _is_real(like) else values
+
+
+def _is_whole(array: Any) -> bool:
+    """Return whether an array has integers, of any library."""
+    return "int" in str(array.dtype)
+
+
+def _is_real(array: Any) -> bool:
+    return "float" in str(array.dtype)
+
+
+def _can_be_asked(array: Any) -> bool:
+    """Return whether the numbers of an array are known now: those of jax, or of what torch compiles, may not be."""
+    return hasattr(array, "is_cuda") and not import_module("torch").compiler.is_compiling()
 
 
 def unframed(levels: Ints, block_width: float, unit: float) -> StepField:

@@ -14,21 +14,18 @@ from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
-import mujoco
 import numpy as np
 
 from rsegen.errors import ParameterError, UserError
-from rsegen.field.stepfield import Array, Levels
+from rsegen.field.stepfield import Levels
 from rsegen.learning.ground import Ground
-from rsegen.learning.mujoco import BlockGrid, geom_bounds, roots_of
+from rsegen.learning.mujoco import BlockGrid
+from rsegen.learning.seating import Seats
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
 
 _AHEAD = 64
 """Maps that are made together: `build_many` makes dozens of small maps in little more than the time of one."""
-
-_CLEARANCE = 1e-3
-"""Metres that stay free below a raised robot."""
 
 
 class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
@@ -50,7 +47,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
         if model is None or grid.names[0] not in {model.geom(geom).name for geom in range(model.ngeom)}:
             raise UserError(f"the model of {self.unwrapped} has no geom {grid.names[0]}; add the blocks by grid.add_to")
         self.ground: Ground = grid.ground(grid.highest)
-        self._roots, self._state = roots_of(model), mujoco.MjData(model)
+        self._seats = Seats(model)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Draw a map, write it into the model and reset the environment; `options={"map": 17}` takes that map.
@@ -70,7 +67,8 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
                 indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
                 self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
             index, levels = self._drawn.pop()
-        self.grid.write(self.unwrapped.model, levels)  # type: ignore[attr-defined]
+        for model in (self.unwrapped.model, self._seats.model):  # type: ignore[attr-defined]
+            self.grid.write(model, levels)
         self.ground.write(levels)
         with self._robots_above_the_blocks():
             observation, info = self.env.reset(seed=seed, options=options)
@@ -84,20 +82,8 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
             yield
             return
         own = env.set_state
-        env.set_state = lambda qpos, qvel: own(self._raised(env.model, qpos), qvel)
+        env.set_state = lambda qpos, qvel: own(self._seats.put(qpos, self.ground, lower=False), qvel)
         try:
             yield
         finally:
             del env.set_state
-
-    def _raised(self, model: Any, qpos: Array) -> Array:
-        """Return positions of joints with each body that can rise above the blocks."""
-        state, raised = self._state, np.array(qpos, dtype=float)
-        state.qpos[:] = raised
-        mujoco.mj_kinematics(model, state)
-        for joint, geoms in self._roots:
-            low, high = geom_bounds(model, state, geoms)
-            lowest = np.column_stack([(low + high)[:, :2] / 2, low[:, 2]])
-            lift = self.ground.lift(lowest, (high - low)[:, :2] / 2)
-            raised[joint] += max(float(lift) + _CLEARANCE, 0.0)
-        return raised

@@ -1,4 +1,4 @@
-"""Isaac Lab: step fields as sub-terrains of its TerrainGenerator (2.3).
+"""Isaac Lab: step fields as sub-terrains of its TerrainGenerator (2.3 and 3.0).
 
 from rsegen.learning.isaaclab import StepFieldTerrainCfg
 
@@ -6,8 +6,10 @@ sub_terrains = {"rubble": StepFieldTerrainCfg(recipe=rsegen.load("rubble.yaml"),
 
 Isaac Lab writes a configuration as a dictionary and reads it again (Hydra), and names what it caches by that
 dictionary. So all that decides a tile is a number or a text there: the recipe as JSON, and the number of the tile. A
-generator sets the size of its sub-terrains before it makes tiles, and copies the configuration for each: that counts
-them. What breaks it: a generator that does neither has one tile for each difficulty.
+generator sets the size of its sub-terrains before it makes tiles, and copies the configuration for each, by its method
+`copy` (2.3) or by `dataclasses.replace` (3.0). Both make a new one of the fields, whose recipe is JSON already: that is
+how a copy is known, and it takes the next number of its sort. What breaks it: a generator that does neither has one
+tile for each difficulty.
 """
 
 from __future__ import annotations
@@ -31,6 +33,12 @@ from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
+
+_MADE = "__made"
+"""Attribute of a configuration that is complete; Isaac Lab leaves names that begin so out of its dictionaries."""
+
+_COUNTS: dict[tuple[object, ...], int] = {}
+"""Tiles so far of the generator that began last, by the parameters of their sub-terrain."""
 
 
 def step_field(difficulty: float, cfg: StepFieldTerrainCfg) -> tuple[list[Trimesh], Array]:
@@ -64,7 +72,8 @@ class StepFieldTerrainCfg(_Parameters):
     """
 
     def __post_init__(self) -> None:
-        if not isinstance(self.recipe, str):
+        is_copy = isinstance(self.recipe, str)
+        if not is_copy:
             check_recipe(self.recipe)
             self.recipe = to_json(self.recipe)
         if not _recipe(self.recipe).is_of_one_friction:
@@ -73,17 +82,20 @@ class StepFieldTerrainCfg(_Parameters):
         if self.mesh not in MESHES:
             raise UnknownName.among("mesh", "mesh", self.mesh, MESHES)
         super().__post_init__()
+        if is_copy and self._sort in _COUNTS:
+            self.tile = _COUNTS[self._sort]
+            _COUNTS[self._sort] += 1
+        self.__dict__[_MADE] = True
 
     def __setattr__(self, name: str, value: object) -> None:
-        if name == "size":  # a generator begins
-            super().__setattr__("tile", 0)
         super().__setattr__(name, value)
+        if name == "size" and _MADE in self.__dict__:  # a generator begins
+            self.tile = _COUNTS[self._sort] = 0
 
-    def copy(self) -> StepFieldTerrainCfg:
-        """Return a copy, the configuration of the next tile."""
-        copied: StepFieldTerrainCfg = super().copy()
-        copied.tile, self.tile = self.tile, self.tile + 1
-        return copied
+    @property
+    def _sort(self) -> tuple[object, ...]:
+        """What sub-terrains have in common whose tiles are counted together."""
+        return self.recipe, self.mesh, self.spawn_radius, self.proportion, tuple(self.size)
 
 
 @cache

@@ -19,9 +19,11 @@ from mjlab.terrains.terrain_generator import FlatPatchSamplingCfg, SubTerrainCfg
 from rsegen.errors import ParameterError, TooLarge, UnknownName
 from rsegen.field.stepfield import Array
 from rsegen.learning.blocks import GROUND_COLOUR
+from rsegen.learning.ground import friction_by_level
 from rsegen.learning.mujoco import add_box, add_height_field
 from rsegen.learning.tile import Tile, check_recipe, tile
 from rsegen.recipe.recipe import Recipe
+from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
 
 _SHAPES = ("boxes", "hfield")
@@ -38,6 +40,8 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     most_boxes: of the whole terrain; 4,000 take 1.1 GB while mujoco_warp loads them, and twice as many four times that.
     spawn_radius: metres along x and y from the middle of a tile, above whose highest block its origin is: a reset that
     spreads robots this far, their size included, puts none into a block.
+    contact: its priority is above that of mjlab's robots, so the recipe's friction acts; by `Contact(priority=-1)` that
+    of the feet acts, which mjlab's events draw.
     """
 
     recipe: Recipe
@@ -45,6 +49,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
     samples: int = 4
     most_boxes: int = 4000
     spawn_radius: float = 1.0
+    contact: Contact = CONTACT
 
     def __post_init__(self) -> None:
         check_recipe(self.recipe)
@@ -61,8 +66,8 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
             geometries = self._boxes(spec, ground)
         else:
             name, heights = f"{self.recipe.name}_{len(spec.hfields)}", ground.samples(self.samples)
-            field, geom = add_height_field(spec, spec.body("terrain"), name, heights, ground.size)
-            geom.friction[0] = self.recipe.friction
+            attributes = self.contact.attributes(self.recipe.friction)
+            field, geom = add_height_field(spec, spec.body("terrain"), name, heights, ground.size, attributes)
             geometries = [TerrainGeometry(geom=geom, hfield=field, color=(*GROUND_COLOUR, 1.0))]
         return TerrainOutput(
             origin=ground.origin_above(self.spawn_radius), geometries=geometries, flat_patches=patches or None
@@ -76,11 +81,12 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
             peak = f"{_PAIR_BYTES * count**2 / 1e9:.1f} GB in mujoco_warp"
             problem = f"more than {self.most_boxes:,} boxes, the budget of the terrain; {count:,} need {peak}"
             raise TooLarge(f"most_boxes: {problem}; give shape='hfield', fewer tiles, or a larger most_boxes")
-        colours = (look.colour(column.material) if column.material else GROUND_COLOUR for column in columns)
-        return [
-            TerrainGeometry(geom=add_box(body, column, look.friction_of(column.material)), color=(*colour, 1.0))
-            for column, colour in zip(columns, colours, strict=True)
-        ]
+        friction, geometries = friction_by_level(self.recipe), []
+        for column in columns:
+            colour = look.colour(column.material) if column.material else GROUND_COLOUR
+            geom = add_box(body, column, self.contact.attributes(float(friction[column.material])))
+            geometries.append(TerrainGeometry(geom=geom, color=(*colour, 1.0)))
+        return geometries
 
 
 def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, rng: np.random.Generator) -> Array:

@@ -9,46 +9,79 @@ grid.write(model, rsegen.build_many(recipe, [17])[0])
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import mujoco
 import numpy as np
 
+from rsegen.datasets.difficulty_tiles import as_recipes
 from rsegen.field.stepfield import Array, Ints
 from rsegen.geometry.columns import Column, columns
-from rsegen.learning.blocks import BELOW, BlockArrays
+from rsegen.learning.blocks import BELOW, GROUND_COLOUR, BlockArrays
+from rsegen.learning.ground import Ground
+from rsegen.learning.terrain import Terrain
+from rsegen.recipe.recipe import Recipe
+from rsegen.scene.contact import CONTACT, Contact
 from rsegen.scene.scene import Scene
 
-_TORSIONAL, _ROLLING = 0.005, 0.0001
-"""Friction coefficients, MuJoCo's defaults."""
+Attributes = Mapping[str, tuple[float, ...]]
+
+_OF_A_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+
+_BLOCKS_ALONE = 2**30
+"""A bit of `conaffinity` for geoms of robots that otherwise touch nothing, or only what a <pair> names."""
 
 
-def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0)) -> Any:
-    """Add a map to an MjSpec as a static body of boxes, its middle at `pos` in metres; gives the body."""
+def add_map(spec: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Any:
+    """Add a map to an MjSpec as a static body of boxes, its middle at `pos` in metres; gives the body.
+
+    Add it last: a robot that collides with nothing, or by pairs alone, then collides with the blocks.
+    """
+    let_touch(spec)
     body = spec.worldbody.add_body(name=scene.name, pos=list(pos))
     for index, column in enumerate(columns(scene.field)):
-        geom = add_box(body, column, scene.friction_of(column.material))
+        geom = add_box(body, column, contact.attributes(scene.friction_of(column.material)))
         geom.name = f"{scene.name}_{index}"
         geom.rgba = [*scene.colour(column.material), 1.0]
     return body
 
 
-def add_box(body: Any, column: Column, friction: float) -> Any:
-    """Add a box to a body of an MjSpec; it has no mass, as it cannot move. Gives the geom."""
-    return body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        pos=list(column.centre),
-        size=[side / 2 for side in column.size],
-        friction=[friction, _TORSIONAL, _ROLLING],
-        mass=0,
+def add_terrain(spec: Any, terrain: Terrain, pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT) -> Any:
+    """Add a terrain to an MjSpec as a static body of boxes, its middle at `pos` in metres; gives the body.
+
+    Each tile has the friction of its own recipe. The boxes reach a unit below z = 0, as level ground has a friction
+    too, so add no plane; and add the terrain last, as a map.
+    """
+    let_touch(spec)
+    body = spec.worldbody.add_body(name=terrain.name, pos=list(pos))
+    field, frictions, look = (
+        terrain.field,
+        terrain.frictions,
+        Scene(recipe=as_recipes(terrain.recipes)[0], index=0, field=terrain.field),
     )
+    for friction in np.unique(frictions):
+        raised = replace(field, levels=np.where(frictions == friction, field.levels + 1, 0).astype(np.int16))
+        for (x, y, z), size, level in columns(raised):
+            geom = add_box(body, Column((x, y, z - field.unit), size, level), contact.attributes(float(friction)))
+            geom.rgba = [*(look.colour(level - 1) if level > 1 else GROUND_COLOUR), 1.0]
+    return body
 
 
-def add_height_field(spec: Any, body: Any, name: str, heights: Array, size: Sequence[float]) -> tuple[Any, Any]:
+def add_box(body: Any, column: Column, attributes: Attributes) -> Any:
+    """Add a box to a body of an MjSpec, with the attributes of a Contact; gives the geom."""
+    size = [side / 2 for side in column.size]
+    return _add_geom(body, {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": list(column.centre), "size": size}, attributes)
+
+
+def add_height_field(
+    spec: Any, body: Any, name: str, heights: Array, size: Sequence[float], attributes: Attributes
+) -> tuple[Any, Any]:
     """Add a height field to a body of an MjSpec, from (0, 0) to a size in metres; gives it and its geom.
 
-    heights: (n_x, n_y), metres, from one side to the other.
+    heights: (n_x, n_y), metres, from one side to the other; attributes: those of a Contact.
     """
     low, high = float(heights.min()), float(heights.max())
     # MuJoCo has samples from 0 to 1, along x first; a flat field has a height that nothing uses, as 0 is not allowed.
@@ -60,10 +93,47 @@ def add_height_field(spec: Any, body: Any, name: str, heights: Array, size: Sequ
         ncol=n_x,
         userdata=((heights.T - low) / rise).ravel().astype(np.float32),
     )
-    geom = body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname=name, pos=[size[0] / 2, size[1] / 2, low], mass=0
-    )
-    return field, geom
+    shape = {"type": mujoco.mjtGeom.mjGEOM_HFIELD, "hfieldname": name, "pos": [size[0] / 2, size[1] / 2, low]}
+    return field, _add_geom(body, shape, attributes)
+
+
+def _add_geom(body: Any, shape: Mapping[str, Any], attributes: Attributes) -> Any:
+    """Add a geom without mass, as it cannot move, by MuJoCo's own defaults in place of those of the robot's file."""
+    geom = body.add_geom(_empty().default, **shape, mass=0)
+    for name, values in attributes.items():
+        setattr(geom, name, values if len(values) > 1 else values[0])
+    return geom
+
+
+@cache
+def _empty() -> Any:
+    """Return a model that has MuJoCo's own defaults alone."""
+    return mujoco.MjSpec()
+
+
+def let_touch(spec: Any) -> None:
+    """Let robots touch blocks whose geoms collide with nothing, as Gymnasium's swimmer, or by pairs with the ground.
+
+    MuJoCo decides by bits and by a list of pairs. These geoms have no bits, so they get one that only blocks have: what
+    they touch of the rest of the model stays the same. Bodies without a joint or an actuator stay as they are.
+    """
+    static = {geom.name for geom in spec.worldbody.geoms}
+    on_ground = {
+        other
+        for pair in spec.pairs
+        for one, other in ((pair.geomname1, pair.geomname2), (pair.geomname2, pair.geomname1))
+        if one in static
+    }
+    of_joints = {actuator.target for actuator in spec.actuators if actuator.trntype in _OF_A_JOINT}
+    is_driven_otherwise = any(actuator.trntype not in _OF_A_JOINT for actuator in spec.actuators)
+    for tree in spec.worldbody.bodies:
+        joints, geoms = tree.find_all("joint"), tree.find_all("geom")
+        is_driven = is_driven_otherwise or any(joint.name in of_joints for joint in joints)
+        is_apart = bool(joints) and is_driven and not any(geom.contype or geom.conaffinity for geom in geoms)
+        by_pairs = [geom for geom in geoms if geom.name in on_ground]
+        for geom in by_pairs or (geoms if is_apart else []):
+            if not (geom.contype or geom.conaffinity):
+                geom.conaffinity = _BLOCKS_ALONE
 
 
 def roots_of(model: Any) -> list[tuple[int, Ints]]:
@@ -117,16 +187,29 @@ class BlockGrid(BlockArrays):
     The arrays of a map, or of many (..., n_x, n_y) at once, have an axis of blocks, x first, in the order of the geoms.
     """
 
+    def __init__(
+        self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0), contact: Contact = CONTACT
+    ) -> None:
+        super().__init__(recipe, name, pos)
+        self.contact: Contact = contact
+
+    def ground(self, levels: Any) -> Ground:
+        """Return the ground of these blocks: of a map (n_x, n_y), or of worlds (worlds, n_x, n_y)."""
+        return Ground(self.recipe, levels, self.position, priority=self.contact.priority)
+
     def add_to(self, spec: Any) -> Any:
         """Add the blocks to an MjSpec as a static body, all as high as the highest; gives the body.
 
-        What the compiler makes of their size, the bounds in which it looks for contacts, then holds for every map.
+        What the compiler makes of their size, the bounds in which it looks for contacts, then holds for every map. Add
+        them last: a robot that collides with nothing, or by pairs alone, then collides with the blocks.
         """
+        let_touch(spec)
         body = spec.worldbody.add_body(name=self.name, pos=list(self.position))
-        arrays = (part(self.highest) for part in (self.pos, self.size, self.rgba, self.friction))
+        arrays = (part(self.highest) for part in (self.pos, self.size, self.rgba, self.sliding))
         for name, pos, size, rgba, friction in zip(self.names, *arrays, strict=True):
-            geom = body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=pos, size=size, mass=0)
-            geom.rgba, geom.friction = rgba, friction
+            shape = {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": pos, "size": size}
+            geom = _add_geom(body, shape, self.contact.attributes(float(friction)))
+            geom.name, geom.rgba = name, rgba
         return body
 
     def write(self, model: Any, levels: Ints) -> None:
@@ -139,4 +222,5 @@ class BlockGrid(BlockArrays):
     def friction(self, levels: Ints) -> Array:
         """The friction coefficients of the blocks by their levels, (..., blocks, 3): sliding, torsional, rolling."""
         sliding = self.sliding(levels)[..., None]
-        return np.concatenate([sliding, np.broadcast_to((_TORSIONAL, _ROLLING), (*sliding.shape[:-1], 2))], axis=-1)
+        others = self.contact.torsional, self.contact.rolling
+        return np.concatenate([sliding, np.broadcast_to(others, (*sliding.shape[:-1], 2))], axis=-1)

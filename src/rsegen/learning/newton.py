@@ -24,6 +24,9 @@ from rsegen.scene.scene import Scene
 
 SHAPES = ("boxes", "mesh")
 
+_TOUCHES_ALL = -(2**20)
+"""A collision group: one below 0 collides with all others but itself, so it is one that nobody else would take."""
+
 
 def add_map(builder: Any, scene: Scene, pos: Sequence[float] = (0, 0, 0), shape: str = "boxes") -> list[int]:
     """Add a map to a ModelBuilder, its middle at `pos` in metres; gives the indices of its shapes.
@@ -67,8 +70,11 @@ def _add_box(builder: Any, centre: Array, half: Array, *, friction: float, colou
 
 
 def _config(builder: Any, friction: float) -> Any:
+    """Return the builder's own stiffness of shapes, but all that decides whether they touch, whatever it is there."""
     config = builder.default_shape_cfg.copy()
-    config.mu = friction
+    config.mu, config.collision_group = friction, _TOUCHES_ALL
+    config.has_shape_collision = config.has_particle_collision = config.is_visible = True
+    config.margin, config.gap, config.is_site, config.is_hydroelastic = 0.0, None, False, False
     return config
 
 

@@ -33,18 +33,19 @@ from rsegen.errors import ParameterError, TooLarge, inside
 from rsegen.field.crossing import CrossingModel
 from rsegen.field.limits import SIDE
 from rsegen.field.stepfield import Array, Ints, Levels, StepField
+from rsegen.learning.ground import Ground, friction_by_level
 from rsegen.learning.terrain_design import TerrainDesign
 from rsegen.measuring.catalogue import RMS, By, metric_by
 from rsegen.obstacles.matrix import Matrix
 from rsegen.params.sorts import NANOMETRE_DIGITS, Integer, ListOf, validate
-from rsegen.params.streams import generator
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
-from rsegen.standing.body import Body
-from rsegen.standing.spots import body_of_size, spots_of_parts
 
-_ALIKE = ("unit_cm", "block_width_cm", "friction", "level_friction", "level_colours")
+_ALIKE = ("unit_cm", "block_width_cm", "level_colours")
 """Parameters that must be the same in all recipes, as the whole terrain has one value of each."""
+
+_FRICTIONS = ("friction", "level_friction")
+"""Parameters that must be the same if the terrain is to be one map: a map has a friction for each level."""
 
 _LARGEST_CHUNK = 1000
 """Largest `chunk_size` of a recipe, of which a terrain as one map is made."""
@@ -61,8 +62,8 @@ class Terrain(TerrainDesign):
     """Maps of one or several recipes as one field, harder from row to row.
 
     Frames become blocks of their height. The flat ground around tiles is at the highest `ground_level` of the recipes,
-    and tiles of a lower one are raised to it. In difficulty 0 is flat, and 1 as designed; the rows between the first
-    and the last rise evenly.
+    and tiles of a lower one are raised to it. Each tile has the friction of its recipe. In difficulty 0 is flat, and 1
+    as designed; the rows between the first and the last rise evenly.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ class Terrain(TerrainDesign):
     robot : Crosser, optional
         For metrics of a robot, such as `reach.west_east.cost`; a full tile is then the hardest that it crosses.
     progress : callable, optional
-        Called for each tile that is made, and for each whose spots are found.
+        Called for each tile that is made.
 
     Raises
     ------
@@ -197,27 +198,47 @@ class Terrain(TerrainDesign):
         heights = field.heights[i[:, None], j[None, :]].max(axis=(0, 1))
         return np.column_stack([places * extent - extent / 2, heights])
 
-    def spots(self, robot: Body | Sequence[float], count: int = 1, *, seed: int = 0, evenest: bool = False) -> Array:
-        """Return spots on each tile for a start or a goal, (rows, columns, count, 4): x, y, z [m] and yaw [rad].
+    def spots(self, size: Sequence[float], count: int = 1, *, seed: int = 0) -> Array:
+        """Return places on each tile to start, (rows, columns, count, 4): x, y, z [m] and yaw [rad], as `Ground.spots`.
 
-        robot: its body, or the length and width in metres of one that stands on all of its rectangle; evenest: where a
-        tile has no spot, take the best place. ParameterError names the first tile that has too few.
+        size: length and width of a rectangle along x and y, metres, with the most level ground of its tile below it; z:
+        of the highest block there.
         """
-        body = robot if isinstance(robot, Body) else body_of_size(*SIZE.check("robot", robot))
-        count = _COUNT.check("count", count)
-        tiles = list(np.ndindex(self.rows, self.columns))
-        rngs = (generator(seed, row * self.columns + column, "spots of a terrain") for row, column in tiles)
-        spots = spots_of_parts(self.field, body, count, [self._window(*tile) for tile in tiles], rngs, evenest=evenest)
-        poses = np.empty((self.rows, self.columns, count, 4))
-        for row, column in tiles:
-            with inside(f"tile {row}, {column}"):
-                poses[row, column] = [(spot.x, spot.y, spot.z, spot.yaw) for spot in next(spots)]
-            self._tell_progress()
-        return poses
+        size, count = SIZE.check("size", size), _COUNT.check("count", count)
+        recipe = replace(self._as_one, ground_level=self._ground)
+        ground = Ground(recipe, self.levels.reshape(-1, *self.levels.shape[2:]))
+        spots = np.array(ground.spots(size, count, seed=seed)).reshape(self.rows, self.columns, count, 4)
+        spots[..., :2] += self.origins[:, :, None, :2]
+        return spots
+
+    @property
+    def frictions(self) -> Array:
+        """The friction coefficient of each cell of the field, (n_x, n_y): in a tile that of its level in its recipe.
+
+        The flat ground around tiles has that of the first recipe.
+        """
+        frictions = np.full(self._shape, self._kinds[0].friction)
+        tables = [friction_by_level(recipe, int(self.levels.max())) for recipe in self._kinds]
+        for row, column in np.ndindex(self.rows, self.columns):
+            table = tables[self._kind_of(column)]
+            frictions[self._window(row, column)] = table[self.levels[row, column]]
+        return frictions
+
+    def ground(self, pos: Sequence[float] = (0, 0, 0)) -> Ground:
+        """Return the ground of the whole terrain, its middle at `pos` in metres: each tile has its own friction."""
+        return Ground.of_cells(self._kinds[0], self.field, self.frictions, pos)
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recipe of the whole terrain as one map: all that rsegen does with a map it does with this one.
+
+        ParameterError if its recipes have several frictions, as a map has one for each level.
+        """
+        refuse_unlike(self._kinds, _FRICTIONS)
+        return self._as_one
 
     @cached_property
-    def recipe(self) -> Recipe:
-        """The recipe of the whole terrain as one map: all that rsegen does with a map it does with this one."""
+    def _as_one(self) -> Recipe:
         first, (n_x, n_y) = self._kinds[0], self._shape
         side = next(side for side in range(min(gcd(n_x, n_y), _LARGEST_CHUNK), 0, -1) if gcd(n_x, n_y) % side == 0)
         # The levels are final: whatever would change them, as difficulty or constraints, is switched off.

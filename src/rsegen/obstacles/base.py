@@ -8,7 +8,7 @@ A row of a recipe becomes levels in three steps, the last two with the random ge
 Many maps are made at once where a kind allows it (recipe/batch.py). An `@elementwise` method may be given an array,
 with a value for each map, in place of a number, and gives arrays then, so no second formula is written. A method
 without the mark, also one that overrides a marked one, is called with numbers: for each map, or for each pair of ends
-of a kind that `draws_nothing`.
+of a kind that `draws_nothing`. Layouts draw the numbers of all maps with rectangles alike in one array.
 """
 
 from __future__ import annotations
@@ -362,21 +362,50 @@ class Layout(Filling):
 
     @property
     def draws_nothing(self) -> bool:
-        """Return whether `patch` is still the one of this class: most layouts have no random numbers."""
+        """Return whether a layout has no random numbers, as most, and `patch` is still the one of this class."""
+        return self.draws_alike and type(self).draws is Layout.draws
+
+    @property
+    def draws_alike(self) -> bool:
+        """Return whether `patch` is still the one of this class, so that layouts of many maps are made together."""
         return type(self).patch is Layout.patch
 
+    def draws(self, shape: Cell) -> Cell:
+        """Return the shape of the random numbers for a rectangle of this shape, which follow those of the ends."""
+        return 0, 0
+
     @abstractmethod
-    def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
-        """Return the levels from the ground and the covered cells, (n_x, n_y) each, of a rectangle of this shape."""
+    def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
+        """Return the levels from the ground (..., n_x, n_y), and the covered cells (n_x, n_y), of a rectangle.
+
+        drawn: random numbers, (..., *draws(shape)), of one rectangle or of many.
+        """
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the layout, mirrored along an axis on which last is below first; softness lowers it towards 0."""
-        levels, covered = self.laid_out((abs(last[0] - first[0]) + 1, abs(last[1] - first[1]) + 1), rng)
+        span = last[0] - first[0], last[1] - first[1]
+        levels, covered = self._spanning(span, rng.random)
+        return Patch(self.window(grid, first, last), levels, covered)
+
+    def patches_drawn(self, grid: Grid, ends: Ints, streams: Streams) -> Patch:
+        """Return the levels of many maps between their ends (maps, 2, 2), on the whole map, by their streams."""
+        levels = np.zeros((len(ends), *grid.shape), dtype=np.int16)
+        footprint, spans, lowest = np.zeros(levels.shape, dtype=bool), ends[:, 1] - ends[:, 0], ends.min(axis=1)
+        for span in np.unique(spans, axis=0):
+            maps = np.flatnonzero((spans == span).all(axis=1))
+            own, covered = self._spanning(tuple(span.tolist()), streams.part(maps).arrays)
+            x, y = (lowest[maps, axis, None] + np.arange(covered.shape[axis]) for axis in (0, 1))
+            place = maps[:, None, None], x[:, :, None], y[:, None, :]
+            levels[place], footprint[place] = own, covered
+        return Patch(EVERYWHERE, levels, footprint)
+
+    def _spanning(self, span: Cell, random: Callable[[Cell], Array]) -> tuple[Levels, Mask]:
+        """Return the layout between two ends that are so far apart, (..., n_x, n_y), and the covered cells."""
+        shape = abs(span[0]) + 1, abs(span[1]) + 1
+        levels, covered = self.laid_out(shape, random(self.draws(shape)))
         lower = np.floor(np.abs(levels) * (1 - self.softness / 100) + SLACK)
-        mirrored = tuple(slice(None, None, 1 if a <= b else -1) for a, b in zip(first, last, strict=True))
-        return Patch(
-            self.window(grid, first, last), (np.sign(levels) * lower).astype(np.int16)[mirrored], covered[mirrored]
-        )
+        x, y = (slice(None, None, 1 if along >= 0 else -1) for along in span)
+        return (np.sign(levels) * lower).astype(np.int16)[..., x, y], covered[x, y]
 
 
 def to_rim(shape: Cell) -> Ints:

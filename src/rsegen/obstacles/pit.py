@@ -12,7 +12,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from rsegen.field.stepfield import Levels, Mask
+from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.obstacles.base import Grid, Layout, Obstacle, register, to_rim
 from rsegen.params.sorts import ANYWHERE, Cell, Choice, Integer, Place
 
@@ -42,7 +42,7 @@ class Pit(Layout):
         """The lowest and the highest level, counted from the ground."""
         return 1 - self.levels, 0
 
-    def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
+    def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the same depth everywhere; the island and the beam are not covered."""
         hole = np.ones(shape, dtype=bool) if self.gap_width is None else to_rim(shape) < self.gap_width
         if self.beam_width is not None:

@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from rsegen.field.stepfield import Levels, Mask
+from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.obstacles.base import Layout, register, to_rim
 from rsegen.params.sorts import Cell, Choice, Integer
 
@@ -32,7 +32,7 @@ class Rails(Layout):
     rails: Annotated[int, Integer(1, 1000, help="number of rails or rings, if all of them fit")] = 2
     rail_width: Annotated[int, Integer(1, 1000, unit="blocks", help="width of a rail")] = 1
 
-    def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
+    def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the level of the rails, which alone are covered."""
         if self.shape == "rings":
             half = (min(shape) + 1) // 2

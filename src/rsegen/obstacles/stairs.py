@@ -16,7 +16,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Levels, Mask
+from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.obstacles.base import Layout, Obstacle, register, to_rim
 from rsegen.params.sorts import Cell, Choice, Integer
 
@@ -55,7 +55,7 @@ class Stairs(Layout):
         """The lowest and the highest level, counted from the ground."""
         return (0, self.levels - 1) if self.direction == "up" else (1 - self.levels, 0)
 
-    def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
+    def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the level of each step; all cells are covered."""
         steps = (self.levels - 1) // self.step_height
         if self.shape == "pyramid":

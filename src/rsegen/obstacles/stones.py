@@ -17,7 +17,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError
-from rsegen.field.stepfield import Ints, Levels, Mask
+from rsegen.field.stepfield import Array, Ints, Levels, Mask
 from rsegen.obstacles.base import Layout, Obstacle, register
 from rsegen.params.sorts import Cell, Integer
 
@@ -51,18 +51,20 @@ class Stones(Layout):
     @property
     def draws_nothing(self) -> bool:
         """Return whether all tops are at the level of the ground."""
-        return type(self).patch is Layout.patch and not self.uneven
+        return self.draws_alike and not self.uneven
 
-    def laid_out(self, shape: Cell, rng: np.random.Generator) -> tuple[Levels, Mask]:
+    def draws(self, shape: Cell) -> Cell:
+        """Return the number of stones along each axis, or none if all tops are at the level of the ground."""
+        return (self._stones(shape[0])[1], self._stones(shape[1])[1]) if self.uneven else (0, 0)
+
+    def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the levels of tops and gaps; all cells are covered."""
         (on_x, k_x), (on_y, k_y) = (self._stones(cells) for cells in shape)
-        tops = np.zeros((k_x + 1, k_y + 1), dtype=np.int16)
-        if self.uneven:
-            tops[:k_x, :k_y] = -np.floor(rng.random((k_x, k_y)) * (self.uneven + 1))
-        tops[k_x], tops[:, k_y] = 1 - self.levels, 1 - self.levels
-        levels = tops[np.ix_(on_x, on_y)]
+        tops = np.full((*drawn.shape[:-2], k_x + 1, k_y + 1), 1 - self.levels, dtype=np.int16)
+        tops[..., :k_x, :k_y] = -np.floor(drawn * (self.uneven + 1)) if self.uneven else 0
+        levels = tops[..., on_x[:, None], on_y]
         low_x, low_y = (max(cells - self.platform_width, 0) // 2 for cells in shape)
-        levels[low_x : low_x + self.platform_width, low_y : low_y + self.platform_width] = 0
+        levels[..., low_x : low_x + self.platform_width, low_y : low_y + self.platform_width] = 0
         return levels, np.ones(shape, dtype=bool)
 
     def _stones(self, cells: int) -> tuple[Ints, int]:

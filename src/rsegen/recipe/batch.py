@@ -5,6 +5,7 @@ numpy's cost per call exceeds that of the cells of a small map, so thousands of 
     cells that draw a number each      from the numbers of all maps in one array
     ends that are drawn                for all maps as arrays, if the kind's `ends` is elementwise; else map by map
     kinds that draw nothing else       one patch for all maps with the same ends, all patches by one profile
+    layouts that draw, as stones       the numbers of all maps with rectangles of one shape
     difficulty, a largest step         all maps at once (difficulty.py, constraints/meeting.py)
     all else                           map by map, as by `build`: pallets, `max_step` of random blocks, kinds of others
                                        that draw in their `patch`; maps with an inventory or that have to be crossed
@@ -23,7 +24,7 @@ import numpy as np
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles import Grid, Obstacle, Patch
-from rsegen.obstacles.base import EVERYWHERE, Region, is_elementwise
+from rsegen.obstacles.base import EVERYWHERE, Layout, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
@@ -148,6 +149,10 @@ class _InManyMaps:
             self._impose(levels, self._drawn_anywhere(region, streams, levels))
         elif obstacle.draws_nothing and is_small:
             self._impose(levels, self._patches(streams))
+        elif is_small and isinstance(obstacle, Layout) and obstacle.draws_alike:
+            (x1, y1), (x2, y2) = self._ends_of(streams)
+            ends = np.stack([np.stack([x1, y1], axis=-1), np.stack([x2, y2], axis=-1)], axis=1)
+            self._impose(levels, obstacle.patches_drawn(self._grid, ends, streams))
         else:
             for own, rng in zip(levels, streams.generators(), strict=True):
                 *_, patch = placed_by(self._grid, obstacle, rng)

@@ -16,7 +16,7 @@ for each of many parts. What breaks it: a map with very few spots among very man
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as field_of
 from enum import IntEnum
@@ -54,10 +54,8 @@ starts and stops there."""
 _DRAWN = 60_000
 """Places that are drawn: a map of 10 x 10 blocks has 6,000 half cells with their headings."""
 
-_AT_ONCE, _LEAST_AT_ONCE, _PARTS = 64, 4, 32
-"""Places at which the robot is put down together: ten milliseconds; at least of each part, and parts that are looked at
-together: what is drawn of each takes a megabyte.
-"""
+_AT_ONCE, _LEAST_AT_ONCE = 64, 4
+"""Places at which the robot is put down together: ten milliseconds; and at least of each part."""
 
 _SETTLED, _MORE = 600, 60
 """Places at which the robot is put down at most, and more of them for each spot: some tenths of a second."""
@@ -445,27 +443,6 @@ def find_spots(  # noqa: PLR0913  # the last three by name
     judge = _judge(field, body, most_tilt, [Bounds.of(field)])
     (part,) = _searched_parts(judge, [Bounds.of(field)], count, [rng], gap)
     return part.spots(evenest=evenest)
-
-
-def spots_of_parts(  # the last by name
-    field: StepField,
-    body: Body,
-    count: int,
-    windows: Sequence[tuple[slice, slice]],
-    rngs: Iterable[np.random.Generator],
-    *,
-    evenest: bool = False,
-) -> Iterator[tuple[Spot, ...]]:
-    """Yield `count` spots in each window of the cells of a field, as `spots` does, by a generator for each.
-
-    Many windows are looked at together. ParameterError, when it is the turn of a window that has too few.
-    """
-    bounds, left = [Bounds.of(field, window) for window in windows], iter(rngs)
-    judge = _judge(field, body, MOST_TILT, bounds)
-    for begin in range(0, len(bounds), _PARTS):
-        some = bounds[begin : begin + _PARTS]
-        for part in _searched_parts(judge, some, count, list(islice(left, len(some))), 0.0):
-            yield part.spots(evenest=evenest)
 
 
 def _judge(field: StepField, body: Body, most_tilt: float, parts: Sequence[Bounds]) -> _Judge:

@@ -1,0 +1,128 @@
+"""Scans of the ground as sensors and maps give them: noisy, in steps, with gaps, late, of a map that drifts.
+
+    sensor = ScanSensor(pattern=scan_points(), noise=0.02, dropout=0.05, delay=2)
+    state = sensor.start(ground, poses)                          # at a reset
+    seen, state = sensor.sense(ground, poses, state, rng)        # at each step, (..., points)
+
+Idea: the sensor has no memory of its own. What it remembers, the last scans and the drift of each robot, is a value
+that goes in and comes out, so all of it can be compiled (`jax.jit`) and stays on the device. The order is that of a
+real one: the map is beside the robot, a ray is noisy, a number has steps, a ray is lost, the message is late.
+
+Random numbers come from a Generator of numpy or torch, or from a key of jax, each of the library of the ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from importlib import import_module
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from rsegen.errors import ParameterError, shown
+from rsegen.learning.arrays import library_of
+from rsegen.learning.ground import Ground, scan_points
+from rsegen.params.sorts import Float, Integer, validate
+
+
+class ScanState(NamedTuple):
+    """What a sensor remembers: the last scans, (delay + 1, ..., points), newest first; the drift, (..., 3), metres."""
+
+    scans: Any
+    drift: Any
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ScanSensor:
+    """A sensor of the heights around robots; without its errors it gives `Ground.scan`.
+
+    Parameters
+    ----------
+    pattern : array, shape (points, 2), optional
+        x and y in the robot's frame, metres, by default `scan_points()`; an array of the device is sent there once.
+    lost : float, default 0
+        Height that a ray gives which does not come back, metres from the robot's z.
+    """
+
+    pattern: Any = field(default_factory=scan_points, compare=False)
+    noise: Annotated[float, Float(0, 1000, unit="m", help="standard deviation of each height")] = 0.0
+    step: Annotated[float, Float(0, 1000, unit="m", help="heights are multiples of this; 0: any")] = 0.0
+    dropout: Annotated[float, Float(0, 1, help="share of rays that do not come back")] = 0.0
+    delay: Annotated[int, Integer(0, 1000, help="scans by which what is seen is late")] = 0
+    drift: Annotated[
+        float, Float(0, 1000, unit="m", help="standard deviation of what a map drifts along x, y and z, per scan")
+    ] = 0.0
+    lost: float = 0.0
+
+    def __post_init__(self) -> None:
+        validate(self)
+        _, pattern = library_of("pattern", self.pattern)
+        if pattern.ndim != 2 or pattern.shape[1] != 2:
+            raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; give (points, 2)")
+        object.__setattr__(self, "pattern", pattern)
+
+    def start(self, ground: Ground, poses: Any, worlds: Any = None) -> ScanState:
+        """Return the state at a reset: nothing has drifted, and the past scans are the one from here, without errors.
+
+        poses: (..., 4), x, y, z [m], yaw, as for `Ground.scan`.
+        """
+        poses = ground.own("poses", poses, 4)
+        scan = ground.scan(self.pattern, poses, worlds)
+        return ScanState(ground.library.stack([scan] * (self.delay + 1), 0), 0 * poses[..., :3])
+
+    def restart(self, state: ScanState, is_new: Any, fresh: ScanState) -> ScanState:
+        """Return the state in which robots that `is_new` (...,) says have that of `fresh`, and the others their own."""
+        library, mask = library_of("is_new", is_new)
+        pairs = zip(state, fresh, strict=True)
+        return ScanState(*(library.where(mask[..., None], new, old) for old, new in pairs))
+
+    def sense(
+        self, ground: Ground, poses: Any, state: ScanState, random: Any, worlds: Any = None
+    ) -> tuple[Any, ScanState]:
+        """Return what is seen, (..., points), metres from each robot's z, and the next state.
+
+        random: a Generator of numpy or torch, None for torch's own, or a key of jax, which is another one at each call.
+        """
+        poses, library = ground.own("poses", poses, 4), ground.library
+        draws = _draws(random, library)
+        drift = state.drift + self.drift * next(draws)("normal", state.drift) if self.drift else state.drift
+        moved = library.concatenate([poses[..., :3] + drift, poses[..., 3:4]], -1)
+        scan = ground.scan(self.pattern, moved, worlds)
+        if self.noise:
+            scan = scan + self.noise * next(draws)("normal", scan)
+        if self.step:
+            scan = library.round(scan / self.step) * self.step
+        if self.dropout:
+            scan = library.where(next(draws)("uniform", scan) < self.dropout, self.lost, scan)
+        scans = library.concatenate([scan[None], state.scans[:-1]], 0)
+        return scans[self.delay], ScanState(scans, drift)
+
+
+def _draws(random: Any, library: Any) -> Iterator[Callable[[str, Any], Any]]:
+    """Yield functions of a distribution and an array, which give random numbers of its shape, type and device."""
+    if library is np and not isinstance(random, np.random.Generator):
+        raise ParameterError("random", f"{shown(random)} is no Generator of numpy, and the ground is of numpy")
+    while True:
+        if library is np:
+            yield partial(_of_numpy, random)
+        elif hasattr(library, "Generator"):
+            yield partial(_of_torch, random, library)
+        else:
+            random, own = import_module("jax.random").split(random)
+            yield partial(_of_jax, own)
+
+
+def _of_numpy(random: np.random.Generator, name: str, like: Any) -> Any:
+    drawn = random.standard_normal(like.shape) if name == "normal" else random.random(like.shape)
+    return drawn.astype(like.dtype)
+
+
+def _of_torch(random: Any, torch: Any, name: str, like: Any) -> Any:
+    draw = torch.randn if name == "normal" else torch.rand
+    return draw(like.shape, generator=random, dtype=like.dtype, device=like.device)
+
+
+def _of_jax(key: Any, name: str, like: Any) -> Any:
+    return getattr(import_module("jax.random"), name)(key, like.shape, like.dtype)

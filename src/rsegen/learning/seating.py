@@ -1,0 +1,189 @@
+"""Any MuJoCo model, on wheels or legs, put on the ground: touching nothing, or dropped until it rests.
+
+    data.qpos[:2], data.qpos[7:] = (0.3, 0.2), standing     # where it is to be, and how it holds its joints
+    seat(model, data, ground)                               # a millimetre above the blocks
+    seat(model, data, ground, seconds=3)                    # at rest on them
+
+Idea: the ground is full below its surface, so a robot that is in it at one height is in it at every lower one, and the
+height at which it touches is found by bisection. MuJoCo itself says whether it touches, geom by geom, if the model has
+the blocks; the boxes around the geoms bound the height, and are all there is if it does not. A drop is a simulation of
+a stiff robot: all joints but those by which it moves as a whole are too inert to move (`armature`).
+
+Cost: about fifteen collisions of the model per robot, and the steps of a drop. What breaks it: a robot that starts
+under something that overhangs; meshes touch by their convex hulls, as in MuJoCo.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rsegen.errors import ParameterError
+from rsegen.field.stepfield import Array, Ints, Mask
+from rsegen.learning.ground import Ground
+from rsegen.learning.mujoco import BlockGrid, geom_bounds, roots_of
+
+CLEARANCE = 1e-3
+"""Metres that stay free below a robot that is put on the ground."""
+
+_PRECISION = 1e-4
+"""Metres to which the height is found."""
+
+_BELOW = 0.01
+"""Metres below the lowest ground under a robot at which it would surely be in it."""
+
+_CHECK = 0.05
+"""Seconds between two looks at whether a robot rests."""
+
+_STILL = 5e-3
+"""Metres and radians per second up to which it does, at two looks one after the other."""
+
+_SLOWED = 0.2
+"""Seconds in which a falling robot loses most of its speed: it is put down gently, at two metres per second at most."""
+
+_HELD = 1e6
+"""Inertia of joints that are held, over the mass of the model times the square of its extent."""
+
+
+def seat(model: Any, data: Any, ground: Ground, *, seconds: float = 0.0) -> bool:
+    """Put the bodies of a MjData that can rise on the ground where they are, still; return whether they rest there.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        The model, with the blocks of the ground in it (`BlockGrid`, `add_map`), or boxes around geoms decide.
+    data : mujoco.MjData
+        Positions of the joints; the heights of roots, free joints or slides along z, are written.
+    ground : Ground
+        The ground, of one map.
+    seconds : float, default 0
+        Simulated seconds for which it is dropped at most, with its joints held; 0 leaves it above the ground.
+
+    Returns
+    -------
+    bool
+        Whether everything came to rest; False if nothing was dropped.
+    """
+    positions, rests = seat_many(model, data.qpos[None], ground, seconds=seconds)
+    data.qpos[:], data.qvel[:] = positions[0], 0.0
+    mujoco.mj_forward(model, data)
+    return bool(rests[0])
+
+
+def seat_many(
+    model: Any, qpos: Array, ground: Ground, grid: BlockGrid | None = None, *, seconds: float = 0.0
+) -> tuple[Array, Mask]:
+    """Return positions of joints (robots, nq) with each robot on the ground, and which of them came to rest.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        The model of one robot, with the blocks.
+    qpos : array, shape (robots, nq)
+        Positions of the joints of each robot.
+    ground : Ground
+        The ground: one map for all robots, or a world for each.
+    grid : BlockGrid, optional
+        The blocks of the model, into which the map of each world is written; the model itself stays as it is.
+    seconds : float, default 0
+        As of `seat`.
+
+    Returns
+    -------
+    positions : ndarray, shape (robots, nq)
+        The positions of the joints.
+    rests : ndarray of bool, shape (robots,)
+        Whether a robot came to rest.
+    """
+    given = np.array(qpos, dtype=float)
+    if given.ndim != 2 or given.shape[1] != model.nq:
+        raise ParameterError("qpos", f"of shape {given.shape}; give (robots, {model.nq})")
+    if ground.worlds is not None and (ground.worlds != len(given) or grid is None):
+        problem = f"{len(given)} robots on the ground of {ground.worlds} worlds"
+        raise ParameterError("ground", f"{problem}; give as many of both, and the grid whose blocks are in the model")
+    seats = Seats(model)
+    rests = np.zeros(len(given), dtype=bool)
+    for robot, own in enumerate(given):
+        if grid is not None:
+            grid.write(seats.model, ground.field(robot).levels)
+        seats.put(own, ground, None if ground.worlds is None else robot)
+        if seconds > 0:
+            rests[robot] = seats.drop(seconds)
+        given[robot] = seats.data.qpos
+    return given, rests
+
+
+class Seats:
+    """A copy of a model that is stiff but for its roots, and the state of the robot that is put down."""
+
+    def __init__(self, model: Any) -> None:
+        self.model = stiff = copy(model)
+        self.data = mujoco.MjData(stiff)
+        self.roots = roots_of(model)
+        is_static = model.body_weldid[model.geom_bodyid] == 0
+        self._static = is_static & ((model.geom_contype != 0) | (model.geom_conaffinity != 0))
+        bodies = model.jnt_bodyid[[_joint_at(model, at) for at, _ in self.roots]]
+        is_held = ~np.isin(model.jnt_bodyid, bodies)[model.dof_jntid]
+        stiff.dof_armature[is_held] = _HELD * float(model.body_subtreemass[0]) * model.stat.extent**2
+        stiff.dof_damping[~is_held] = model.dof_M0[~is_held] / _SLOWED
+        stiff.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_LIMIT
+        mujoco.mj_setConst(stiff, self.data)  # contacts are as stiff and damped as the mass behind them wants
+        # The solver judges how exact it is by the mean inertia, which is that of the held joints now: it goes on.
+        stiff.opt.tolerance, stiff.opt.ls_tolerance = 0.0, 1e-6
+
+    def put(self, qpos: Array, ground: Ground, world: int | None = None, *, lower: bool = True) -> Array:
+        """Put all that can rise a little above the ground, and return the positions; lower: also what is higher."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = qpos
+        for at, geoms in self.roots:
+            start = float(self.data.qpos[at])
+            lowest, highest = (start + rise for rise in self._bounds(geoms, ground, world))
+            is_found = self._is_inside(at, lowest, geoms)
+            while is_found and highest - lowest > _PRECISION:
+                middle = (lowest + highest) / 2
+                if self._is_inside(at, middle, geoms):
+                    lowest = middle
+                else:
+                    highest = middle
+            self.data.qpos[at] = highest + CLEARANCE if lower else max(highest + CLEARANCE, start)
+        mujoco.mj_forward(self.model, self.data)
+        return np.array(self.data.qpos)
+
+    def _bounds(self, geoms: Ints, ground: Ground, world: int | None) -> tuple[float, float]:
+        """Return how far a body has to rise to be surely in the ground, if the model has it, and surely above it."""
+        mujoco.mj_kinematics(self.model, self.data)
+        low, high = geom_bounds(self.model, self.data, geoms)
+        lowest, half = np.column_stack([(low + high)[:, :2] / 2, low[:, 2]]), (high - low)[:, :2] / 2
+        if world is None:
+            rise = float(ground.lift(lowest, half))
+        else:
+            rise = float(ground.lift(lowest[None], half[None], [world])[0])
+        return min(float(ground.position[2] - low[:, 2].min()) - _BELOW, rise), rise
+
+    def _is_inside(self, at: int, height: float, geoms: Ints) -> bool:
+        """Return whether a geom of a body is in one that cannot move, at a height of its root."""
+        self.data.qpos[at] = height
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+        mujoco.mj_collision(self.model, self.data)
+        pairs = self.data.contact.geom
+        own, static = np.isin(pairs, geoms), self._static[pairs]
+        return bool((self.data.contact.dist[(own & static[:, ::-1]).any(axis=1)] < 0).any())
+
+    def drop(self, seconds: float) -> bool:
+        """Simulate until all rest; give whether they do."""
+        still, steps = 0, max(round(_CHECK / self.model.opt.timestep), 1)
+        for _ in range(round(seconds / _CHECK)):
+            mujoco.mj_step(self.model, self.data, steps)
+            still = still + 1 if np.abs(self.data.qvel).max(initial=0.0) < _STILL else 0
+            if still == 2:
+                break
+        return still == 2
+
+
+def _joint_at(model: Any, at: int) -> int:
+    """Return the joint to which a place in `qpos` belongs."""
+    return int(np.searchsorted(model.jnt_qposadr, at, side="right")) - 1
