@@ -166,6 +166,7 @@ def test_a_map_of_a_data_set_is_opened(host: Host) -> None:
     rsegen.make_dataset(Recipe(seed=1, maps=3, obstacles=[Random(levels=3)]), host.folder / "maps")
     state = calls.state(host.opened(calls.open(host, what="maps#2")["doc"]))
     assert (state["title"], state["path"], state["first_map"]) == ("maps#2", None, 2)
+    assert state["data_set"] == {"folder": "maps", "place": 2, "maps": 3}
 
 
 def test_an_invalid_draft_is_not_saved(host: Host, opened: Opened) -> None:

@@ -159,7 +159,7 @@ def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> N
     with pytest.raises(ParameterError, match="chunk_size: 0"):
         start("generate", "worlds")
     host.opened(doc).document.session.set(name="chunk_size", value=10)
-    with pytest.raises(ParameterError, match="output: is missing"):
+    with pytest.raises(ParameterError, match="output: Give a name below the folder"):
         start("generate")
 
 

@@ -448,6 +448,77 @@ def test_formats_are_chosen_by_their_names(page: Page) -> None:
     assert page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text.endswith("--to stl -o export")
 
 
+def test_a_run_without_what_it_needs_says_what_to_do(page: Page) -> None:
+    page.js("state.dialog.value = { name: 'run', command: 'export' }")
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog [type=submit]"))
+    page.chrome.find_element(By.CSS_SELECTOR, "dialog [type=submit]").click()
+    until(lambda: page.problem("Formats"))
+    assert page.problem("Formats") == "Choose at least one format."
+    assert page.js("return state.jobs.value.every(job => job.command !== 'export')")
+
+
+def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrome, address: str, folder: Path) -> None:
+    (folder / "mine.urdf").write_text("<robot name='mine'><link name='base'/></robot>")
+    page = Page(chrome, address, "mixed-course")
+    for command in ("drive", "predict", "spots", "rate"):
+        page.js("state.dialog.value = { name: 'run', command: arguments[0] }", command)
+        until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+        robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+        texts = [option.text for option in robots.options]
+        assert "burger: like a TurtleBot3 Burger, 14 × 18 × 19 cm" in texts  # noqa: RUF001  # a page has the sign
+        assert "mine.urdf" in texts
+        page.js("state.dialog.value = null")
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+    robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+    assert not chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] input')
+    robots.select_by_value("crawler")
+    until(lambda: "--robot crawler" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+    robots.select_by_visible_text("a file …")
+    page.type("Robot", "other robot.sdf")
+    until(lambda: "--robot 'other robot.sdf'" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+
+
+def test_maps_are_counted_from_one_and_chosen_by_their_names(chrome: Chrome, address: str) -> None:
+    page = Page(chrome, address, "mixed-course")
+    chooser = chrome.find_element(By.CSS_SELECTOR, ".chooser output")
+    assert chooser.text == "Map 1 of 3"
+    page.button("Next map").click()
+    until(lambda: chooser.text == "Map 2 of 3")
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    until(
+        lambda: chrome.find_elements(
+            By.CSS_SELECTOR, 'dialog [data-field="Map"] select, dialog [data-field="Map"] label'
+        )
+    )
+    assert "--map mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+    page.js("state.dialog.value = null; return state.edit({ do: 'set', name: 'maps', value: 1 })")
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
+    assert not chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Map"]')
+
+
+def test_forms_of_a_value_are_called_what_they_are(page: Page) -> None:
+    choices = page.chrome.find_elements(By.CSS_SELECTOR, '[data-field="Map size in chunks"] .segmented span')
+    assert [choice.text for choice in choices] == ["square", "x and y"]
+    page.js("arguments[0].click()", choices[1])
+    assert page.settled()["values"]["chunks"] == [1, 1]
+    chrome, groups = page.chrome, page.chrome.find_elements(By.CSS_SELECTOR, "details > summary")
+    next(each for each in groups if each.text == "Constraints").click()
+    kinds = chrome.find_elements(By.CSS_SELECTOR, '[data-field="Crossable by"] .segmented span')
+    assert [kind.text for kind in kinds] == ["a robot", "climb, drop and width"]
+    Select(chrome.find_element(By.CSS_SELECTOR, '[data-field="Crossable by"] select')).select_by_value("crawler")
+    assert page.settled()["values"]["crossable_by"] == "crawler"
+
+
+def test_a_slider_has_the_usual_values_in_its_middle(page: Page) -> None:
+    slider = page.chrome.find_element(By.CSS_SELECTOR, 'input[aria-label="Chunk size slider"]')
+    assert (slider.get_attribute("min"), slider.get_attribute("max")) == ("4", "40")
+    page.type("Chunk size", "60")  # what is unusual is typed
+    assert page.settled()["values"]["chunk_size"] == 60
+    assert page.state()["problem"] is None
+
+
 def test_a_file_that_cannot_be_opened_is_said_and_the_page_works(chrome: Chrome, address: str, folder: Path) -> None:
     (folder / "wrong.yaml").write_text("seed: 7\nobstacles:\n  - kind: randm\n")
     page = Page(chrome, address, "wrong.yaml")

@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import import_module
 from inspect import Parameter as Argument
+from math import inf
 from pathlib import Path
 from typing import Any, Literal, TypedDict, cast
 
@@ -34,7 +35,7 @@ from rsegen.page.places import Places, names_in
 from rsegen.params.capabilities import capabilities, commands
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary_of_class
-from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
+from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Parameter, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
@@ -80,7 +81,7 @@ TITLES = {
     "mesh_type": "Model mesh type",
     "by": "Metric",
     "names": "Models",
-    "paths": "Scans, or a map",
+    "paths": "Scans",
     "csv": "CSV file",
     "fit": "Picture of the fit",
     "errors": "Picture of the rounding",
@@ -111,6 +112,7 @@ JsonType = Literal["integer", "number", "string", "boolean", "array", "null"]
 class Schema(TypedDict, total=False):
     """What a field takes, in the words of JSON Schema."""
 
+    title: str  # of one of several forms of a value
     type: JsonType | list[JsonType]
     enum: list[str]
     minimum: float
@@ -129,6 +131,7 @@ class OfCommand(TypedDict, total=False):
 
     flag: str
     required: bool  # it does not run without
+    missing: str  # what to say if it is required and not given: "Choose at least one format."
 
 
 class Field(OfCommand):
@@ -140,6 +143,7 @@ class Field(OfCommand):
     schema: Schema
     unit: str  # "cm", "%", "units", "s", ""
     default: Json  # null: none, or decided by the program
+    slider: tuple[float, float] | None  # from where to where a slider goes, if there is one
     basic: bool  # shown at once; others under "More"
 
 
@@ -223,8 +227,45 @@ def field(parameter: Declared, *, basic: bool = True) -> Field:
         "schema": cast(Schema, _with_words(parameter, _without_const(parameter.sort.schema()))),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
         "default": str(default) if isinstance(default, Path) else plain(default),
+        "slider": _slider(parameter.sort),
         "basic": basic,
     }
+
+
+_MOST_STEPS = 100
+"""The largest difference between the ends of a slider: of more, a number that is typed is found sooner."""
+
+
+def _slider(sort: Parameter) -> tuple[float, float] | None:
+    """Return from where to where a slider for a number goes: over its usual range, else over all of it, if it is short.
+
+    Values beyond the ends of a slider are typed.
+    """
+    if not isinstance(sort, Float | Integer):
+        return None
+    low, high = sort.low, inf if sort.high is None else sort.high
+    return sort.usual or ((low, high) if high - low <= _MOST_STEPS else None)
+
+
+def _title_of_robot(name: str, robot: Any) -> str:
+    """Return a robot's name with what it is like and its size."""
+    size = " × ".join(f"{100 * side:.0f}" for side in robot.size)  # noqa: RUF001  # a page has the sign
+    return f"{name}: {robot.title}, {size} cm"
+
+
+def _missing(made: Field) -> str:
+    """Return what to say where a field that is needed is empty."""
+    name, schema = made["title"].lower(), made["schema"]
+    items = schema.get("items", {})
+    if schema.get("type") == "array":
+        verb = "Choose" if _has_words(items) else "Give"
+        return f"{verb} at least one {name.removesuffix('s')}."
+    article = "an" if name[0] in "aeio" else "a"
+    return f"{'Choose' if _has_words(schema) else 'Give'} {article} {name}."
+
+
+def _has_words(schema: Schema) -> bool:
+    return "enum" in schema or any("enum" in part for part in schema.get("anyOf", []))
 
 
 def _without_const(schema: Any) -> Any:
@@ -240,14 +281,20 @@ def _without_const(schema: Any) -> Any:
 
 
 def _with_words(parameter: Declared, schema: dict[str, Json]) -> dict[str, Json]:
-    """Return a schema of a text, or of a list of texts, with the known words before any other text."""
+    """Return a schema of a text, of a list of texts, or of either, with the known words before any other text."""
     words = parameter.known_names() if parameter.known_names else _words().get(parameter.name)
     if words is None:
         return schema
     if schema.get("type") == "string":
-        return {"anyOf": [{"enum": sorted(words)}, schema]}
+        title = {"title": schema["title"]} if "title" in schema else {}
+        return title | {"anyOf": [{"enum": sorted(words)}, {name: schema[name] for name in schema if name != "title"}]}
     if schema.get("type") == "array":
-        return schema | {"items": _with_words(parameter, schema["items"])}
+        return schema | {"items": _with_words(parameter, schema["items"])} if "items" in schema else schema
+    if "anyOf" in schema:
+        texts = ("string", "array")
+        return schema | {
+            "anyOf": [_with_words(parameter, part) if part.get("type") in texts else part for part in schema["anyOf"]]
+        }
     return schema
 
 
@@ -368,6 +415,8 @@ class CommandForm:
             made = {**made, "schema": {"type": "array", "items": made["schema"], "minItems": 1}}
         if action.option_strings:
             made["flag"] = action.option_strings[-1]
+        if action.required:
+            made["missing"] = _missing(made)
         return {**made, "required": action.required}
 
     def arguments(self, values: Mapping[str, Json], places: Places) -> tuple[list[str], list[str]]:
@@ -382,7 +431,7 @@ class CommandForm:
             value = values.get(name)
             if value is None or value == []:
                 if action.required:
-                    raise ParameterError(name, "is missing")
+                    raise ParameterError(name, self._described(action)["missing"])
             # A switch is written only if it differs from its default; the last of its flags is the one that says so.
             elif action.nargs == 0:
                 is_on = _declaration(action).default is True
@@ -464,7 +513,7 @@ def command_form(name: str) -> CommandForm:
 def hello(host: Host) -> Hello:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
-    robots = {name: robot.title for name, robot in dict(_words().get("robot", {})).items()}
+    robots = {name: _title_of_robot(name, robot) for name, robot in dict(_words().get("robot", {})).items()}
     robots |= {name: name for name in names_in(host.folder) if name.endswith((".sdf", ".urdf", ".xacro"))}
     return {
         "version": __version__,
@@ -532,12 +581,12 @@ def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
         return None
     if not output:
         if form.needs_output:
-            raise ParameterError("output", "is missing; give a name below the folder of this page")
+            raise ParameterError("output", "Give a name below the folder of this page.")
         return None
     places = Places(folder)
     place = places.relative(places.inside(output))
     if place == Path():
-        raise ParameterError("output", "is the folder of this page; give a name below it")
+        raise ParameterError("output", "That is the folder of this page. Give a name below it.")
     return place
 
 

@@ -6,6 +6,7 @@ those that only read. What changes is told to all pages of the document, as even
 
 from __future__ import annotations
 
+import json
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ from threading import Lock, RLock
 from typing import Any, Literal, TypedDict
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, did_you_mean
+from rsegen.input_files import regular_content
 from rsegen.page.calls import call_of_document, call_of_host
 from rsegen.page.jobs import Jobs, JobValues
 from rsegen.page.model.actions import Action, Ends, act, ends_of
@@ -46,6 +48,14 @@ class Problem(TypedDict):
     text: str
 
 
+class PlaceInDataSet(TypedDict):
+    """The place of a map in a data set."""
+
+    folder: str
+    place: int  # from 0 on, as in DIR#17
+    maps: int
+
+
 class State(TypedDict):
     """All that pages show of a document."""
 
@@ -61,6 +71,7 @@ class State(TypedDict):
     problem: Problem | None
     maps: int
     first_map: int
+    data_set: PlaceInDataSet | None  # that the recipe is the map of
     name: str
     changed_on_disk: bool  # somebody else wrote the file
     recovered: str | None  # changes of a session that ended without saving were brought back: when
@@ -166,11 +177,12 @@ class Opened:
     """A document that pages have open.
 
     shown: the map that each page shows, by the name that the page gave itself; kept: what was made of its maps, by
-    keys; searches: the newest request of each search, by its name
+    keys; searches: the newest request of each search, by its name; data_set: that it is a map of, if it is one
     """
 
     id: str
     document: Document
+    data_set: PlaceInDataSet | None = None
     lock: RLock = field(default_factory=RLock)
     shown: dict[str, int] = field(default_factory=dict)
     kept: OrderedDict[object, Any] = field(default_factory=OrderedDict)
@@ -345,7 +357,9 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
     name, sharp, number = what.rpartition("#")
     path = host.places.inside(name if sharp and number.isdecimal() else what)
     if sharp and number.isdecimal():
-        return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
+        opened = host.open(Session.of(recipe_in(f"{path}#{number}")), what)
+        opened.data_set = {"folder": name, "place": int(number), "maps": _maps_in(path)}
+        return {"doc": opened.id}
     is_example = what in EXAMPLES and not path.exists()
     if not is_example and not path.exists():
         raise FileError(
@@ -356,6 +370,16 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
         return {"doc": host.open_file(file).id}
     title = f"copy of {what if is_example else file.name}"
     return {"doc": host.open(Session.of(load(file)), title, file.read_text("utf-8")).id}
+
+
+def _maps_in(data_set: Path) -> int:
+    """Return the number of maps of a data set whose manifest has been read without complaint."""
+    manifest = regular_content(data_set / "manifest.json", _MOST_MANIFEST)
+    return int(json.loads(manifest or b"{}").get("maps", 0))
+
+
+_MOST_MANIFEST = 2**26
+"""Bytes of a manifest at most: some hundred for each of up to a hundred thousand files of maps."""
 
 
 @call_of_host
@@ -449,6 +473,7 @@ def state_of(opened: Opened, index: int) -> State:
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
         "maps": recipe.maps,
         "first_map": recipe.first_map,
+        "data_set": None if document.path else opened.data_set,
         "name": recipe.name,
         "changed_on_disk": document.changed_on_disk,
         "recovered": document.recovered,

@@ -18,7 +18,7 @@ CAPABILITY = Capability(
     public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
     extras=(MESH, XACRO),
     crossers="rsegen.robots.lookup:crosser",
-    words={"robot": "rsegen.robots.base:ROBOTS"},
+    words={"robot": "rsegen.robots.base:ROBOTS", "crossable_by": "rsegen.robots.base:ROBOTS"},
     calls=("rsegen.robots.page",),
     manual="robots",
 )

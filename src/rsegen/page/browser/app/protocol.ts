@@ -75,6 +75,7 @@ export interface EditedState {
   problem: Problem | null;
   maps: number;
   first_map: number;
+  data_set: PlaceInDataSet | null; // that the recipe is the map of
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
   recovered: string | null; // changes of a session that ended without saving were brought back: when
@@ -100,6 +101,13 @@ export interface Ends {
 export interface Problem {
   where: string;
   text: string;
+}
+
+/* The place of a map in a data set. */
+export interface PlaceInDataSet {
+  folder: string;
+  place: number; // from 0 on, as in DIR#17
+  maps: number;
 }
 
 /* What a folder holds. */
@@ -182,17 +190,20 @@ export interface Group {
 export interface Field {
   flag?: string;
   required?: boolean; // it does not run without
+  missing?: string; // what to say if it is required and not given: "Choose at least one format."
   name: string;
   title: string; // a word or two
   help: string;
   schema: Schema;
   unit: string; // "cm", "%", "units", "s", ""
   default: Json; // null: none, or decided by the program
+  slider: [number, number] | null; // from where to where a slider goes, if there is one
   basic: boolean; // shown at once; others under "More"
 }
 
 /* What a field takes, in the words of JSON Schema. */
 export interface Schema {
+  title?: string; // of one of several forms of a value
   type?: "integer" | "number" | "string" | "boolean" | "array" | "null" | ("integer" | "number" | "string" | "boolean" | "array" | "null")[];
   enum?: string[];
   minimum?: number;
@@ -335,6 +346,7 @@ export interface State {
   problem: Problem | null;
   maps: number;
   first_map: number;
+  data_set: PlaceInDataSet | null; // that the recipe is the map of
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
   recovered: string | null; // changes of a session that ended without saving were brought back: when

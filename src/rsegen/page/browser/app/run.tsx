@@ -5,7 +5,7 @@ import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
-import type { DescribedCommand, Job, Json } from "./protocol";
+import type { DescribedCommand, Field, Job, Json } from "./protocol";
 import { call, fileOf, Failed } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
 import { copy } from "./results";
@@ -34,6 +34,18 @@ const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" }
 /* What was chosen last for each command, until the page is left. */
 const remembered = new Map<string, { values: Values; output: string }>();
 
+const mapName = (at: number) => `${state.value!.name}_${String(at).padStart(4, "0")}`;
+
+const MOST_NAMED = 500; // maps in a list to choose from
+
+/* The fields of a form: of several maps one is chosen by its name, of a single one nothing is to be said. */
+function fieldsOf(command: DescribedCommand): Field[] {
+  const { maps = 1, first_map: first = 0 } = state.value ?? {};
+  if (command.target !== "recipe" || maps > MOST_NAMED) return command.fields;
+  const names = Array.from({ length: maps }, (_, at) => mapName(first + at));
+  return command.fields.flatMap((field) => (field.name !== "map" ? [field] : maps === 1 ? [] : [{ ...field, schema: { enum: names } }]));
+}
+
 function usual(command: DescribedCommand, upload?: string): { values: Values; output: string } {
   const file = command.output_required ? `${state.value?.name}.${SUFFIXES[command.name] ?? "pdf"}` : "";
   const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? file : command.name) };
@@ -42,11 +54,13 @@ function usual(command: DescribedCommand, upload?: string): { values: Values; ou
   if (upload && input) values[input.name] = input.schema.type === "array" ? [upload] : upload;
   // The map that is shown is meant by what is about one map.
   const one = command.fields.find((field) => field.name === "map" && !field.help.includes("all"));
-  if (one && (state.value?.maps ?? 1) > 1) values.map = String(index.value);
+  if (one && (state.value?.maps ?? 1) > 1) values.map = mapName(index.value);
   if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
   if (robot.value && put.value && command.name === "spawn") values.pose = [...put.value, heading.value].map((value) => Number(value.toFixed(4)));
   return { values, output: command.output === "none" ? "" : known.output };
 }
+
+const isEmpty = (value: Json | undefined) => value === undefined || value === null || value === "" || (Array.isArray(value) && !value.length);
 
 export function Run({ name, upload }: { name: string; upload?: string }) {
   const command = hello.value?.commands.find((each) => each.name === name);
@@ -59,8 +73,8 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
   const job = jobs.value.find((each) => each.id === number);
   const run = async (replace = false) => {
     fail(null);
-    const missing = command.fields.find((field) => field.required && (values[field.name] ?? "") === "");
-    if (missing) return fail({ where: missing.name, text: "is missing" });
+    const missing = command.fields.find((field) => field.required && isEmpty(values[field.name]));
+    if (missing) return fail({ where: missing.name, text: missing.missing ?? "" });
     remembered.set(name, { values, output });
     const given = Object.fromEntries(Object.entries(values).filter((entry): entry is [string, Json] => entry[1] !== undefined));
     try {
@@ -81,7 +95,7 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
       {job ? <JobReport job={job} again={() => follow(null)} /> : (
         <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}</p>
-          <Form fields={command.fields} values={values} problems={problems} explained
+          <Form fields={fieldsOf(command)} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
           {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : ", if any"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
@@ -161,8 +175,8 @@ async function show(path: string): Promise<void> {
 
 const MOST_ROWS = 60; // longer ones are for programs
 
-/* The fields of a line of CSV. */
-const fieldsOf = (row: string): string[] =>
+/* The cells of a line of CSV. */
+const cellsOf = (row: string): string[] =>
   [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
 
 /* What a command says: text, with tables and headings of Markdown as such. */
@@ -190,7 +204,7 @@ function Rows({ rows: [head, ...body], name }: { rows: string[][]; name?: string
 /* A table that a run wrote, if it is one to be read: short, with a line of names. */
 function FileTable({ path, name }: { path: string; name: string }) {
   const [rows, set] = useState<string[][]>([]);
-  useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
+  useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(cellsOf))), [path]);
   const [head, ...body] = rows;
   if (!head || body.length > MOST_ROWS || head[0]?.startsWith("#")) return null;
   return <Rows rows={rows} name={name} />;
