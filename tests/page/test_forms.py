@@ -19,6 +19,7 @@ from rsegen.obstacles.base import row_parameters
 from rsegen.page.forms import CommandForm, Field, command_form, command_forms, global_groups, hello, kinds
 from rsegen.page.host import Host
 from rsegen.page.places import Places
+from rsegen.params.capabilities import GROUPS
 from rsegen.params.capabilities import commands as all_commands
 from rsegen.params.command import declared
 from rsegen.params.sorts import parameters, plain
@@ -146,6 +147,19 @@ def test_hello_is_json_and_names_what_there_is(tmp_path: Path) -> None:
 def test_every_command_of_a_page_is_one_of_the_shell() -> None:
     assert set(COMMANDS) < set(all_commands())
     assert all(command_form(name).help == all_commands()[name].help for name in COMMANDS)
+
+
+def test_a_menu_has_the_groups_and_titles_that_commands_declare() -> None:
+    described = [command_form(name).described() for name in COMMANDS]
+    for command in described:
+        declaration = all_commands()[command["name"]]
+        assert command["group"] == declaration.group
+        assert command["title"] == declaration.title
+        assert command["title"][0].isupper()
+    groups = list(dict.fromkeys(command["group"] for command in described))
+    assert groups == [group for group in GROUPS if group in groups]
+    assert groups[:3] == ["make worlds", "measure", "drive a robot"]
+    assert len({command["title"] for command in described}) == len(described)
 
 
 def _values(schema: Any) -> st.SearchStrategy[Any]:

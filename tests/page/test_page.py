@@ -398,6 +398,20 @@ def test_what_somebody_else_wrote_is_overwritten_after_a_question(chrome: Chrome
     assert not chrome.find_elements(By.CSS_SELECTOR, ".banner")
 
 
+def test_commands_are_in_a_menu_by_what_they_are_for(page: Page) -> None:
+    page.button("Run").click()
+    menu = page.chrome.find_element(By.CSS_SELECTOR, ":popover-open")
+    headings = [heading.text for heading in menu.find_elements(By.TAG_NAME, "h2")]
+    assert headings[:3] == ["make worlds", "measure", "drive a robot"]
+    assert {"build it in wood", "for other programs", "for learning"} <= {*headings}
+    names = [button.text.split("\n")[0] for button in menu.find_elements(By.TAG_NAME, "button")]
+    assert {"Generate worlds", "Drive over a map", "Build sheet"} <= {*names}
+    assert all(name[0].isupper() for name in names)
+    page.chrome.find_element(By.XPATH, "//button[contains(., 'Predict a crossing')]").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog h2"))
+    assert page.chrome.find_element(By.CSS_SELECTOR, "dialog h2").text == "Predict a crossing"
+
+
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
     page.choose("Add", "Peak")
     page.button("Run").click()

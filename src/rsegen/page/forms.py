@@ -32,7 +32,7 @@ from rsegen.page.calls import Question, call_of_host
 from rsegen.page.host import Host
 from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
 from rsegen.page.places import Places, names_in
-from rsegen.params.capabilities import capabilities, commands
+from rsegen.params.capabilities import Command, capabilities, commands
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary_of_class
 from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Parameter, Text, plain
@@ -169,8 +169,9 @@ class DescribedCommand(TypedDict):
     """A command that may be run."""
 
     name: str
+    title: str  # in a menu: "Drive over a map"
     help: str
-    group: str
+    group: str  # what it is for: "drive a robot"
     target: Literal["recipe", "none"]
     fields: list[Field]
     output: Literal["folder", "file", "none"]
@@ -337,6 +338,7 @@ class CommandForm:
     """
 
     name: str
+    title: str
     help: str
     group: str
     fields: Mapping[str, argparse.Action]
@@ -345,8 +347,9 @@ class CommandForm:
     can_replace: bool
 
     @classmethod
-    def of(cls, name: str, text: str, group: str, parser: Any) -> CommandForm:
-        """Return the form of a command from its parser."""
+    def of(cls, known: Command, parser: Any) -> CommandForm:
+        """Return the form of a command from its declaration and its parser."""
+        name = known.name
         actions = {action.dest: action for action in parser.actions}
         arguments = {action.dest for action in parser.actions if not action.option_strings}
         takes_recipe = name == "compare" or not arguments.isdisjoint(_RECIPES)
@@ -358,7 +361,7 @@ class CommandForm:
         }
         output = next((action for action in actions.values() if "--output" in action.option_strings), None)
         left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}
-        known = {
+        shown = {
             dest: action
             for dest, action in actions.items()
             if dest not in left_out
@@ -368,9 +371,10 @@ class CommandForm:
         }
         return cls(
             name=name,
-            help=text,
-            group=group,
-            fields=known,
+            title=known.title or name.capitalize(),
+            help=known.help,
+            group=known.group,
+            fields=shown,
             output=output,
             takes_recipe=takes_recipe,
             can_replace="force" in actions,
@@ -386,6 +390,7 @@ class CommandForm:
         """Return it as pages have it."""
         return {
             "name": self.name,
+            "title": self.title,
             "help": self.help,
             "group": self.group,
             "target": "recipe" if self.takes_recipe else "none",
@@ -496,7 +501,7 @@ def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
     line = import_module("rsegen.cli.parser")
     return {
-        name: CommandForm.of(name, known.help, known.group, line.parser_of(name))
+        name: CommandForm.of(known, line.parser_of(name))
         for name, known in commands().items()
         if name not in _OF_A_SHELL
     }

@@ -13,7 +13,14 @@ CAPABILITY = Capability(
     summary="rsegen's robots, and those of SDF, URDF and Xacro files",
     needs=("pictures", "standing"),
     commands=(
-        Command("spots", "maps", "find spots for a start or a goal of a robot", "rsegen.robots.commands", "spots"),
+        Command(
+            "spots",
+            "measure",
+            "find spots for a start or a goal of a robot",
+            "rsegen.robots.commands",
+            "spots",
+            title="Spots for a robot",
+        ),
     ),
     public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
     extras=(MESH, XACRO),

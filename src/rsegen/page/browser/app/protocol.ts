@@ -242,8 +242,9 @@ export interface Titled {
 /* A command that may be run. */
 export interface DescribedCommand {
   name: string;
+  title: string; // in a menu: "Drive over a map"
   help: string;
-  group: string;
+  group: string; // what it is for: "drive a robot"
   target: "recipe" | "none";
   fields: Field[];
   output: "folder" | "file" | "none";

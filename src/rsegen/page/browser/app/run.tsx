@@ -10,6 +10,9 @@ import { call, fileOf, Failed } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
 import { copy } from "./results";
 
+/* What a command is called in menus. */
+export const titleOf = (name: string): string => hello.value?.commands.find((command) => command.name === name)?.title ?? name;
+
 type Values = { [name: string]: Json | undefined };
 
 /* The command as somebody would type it. */
@@ -91,7 +94,7 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
   useEffect(() => form.current?.querySelector(".field .problem")?.scrollIntoView({ block: "nearest" }), [failure]);
   const elsewhere = failure && !command.fields.some((field) => field.name === failure.where) && failure.where !== "output";
   return (
-    <Modal title={`${name[0]!.toUpperCase()}${name.slice(1)}`} close={close} wide={Boolean(job)}>
+    <Modal title={command.title} close={close} wide={Boolean(job)}>
       {job ? <JobReport job={job} again={() => follow(null)} /> : (
         <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
           <p class="lead">{command.help}</p>
@@ -219,7 +222,7 @@ function FilePicture({ path, name, wide }: { path: string; name: string; wide: b
 export function Jobs() {
   return (
     <Modal title="Runs" close={() => (dialog.value = null)} wide>
-      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
+      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{titleOf(job.command)} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
     </Modal>
   );
 }
