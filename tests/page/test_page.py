@@ -607,6 +607,85 @@ def test_an_address_with_a_drive_plays_it(chrome: Chrome, address: str, folder: 
     assert page.js("return state.playbacks.value.length") == 1
 
 
+def test_an_address_opens_the_same_document_after_a_restart(chrome: Chrome, tmp_path: Path) -> None:
+    save(replace(load(EXAMPLES["peak"]), name="kept"), tmp_path / "kept.yaml")
+    addresses = []
+    port = 0
+    for _ in range(2):
+        service = Service(host=Host(folder=tmp_path), port=port, keep=True)
+        service.keep_token()
+        port = service.listening_port
+        service.start()
+        try:
+            if addresses:  # as it was copied from the page of the first server
+                resize(chrome, 1366, 768, sharpness=BLURRED)
+                chrome.get("about:blank")
+                chrome.get(addresses[0])
+                until(lambda: chrome.execute_script(_HERE + "return Boolean(state?.hello.value && state.scene.value)"))
+                assert chrome.execute_script(_HERE + "return state.state.value.title") == "kept.yaml"
+                assert not chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
+            else:
+                page = Page(chrome, service.url(), "kept.yaml")
+                assert page.state()["title"] == "kept.yaml"
+                addresses.append(chrome.current_url)
+        finally:
+            service.close()
+
+
+def test_a_path_of_a_drive_plays_it_too(page: Page, folder: Path) -> None:
+    recorded(folder / "typed", [[second, 0.4 * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 1.0, 2.0)])
+    save(load(EXAMPLES["peak"]), folder / "typed" / "recipe.json")
+    page.js("state.dialog.value = { name: 'open' }")
+    path = page.chrome.find_element(By.CSS_SELECTOR, "dialog form input")
+    path.send_keys("typed", Keys.ENTER)
+    until(lambda: page.js("return state.playbacks.value.length === 1"))
+    until(lambda: page.js("return state.dialog.value === null && location.search.includes('play=typed')"))
+    page.button("End the playback").click()
+    until(lambda: page.js("return !location.search.includes('play=')"))
+
+
+def test_what_was_generated_is_shown_by_name_with_pictures_and_what_comes_next(
+    chrome: Chrome, address: str, folder: Path
+) -> None:
+    page = Page(chrome, address, "mixed-course")
+    for output, preview in (("bare", False), ("drawn", True)):
+        page.js(
+            "return state.ask('run', { command: 'generate', values: { preview: arguments[1] }, output: arguments[0] })",
+            output,
+            preview,
+        )
+        until(lambda: page.js("return state.jobs.value[0]?.state") == "done")
+        assert page.button("Runs")  # the line of status has no old news
+        page.button("Runs").click()
+        until(lambda: len(chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made img")) == 3)
+        cards = chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made")
+        assert [card.find_element(By.CSS_SELECTOR, ".name").text for card in cards] == [
+            f"mixed-course_{number:04d}" for number in range(3)
+        ]
+        for card in cards:
+            assert [button.text for button in card.find_elements(By.TAG_NAME, "button")] == [
+                "Open in Gazebo",
+                "Drive here …",
+                "Edit",
+            ]
+        page.js("state.dialog.value = null")
+    page.button("Runs").click()
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made button"))
+    page.js("document.querySelectorAll('dialog details[open] .made button')[4].click()")
+    until(
+        lambda: (
+            "rsegen drive drawn/mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+        )
+    )
+    page.js("state.dialog.value = { name: 'jobs' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .actions button"))
+    chrome.find_element(By.XPATH, "//dialog//details[@open]//button[normalize-space()='Show in folder']").click()
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .actions .shell"))
+    assert chrome.find_element(By.CSS_SELECTOR, "dialog details[open] .actions code").text == str(
+        (folder / "drawn").resolve()
+    )
+
+
 _FRAMES = "let n = 30; const [done] = arguments; (function next() { n-- ? requestAnimationFrame(next) : done(); })();"
 """Thirty pictures of the page: a clock that runs would have moved."""
 

@@ -10,12 +10,8 @@ one and starts the page, so it is found by its name, as the processes are that r
 from __future__ import annotations
 
 import argparse
-import os
-import re
-import shlex
-import time
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from inspect import Parameter as Argument
@@ -24,13 +20,12 @@ from pathlib import Path
 from typing import Any, Literal, TypedDict, cast
 
 from rsegen import __version__
-from rsegen.errors import FileError, ParameterError, UnknownName, UserError, refuse_unknown
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.obstacles import KINDS
 from rsegen.obstacles.base import PLACING, own_parameters
-from rsegen.page.calls import Question, call_of_host
+from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
-from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
 from rsegen.page.places import Places, names_in
 from rsegen.params.capabilities import Command, capabilities, commands
 from rsegen.params.command import Declared, declared
@@ -39,8 +34,6 @@ from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Parameter,
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
-from rsegen.writing.journal import read_journal, refuse_loss, refuse_loss_below
-from rsegen.writing.store import refuse_taken_file
 
 _OF_A_SHELL = ("gui", "info", "examples", "obstacles", "schema", "completion", "man")
 """The commands that a page does not run: it is one of them, and shows what others print."""
@@ -335,6 +328,7 @@ class CommandForm:
 
     fields: the actions of its parser that a form has, by name; output: that of the file or folder to write, if any
     takes_recipe: whether a document stands for one of its arguments
+    recipe_flags: the parameters of a recipe that it has flags for, obstacles among them
     """
 
     name: str
@@ -344,6 +338,7 @@ class CommandForm:
     fields: Mapping[str, argparse.Action]
     output: argparse.Action | None
     takes_recipe: bool
+    recipe_flags: frozenset[str]
     can_replace: bool
 
     @classmethod
@@ -377,6 +372,7 @@ class CommandForm:
             fields=shown,
             output=output,
             takes_recipe=takes_recipe,
+            recipe_flags=frozenset(action.dest for action in of_recipe),
             can_replace="force" in actions,
         )
 
@@ -534,105 +530,3 @@ def hello(host: Host) -> Hello:
             for name, cls in dict(_words().get("formats", {})).items()
         ],
     }
-
-
-_REFUSED_WITHIN = 10.0
-"""Seconds in which a command refuses what exists already; on a busy machine Python alone takes some of them."""
-
-_EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it")
-
-
-@call_of_host
-def run(
-    host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", replace: bool = False
-) -> JobValues:
-    """Run a command on the recipe of a document; a Question if it would replace what it may replace."""
-    form, document = command_form(command), host.opened(doc).document
-    if form.takes_recipe and (problem := document.session.problem):
-        raise ParameterError(problem.where, problem.problem)
-    flags, others = form.arguments(values, host.places)
-    place = _output(form, output, host.folder)
-    flags += [f"--output={place}"] if place else []
-    flags += ["--force"] if replace and form.can_replace else []
-    recipe = document.session.recipe if form.takes_recipe else None
-    file = str(host.places.relative(document.path)) if document.path else ""
-    if document.session.unsaved or not file:  # a name for it, as the file, if there is one, is not up to date
-        file = f"{document.session.recipe.name}.yaml"
-    words = [*others, file] if recipe else others
-    # None of the words is taken for another flag.
-    after = ["--"] if any(word.startswith("-") for word in words) else []
-    job = Job(
-        id=host.jobs.new_id(),
-        doc=doc,
-        command=command,
-        line=shlex.join(["rsegen", command, *flags, *after, *words]),
-    )
-    # A command without arguments takes no -- before them either.
-    arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
-    made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
-    # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
-    made.is_shown = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
-    host.jobs.start(made)
-    if not made.is_shown:
-        _refuse_if_taken(host.jobs, made)
-    return asdict(job)
-
-
-def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
-    """Return where a command writes, seen from the folder of pages; a UserError if that is outside, or missing."""
-    if form.output is None:
-        if output:
-            raise ParameterError("output", f"{form.name} writes nothing")
-        return None
-    if not output:
-        if form.needs_output:
-            raise ParameterError("output", "Give a name below the folder of this page.")
-        return None
-    places = Places(folder)
-    place = places.relative(places.inside(output))
-    if place == Path():
-        raise ParameterError("output", "That is the folder of this page. Give a name below it.")
-    return place
-
-
-def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
-    """Wait for a moment whether a command refuses what exists; then the Question whether to replace it, if it may."""
-    until = time.monotonic() + _REFUSED_WITHIN
-    while not made.ended.wait(0.05) and time.monotonic() < until and not made.job.done:
-        pass
-    refused = _EXISTS.match(made.stderr_lines[-1]) if made.job.state == "failed" and made.stderr_lines else None
-    if refused and _may_be_replaced(made.folder / refused[1], _HOLDS.get(made.job.command, "map")):
-        jobs.forget(made.job.id)
-        raise Question(f"{refused[1]}: exists already", "exists")
-    made.is_shown = True
-    jobs.notify(made)
-
-
-_HOLDS = {"drive": "drive", "dataset": "data set"}
-"""What a folder holds that a command writes, if that is no map."""
-
-
-def _may_be_replaced(path: Path, holds: str) -> bool:
-    """Return whether --force replaces a file or folder: rsegen wrote it, and it is unchanged."""
-    try:
-        if path.is_file():
-            refuse_taken_file(path, force=True)
-        elif (within := read_journal(path.parent)) and read_journal(path) is None:
-            refuse_loss_below(path.parent, path.name, within)  # a format in the folder of a map
-        else:
-            refuse_loss(path, holds)
-    except UserError:
-        return False
-    return True
-
-
-@call_of_host
-def cancel(host: Host, *, job: int) -> JobValues:
-    """Ask a job to stop."""
-    return host.jobs.cancel(job)
-
-
-@call_of_host
-def jobs(host: Host) -> list[JobValues]:
-    """Return all jobs."""
-    return host.jobs.listed()

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
+from secrets import token_hex
 from tempfile import TemporaryDirectory
 from threading import Lock, RLock
 from typing import Any, Literal, TypedDict
@@ -60,6 +61,7 @@ class State(TypedDict):
     """All that pages show of a document."""
 
     doc: str
+    opens: str  # by what it is opened again after a restart; empty: a new recipe
     revision: int  # counts changes, undo included
     title: str
     path: str | None
@@ -86,9 +88,10 @@ class EditedState(State):
 
 
 class OpenedDocument(TypedDict):
-    """The id of a document."""
+    """The id of a document, and the folder of the drive that plays over it, if a drive was opened; else empty."""
 
     doc: str
+    play: str
 
 
 class ListedFile(TypedDict):
@@ -177,11 +180,14 @@ class Opened:
     """A document that pages have open.
 
     shown: the map that each page shows, by the name that the page gave itself; kept: what was made of its maps, by
-    keys; searches: the newest request of each search, by its name; data_set: that it is a map of, if it is one
+    keys; searches: the newest request of each search, by its name; data_set: that it is a map of, if it is one; what:
+    by which it was opened, and is again after a restart; home: the folder of the host
     """
 
     id: str
     document: Document
+    home: Path
+    what: str = ""
     data_set: PlaceInDataSet | None = None
     lock: RLock = field(default_factory=RLock)
     shown: dict[str, int] = field(default_factory=dict)
@@ -194,6 +200,12 @@ class Opened:
     def session(self) -> Session:
         """The recipe with its history."""
         return self.document.session
+
+    @property
+    def opens_again(self) -> str:
+        """By what `open` opens it again, also in another server in this folder: its file, or what it was opened by."""
+        path = self.document.path
+        return str(path.relative_to(self.home)) if path and path.is_relative_to(self.home) else self.what
 
     @property
     def pages(self) -> int:
@@ -282,6 +294,7 @@ class Host:
     jobs: Jobs = field(default_factory=Jobs)
     documents: dict[str, Opened] = field(default_factory=dict)
     _ids: Iterator[int] = field(default_factory=lambda: count(1))
+    _own: str = field(default_factory=lambda: token_hex(3))
     _temporary: TemporaryDirectory[str] | None = None
     _lock: RLock = field(default_factory=RLock)
 
@@ -344,22 +357,24 @@ class Host:
             if not unused:
                 raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
             del self.documents[unused[0]]
-        opened = Opened(id=f"d{next(self._ids)}", document=document)
+        # No document of another server has the number, as an address may be opened after a restart.
+        opened = Opened(id=f"d{next(self._ids)}-{self._own}", document=document, home=self.folder.resolve())
         self.documents[opened.id] = opened
         return opened
 
 
 @call_of_host
 def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its name on the page
-    """Open a new recipe, a file, an example, or a map of a data set."""
+    """Open a new recipe, a file, an example, a map of a data set, or a drive with its map."""
     if not what:
-        return {"doc": host.open(Session.of()).id}
+        return {"doc": host.open(Session.of()).id, "play": ""}
     name, sharp, number = what.rpartition("#")
     path = host.places.inside(name if sharp and number.isdecimal() else what)
     if sharp and number.isdecimal():
         opened = host.open(Session.of(recipe_in(f"{path}#{number}")), what)
+        opened.what = what
         opened.data_set = {"folder": name, "place": int(number), "maps": _maps_in(path)}
-        return {"doc": opened.id}
+        return {"doc": opened.id, "play": ""}
     is_example = what in EXAMPLES and not path.exists()
     if not is_example and not path.exists():
         raise FileError(
@@ -367,9 +382,12 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
         )
     file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
     if file.is_relative_to(host.folder.resolve()):
-        return {"doc": host.open_file(file).id}
+        play = str(host.places.relative(file.parent)) if (file.parent / "drive.json").is_file() else ""
+        return {"doc": host.open_file(file).id, "play": play}
     title = f"copy of {what if is_example else file.name}"
-    return {"doc": host.open(Session.of(load(file)), title, file.read_text("utf-8")).id}
+    opened = host.open(Session.of(load(file)), title, file.read_text("utf-8"))
+    opened.what = what if is_example else ""
+    return {"doc": opened.id, "play": ""}
 
 
 def _maps_in(data_set: Path) -> int:
@@ -454,6 +472,7 @@ def state_of(opened: Opened, index: int) -> State:
     problem, recipe = session.problem, session.recipe
     return {
         "doc": opened.id,
+        "opens": opened.opens_again,
         "revision": session.revision,
         "title": document.shown_title,
         "path": str(document.path) if document.path else None,
