@@ -174,7 +174,8 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[Materia
     """Yield the materials of cells, the frame first, then the lowest level: level (None for frames), height, colours,
     count.
 
-    colour: as in plans, of its height unless the recipe gives one; surface: as in previews, of the wood or friction that the recipe's look shows, else the same.
+    colour: as in plans, of its height unless the recipe gives one; surface: as in previews, of the wood or friction
+    that the recipe's look shows, else the same.
     """
     # In the order of np.unique, which the cells refer to.
     field, written = shown.drawn.field, lengths_in(shown.drawn.units)
