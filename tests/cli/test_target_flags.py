@@ -179,13 +179,16 @@ def test_the_name_of_a_spawned_model_and_the_simulator_are_not_the_recipe_s(monk
     assert asked == [RECIPE, "field", "classic"]
 
 
-def test_the_page_opens_a_recipe_of_flags(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_page_opens_a_recipe_of_flags(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     from rsegen.page.service import Service
 
     opened: list[object] = []
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
 
     def run(service: Service) -> None:
-        opened.append(service.host.opened("d1").session.recipe)
+        opened.extend(document.session.recipe for document in service.host.all())
         service.close()
 
     monkeypatch.setattr(Service, "run", run)

@@ -158,7 +158,7 @@ def test_a_command_of_another_package_may_not_take_the_name_of_one_of_rsegen() -
     from rsegen.errors import PluginError
     from rsegen.params.capabilities import _checked
 
-    taken = Capability(summary="", commands=(Command("drive", "simulation", "", "elsewhere"),))
+    taken = Capability(summary="", commands=(Command("drive", "drive a robot", "", "elsewhere"),))
     with pytest.raises(PluginError, match="the command 'drive' is taken"):
         _checked(taken, capabilities())
     with pytest.raises(PluginError, match="it needs 'wings', which is not here"):

@@ -166,6 +166,32 @@ def test_a_map_of_a_data_set_is_opened(host: Host) -> None:
     rsegen.make_dataset(Recipe(seed=1, maps=3, obstacles=[Random(levels=3)]), host.folder / "maps")
     state = calls.state(host.opened(calls.open(host, what="maps#2")["doc"]))
     assert (state["title"], state["path"], state["first_map"]) == ("maps#2", None, 2)
+    assert state["data_set"] == {"folder": "maps", "place": 2, "maps": 3}
+
+
+def test_a_drive_is_opened_as_a_drive_and_its_map(host: Host) -> None:
+    drive = host.folder / "a drive"
+    drive.mkdir()
+    rsegen.save(Recipe(seed=1), drive / "recipe.json")
+    assert calls.open(host, what="a drive")["play"] == ""
+    (drive / "drive.json").write_text("{}")
+    for what in ("a drive", "a drive/recipe.json", str(drive)):
+        assert calls.open(host, what=what)["play"] == "a drive"
+
+
+@pytest.mark.parametrize("what", ["", "mixed-course", "mine.yaml", "maps#2"])
+def test_what_opened_a_document_opens_it_again_in_another_server(what: str, host: Host) -> None:
+    rsegen.make_dataset(Recipe(seed=1, maps=3), host.folder / "maps")
+    rsegen.save(Recipe(seed=7), host.folder / "mine.yaml")
+    opened = host.opened(calls.open(host, what=what)["doc"])
+    state = calls.state(opened)
+    assert state["opens"] == what
+    later = Host(folder=host.folder)
+    again = calls.state(later.opened(calls.open(later, what=state["opens"])["doc"]))
+    assert (again["title"], again["maps"], again["first_map"]) == (state["title"], state["maps"], state["first_map"])
+    assert again["doc"] != state["doc"], "an address of the first server names no document of the second"
+    calls.save(host, doc=opened.id, path="saved.yaml")
+    assert calls.state(opened)["opens"] == "saved.yaml"
 
 
 def test_an_invalid_draft_is_not_saved(host: Host, opened: Opened) -> None:

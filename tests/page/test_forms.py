@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from inspect import Parameter as Argument
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,10 @@ from rsegen.cli.parser import parser_of
 from rsegen.errors import ParameterError, UnknownName
 from rsegen.obstacles import KINDS
 from rsegen.obstacles.base import row_parameters
-from rsegen.page.forms import CommandForm, command_form, command_forms, global_groups, hello, kinds
+from rsegen.page.forms import CommandForm, Field, command_form, command_forms, global_groups, hello, kinds
 from rsegen.page.host import Host
 from rsegen.page.places import Places
+from rsegen.params.capabilities import GROUPS
 from rsegen.params.capabilities import commands as all_commands
 from rsegen.params.command import declared
 from rsegen.params.sorts import parameters, plain
@@ -32,10 +33,74 @@ def test_every_parameter_of_a_recipe_is_in_one_field_with_its_schema_and_default
     known = parameters(Recipe)
     assert sorted(field["name"] for field in fields) == sorted(known)
     for field in fields:
-        assert field["schema"] == known[field["name"]].schema()
+        assert _without_words(field["schema"]) == known[field["name"]].schema()
         assert field["help"] == known[field["name"]].help
         default = declared(Recipe)[field["name"]].default
         assert field["default"] == (None if default is Argument.empty else plain(default))
+
+
+def _without_words(schema: Any) -> Any:
+    """Return the schema of a field without the words that a form knows of its texts."""
+    parts = schema.get("anyOf", [])
+    if any("enum" in part for part in parts) and any(part.get("type") == "string" for part in parts):
+        title = {"title": schema["title"]} if "title" in schema else {}
+        return title | next(part for part in parts if part.get("type") == "string")
+    return schema | ({"anyOf": [_without_words(part) for part in parts]} if parts else {})
+
+
+def _every_field() -> Iterator[Field]:
+    """Every field of every form, those of obstacles and commands too."""
+    yield from (field for group in global_groups() for field in group["fields"])
+    yield from (field for kind in kinds() for field in kind["fields"])
+    yield from (field for name in COMMANDS for field in command_form(name).described()["fields"])
+
+
+def test_every_form_of_a_value_has_a_title_of_its_own() -> None:
+    unions = [field for field in _every_field() if "anyOf" in field["schema"]]
+    chosen = [field for field in unions if not any("enum" in part for part in field["schema"]["anyOf"][:1])]
+    assert {field["name"] for field in chosen} >= {"chunks", "difficulty", "crossable_by", "inventory", "size"}
+    for field in unions:
+        parts = field["schema"]["anyOf"]
+        if [*parts[0]] == ["enum"]:
+            assert parts[1]["type"] == "string", field  # words, or another text
+        else:
+            titles = [part["title"] for part in parts]
+            assert len(set(titles)) == len(titles) > 1
+    chunks = next(field for field in unions if field["name"] == "chunks")
+    assert [part["title"] for part in chunks["schema"]["anyOf"]] == ["square", "x and y"]
+
+
+def test_a_slider_goes_where_most_people_need_it_and_the_default_is_well_inside() -> None:
+    sliders = {field["name"]: field for field in _every_field() if field["slider"]}
+    assert {"chunk_size", "levels", "softness", "rails", "duration", "rows", "kerf_mm"} <= sliders.keys()
+    for field in sliders.values():
+        low, high = field["slider"] or (0, 0)
+        schema = field["schema"]
+        assert schema.get("minimum", low) <= low < high <= schema.get("maximum", high)
+        assert high - low <= 200
+        if isinstance(field["default"], int | float):
+            assert low <= field["default"] <= high, field["name"]
+    low, high = sliders["chunk_size"]["slider"] or (0, 0)
+    assert 0.1 < (10 - low) / (high - low) < 0.5
+    assert "first_map" not in sliders
+    assert "heading" not in sliders
+
+
+def test_what_is_needed_is_asked_for_in_a_sentence(tmp_path: Path) -> None:
+    asked = {
+        (name, field["name"]): field["missing"]
+        for name in COMMANDS
+        for field in command_form(name).described()["fields"]
+        if field["required"]
+    }
+    assert asked["export", "formats"] == "Choose at least one format."
+    assert asked["rate", "robot"] == "Choose a robot."
+    assert asked["import", "file"] == "Give a file."
+    assert asked["scan", "clouds"] == "Give at least one cloud."
+    for (command, name), sentence in asked.items():
+        with pytest.raises(ParameterError) as error:
+            command_form(command).arguments({}, Places(tmp_path))
+        assert (error.value.where, error.value.problem) == (name, sentence)
 
 
 def test_the_parameters_of_the_paper_are_shown_at_once() -> None:
@@ -68,7 +133,7 @@ def test_a_form_knows_no_word_of_a_schema_that_the_protocol_has_not() -> None:
     look([field["schema"] for command in known["commands"] for field in command["fields"]])
     assert words <= {
         *("type", "enum", "minimum", "maximum", "pattern", "anyOf", "items", "prefixItems", "minItems", "maxItems"),
-        "minLength",
+        *("minLength", "title"),
     }
 
 
@@ -82,6 +147,19 @@ def test_hello_is_json_and_names_what_there_is(tmp_path: Path) -> None:
 def test_every_command_of_a_page_is_one_of_the_shell() -> None:
     assert set(COMMANDS) < set(all_commands())
     assert all(command_form(name).help == all_commands()[name].help for name in COMMANDS)
+
+
+def test_a_menu_has_the_groups_and_titles_that_commands_declare() -> None:
+    described = [command_form(name).described() for name in COMMANDS]
+    for command in described:
+        declaration = all_commands()[command["name"]]
+        assert command["group"] == declaration.group
+        assert command["title"] == declaration.title
+        assert command["title"][0].isupper()
+    groups = list(dict.fromkeys(command["group"] for command in described))
+    assert groups == [group for group in GROUPS if group in groups]
+    assert groups[:3] == ["make worlds", "measure", "drive a robot"]
+    assert len({command["title"] for command in described}) == len(described)
 
 
 def _values(schema: Any) -> st.SearchStrategy[Any]:
@@ -168,7 +246,7 @@ def test_the_parser_of_a_command_takes_what_a_form_gives(name: str, tmp_path: Pa
         ("series", {"robot": "/etc/robot.sdf"}, "robot: /etc/robot.sdf: is outside"),
         ("import", {"file": "a.csv", "crossable_by": "../robot.sdf"}, "crossable_by: ../robot.sdf: is outside"),
         ("drive", {"contacts": "no"}, "contacts: 'no' is neither yes nor no"),
-        ("experiment", {}, "plan: is missing"),
+        ("experiment", {}, "plan: Choose a plan."),
         ("experiment", {"plan": "../plan.yaml"}, "plan: ../plan.yaml: is outside"),
         ("scan", {"clouds": ["a.ply", "/etc/b.ply"]}, "clouds: /etc/b.ply: is outside"),
         ("sheet", {"csv": "../a.csv"}, "csv: ../a.csv: is outside"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import subprocess
 import sys
@@ -15,7 +16,7 @@ import psutil
 import pytest
 
 from rsegen.errors import FileError, ParameterError, UserError
-from rsegen.page import forms, jobs
+from rsegen.page import folders, jobs, runs, scenes
 from rsegen.page import host as hosting
 from rsegen.page.calls import Question
 from rsegen.page.host import Host
@@ -47,7 +48,7 @@ Start = Callable[..., dict[str, Any]]
 @pytest.fixture
 def start(host: Host, doc: str) -> Start:
     def started(command: str, output: str = "", *, replace: bool = False, **values: Any) -> dict[str, Any]:
-        return forms.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
+        return runs.run(host, doc=doc, command=command, values=values, output=output, replace=replace)
 
     return started
 
@@ -69,7 +70,7 @@ def test_what_a_page_makes_a_shell_makes_of_its_line(host: Host, start: Start, d
     job = ended(host, start("generate", "worlds", formats=["stl"], sync=False))
     assert (job["state"], job["result"]["folder"]) == ("done", "worlds")
     assert job["line"] == "rsegen generate --no-sync --formats=stl --output=worlds mine.yaml"
-    assert {"path": "worlds/peak_0000/recipe.json", "name": "recipe.json", "kind": "recipe"} in job["files"]
+    assert {"path": "worlds/peak_0000/recipe.json", "name": "peak_0000", "kind": "recipe"} in job["files"]
     assert any(line.startswith("1 map of") for line in job["lines"])
     assert [each["state"] for each in told][-1] == "done"
     _, *words = shlex.split(job["line"].replace("=worlds", "=by_shell"))
@@ -79,6 +80,70 @@ def test_what_a_page_makes_a_shell_makes_of_its_line(host: Host, start: Start, d
         for name in ("worlds", "by_shell")
     )
     assert made == again
+
+
+def _said_by(host: Host, line: str) -> str:
+    """Run the line of a shell in the folder of the page, and return what it prints."""
+    command = line.replace("rsegen ", f"{sys.executable} -m rsegen ")
+    ended_well = subprocess.run(["bash", "-c", command], cwd=host.folder, check=True, capture_output=True, text=True)
+    return ended_well.stdout
+
+
+@pytest.mark.parametrize("command", ["metrics", "spots"])
+def test_the_line_of_a_recipe_that_was_never_saved_does_the_same_in_a_shell(
+    command: str, host: Host, start: Start, doc: str
+) -> None:
+    session = host.opened(doc).document.session
+    session.set(name="seed", value=11)
+    session.set(name="description", value='it\'s "mine" & yours')
+    values = {"robot": "burger", "seed": 3} if command == "spots" else {}
+    job = ended(host, start(command, **values))
+    assert job["state"] == "done"
+    assert "peak.yaml" not in job["line"]
+    said = runs.shell_target(host, doc=doc, command=command)
+    # The flag --seed of spots is another one, so the map is made first.
+    assert bool(said["before"]) == (command == "spots")
+    assert "--obstacle" in said["before"] + said["text"]
+    assert job["line"].startswith(said["before"])
+    assert [*host.folder.iterdir()] == []
+    printed = _said_by(host, f"{job['line']} --json")
+    begins = re.search(r"^[\[{]", printed, re.MULTILINE)
+    assert begins
+    assert json.loads(printed[begins.start() :]) == job["result"]
+
+
+def test_a_command_runs_on_a_map_that_was_written(host: Host, start: Start, doc: str) -> None:
+    made = ended(host, start("generate", "worlds"))
+    host.opened(doc).document.session.set(name="chunk_size", value=0)  # the document may be anything meanwhile
+    (path,) = [file["path"] for file in made["files"] if file["kind"] == "recipe"]
+    folder = str(Path(path).parent)
+    job = ended(host, runs.run(host, doc=doc, command="metrics", values={}, target=folder))
+    assert (job["state"], job["line"]) == ("done", f"rsegen metrics {folder}")
+    assert job["lines"][0].startswith("peak_0000")
+    with pytest.raises(FileError):
+        runs.run(host, doc=doc, command="metrics", values={}, target="..")
+    (drawn,) = scenes.made_maps(host, paths=[path])
+    assert (drawn["scene"]["name"], drawn["index"]) == ("peak_0000", 0)
+
+
+def test_a_folder_is_shown_in_a_file_manager_or_is_a_path_to_copy(
+    host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "worlds").mkdir()
+    (tmp_path / "worlds" / "note").write_text("")
+    started: list[list[str]] = []
+    monkeypatch.setattr(subprocess, "Popen", lambda words, **_: started.append(words))
+    monkeypatch.setattr(folders, "which", lambda name: f"/bin/{name}")
+    monkeypatch.setattr(folders, "has_screen", lambda: False)
+    monkeypatch.delenv("SSH_CONNECTION", raising=False)
+    place = str((tmp_path / "worlds").resolve())
+    assert folders.show_folder(host, path="worlds/note") == {"path": place, "is_open": False}
+    assert started == []
+    monkeypatch.setattr(folders, "has_screen", lambda: True)
+    assert folders.show_folder(host, path="worlds") == {"path": place, "is_open": True}
+    assert [words[1:] for words in started] == [[place]]
+    with pytest.raises(FileError):
+        folders.show_folder(host, path="..")
 
 
 def test_a_job_runs_until_its_files_are_known(host: Host, start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -121,7 +186,7 @@ def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, 
     session.set(name="maps", value=5000)
     job = start("generate", "worlds", workers=1)
     until(lambda: any(each["done"] for each in host.jobs.listed()))
-    forms.cancel(host, job=job["id"])
+    runs.cancel(host, job=job["id"])
     found = ended(host, job)
     assert found["state"] == "cancelled"
     assert found["lines"][0].startswith("stopped; ")
@@ -130,7 +195,7 @@ def test_a_job_that_is_cancelled_leaves_whole_maps_and_nothing_else(host: Host, 
     for path in made:
         assert read_journal(path), "every map is complete"
     with pytest.raises(UserError, match="job 99 is not known"):
-        forms.cancel(host, job=99)
+        runs.cancel(host, job=99)
 
 
 def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, start: Start, doc: str) -> None:
@@ -159,7 +224,7 @@ def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> N
     with pytest.raises(ParameterError, match="chunk_size: 0"):
         start("generate", "worlds")
     host.opened(doc).document.session.set(name="chunk_size", value=10)
-    with pytest.raises(ParameterError, match="output: is missing"):
+    with pytest.raises(ParameterError, match="output: Give a name below the folder"):
         start("generate")
 
 

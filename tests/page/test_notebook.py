@@ -20,7 +20,7 @@ def test_the_page_is_shown_and_gives_the_recipe_back(tmp_path: Path) -> None:
     with rsegen.gui(Recipe(seed=8), folder=tmp_path, port=0) as gui:
         html = gui._repr_html_()
         assert gui.url.replace("&", "&amp;") in html
-        ((port, token, doc),) = re.findall(r":(\d+)/\?token=([\w-]+)&doc=(d\d+)", gui.url)
+        ((port, token, doc),) = re.findall(r":(\d+)/\?token=([\w-]+)(?:&open=[^&]*)?&doc=(d[\w-]+)", gui.url)
         Client(int(port), token).call("edit", doc=doc, actions=[{"do": "set", "name": "unit_cm", "value": 5}])
         assert (gui.recipe.seed, gui.recipe.unit_cm) == (8, 5)
 

@@ -398,6 +398,20 @@ def test_what_somebody_else_wrote_is_overwritten_after_a_question(chrome: Chrome
     assert not chrome.find_elements(By.CSS_SELECTOR, ".banner")
 
 
+def test_commands_are_in_a_menu_by_what_they_are_for(page: Page) -> None:
+    page.button("Run").click()
+    menu = page.chrome.find_element(By.CSS_SELECTOR, ":popover-open")
+    headings = [heading.text for heading in menu.find_elements(By.TAG_NAME, "h2")]
+    assert headings[:3] == ["make worlds", "measure", "drive a robot"]
+    assert {"build it in wood", "for other programs", "for learning"} <= {*headings}
+    names = [button.text.split("\n")[0] for button in menu.find_elements(By.TAG_NAME, "button")]
+    assert {"Generate worlds", "Drive over a map", "Build sheet"} <= {*names}
+    assert all(name[0].isupper() for name in names)
+    page.chrome.find_element(By.XPATH, "//button[contains(., 'Predict a crossing')]").click()
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog h2"))
+    assert page.chrome.find_element(By.CSS_SELECTOR, "dialog h2").text == "Predict a crossing"
+
+
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
     page.choose("Add", "Peak")
     page.button("Run").click()
@@ -446,6 +460,77 @@ def test_formats_are_chosen_by_their_names(page: Page) -> None:
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .words button"))
     page.chrome.find_element(By.XPATH, "//dialog//button[normalize-space()='stl']").click()
     assert page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text.endswith("--to stl -o export")
+
+
+def test_a_run_without_what_it_needs_says_what_to_do(page: Page) -> None:
+    page.js("state.dialog.value = { name: 'run', command: 'export' }")
+    until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog [type=submit]"))
+    page.chrome.find_element(By.CSS_SELECTOR, "dialog [type=submit]").click()
+    until(lambda: page.problem("Formats"))
+    assert page.problem("Formats") == "Choose at least one format."
+    assert page.js("return state.jobs.value.every(job => job.command !== 'export')")
+
+
+def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrome, address: str, folder: Path) -> None:
+    (folder / "mine.urdf").write_text("<robot name='mine'><link name='base'/></robot>")
+    page = Page(chrome, address, "mixed-course")
+    for command in ("drive", "predict", "spots", "rate"):
+        page.js("state.dialog.value = { name: 'run', command: arguments[0] }", command)
+        until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+        robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+        texts = [option.text for option in robots.options]
+        assert "burger: like a TurtleBot3 Burger, 14 × 18 × 19 cm" in texts  # noqa: RUF001  # a page has the sign
+        assert "mine.urdf" in texts
+        page.js("state.dialog.value = null")
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+    robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+    assert not chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] input')
+    robots.select_by_value("crawler")
+    until(lambda: "--robot crawler" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+    robots.select_by_visible_text("a file …")
+    page.type("Robot", "other robot.sdf")
+    until(lambda: "--robot 'other robot.sdf'" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
+
+
+def test_maps_are_counted_from_one_and_chosen_by_their_names(chrome: Chrome, address: str) -> None:
+    page = Page(chrome, address, "mixed-course")
+    chooser = chrome.find_element(By.CSS_SELECTOR, ".chooser output")
+    assert chooser.text == "Map 1 of 3"
+    page.button("Next map").click()
+    until(lambda: chooser.text == "Map 2 of 3")
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    until(
+        lambda: chrome.find_elements(
+            By.CSS_SELECTOR, 'dialog [data-field="Map"] select, dialog [data-field="Map"] label'
+        )
+    )
+    assert "--map mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+    page.js("state.dialog.value = null; return state.edit({ do: 'set', name: 'maps', value: 1 })")
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
+    assert not chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Map"]')
+
+
+def test_forms_of_a_value_are_called_what_they_are(page: Page) -> None:
+    choices = page.chrome.find_elements(By.CSS_SELECTOR, '[data-field="Map size in chunks"] .segmented span')
+    assert [choice.text for choice in choices] == ["square", "x and y"]
+    page.js("arguments[0].click()", choices[1])
+    assert page.settled()["values"]["chunks"] == [1, 1]
+    chrome, groups = page.chrome, page.chrome.find_elements(By.CSS_SELECTOR, "details > summary")
+    next(each for each in groups if each.text == "Constraints").click()
+    kinds = chrome.find_elements(By.CSS_SELECTOR, '[data-field="Crossable by"] .segmented span')
+    assert [kind.text for kind in kinds] == ["a robot", "climb, drop and width"]
+    Select(chrome.find_element(By.CSS_SELECTOR, '[data-field="Crossable by"] select')).select_by_value("crawler")
+    assert page.settled()["values"]["crossable_by"] == "crawler"
+
+
+def test_a_slider_has_the_usual_values_in_its_middle(page: Page) -> None:
+    slider = page.chrome.find_element(By.CSS_SELECTOR, 'input[aria-label="Chunk size slider"]')
+    assert (slider.get_attribute("min"), slider.get_attribute("max")) == ("4", "40")
+    page.type("Chunk size", "60")  # what is unusual is typed
+    assert page.settled()["values"]["chunk_size"] == 60
+    assert page.state()["problem"] is None
 
 
 def test_a_file_that_cannot_be_opened_is_said_and_the_page_works(chrome: Chrome, address: str, folder: Path) -> None:
@@ -520,6 +605,85 @@ def test_an_address_with_a_drive_plays_it(chrome: Chrome, address: str, folder: 
     page = Page(chrome, f"{address}&play=watched", "watched")
     until(lambda: page.js("return state.second.value > 0"))
     assert page.js("return state.playbacks.value.length") == 1
+
+
+def test_an_address_opens_the_same_document_after_a_restart(chrome: Chrome, tmp_path: Path) -> None:
+    save(replace(load(EXAMPLES["peak"]), name="kept"), tmp_path / "kept.yaml")
+    addresses: list[str] = []
+    port = 0
+    for _ in range(2):
+        service = Service(host=Host(folder=tmp_path), port=port, keep=True)
+        service.keep_token()
+        port = service.listening_port
+        service.start()
+        try:
+            if addresses:  # as it was copied from the page of the first server
+                resize(chrome, 1366, 768, sharpness=BLURRED)
+                chrome.get("about:blank")
+                chrome.get(addresses[0])
+                until(lambda: chrome.execute_script(_HERE + "return Boolean(state?.hello.value && state.scene.value)"))
+                assert chrome.execute_script(_HERE + "return state.state.value.title") == "kept.yaml"
+                assert not chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
+            else:
+                page = Page(chrome, service.url(), "kept.yaml")
+                assert page.state()["title"] == "kept.yaml"
+                addresses.append(chrome.current_url)
+        finally:
+            service.close()
+
+
+def test_a_path_of_a_drive_plays_it_too(page: Page, folder: Path) -> None:
+    recorded(folder / "typed", [[second, 0.4 * second - 0.4, 0, 0.1, 0, 0, 0] for second in (0.0, 1.0, 2.0)])
+    save(load(EXAMPLES["peak"]), folder / "typed" / "recipe.json")
+    page.js("state.dialog.value = { name: 'open' }")
+    path = page.chrome.find_element(By.CSS_SELECTOR, "dialog form input")
+    path.send_keys("typed", Keys.ENTER)
+    until(lambda: page.js("return state.playbacks.value.length === 1"))
+    until(lambda: page.js("return state.dialog.value === null && location.search.includes('play=typed')"))
+    page.button("End the playback").click()
+    until(lambda: page.js("return !location.search.includes('play=')"))
+
+
+def test_what_was_generated_is_shown_by_name_with_pictures_and_what_comes_next(
+    chrome: Chrome, address: str, folder: Path
+) -> None:
+    page = Page(chrome, address, "mixed-course")
+    for output, preview in (("bare", False), ("drawn", True)):
+        page.js(
+            "return state.ask('run', { command: 'generate', values: { preview: arguments[1] }, output: arguments[0] })",
+            output,
+            preview,
+        )
+        until(lambda: page.js("return state.jobs.value[0]?.state") == "done")
+        assert page.button("Runs")  # the line of status has no old news
+        page.button("Runs").click()
+        until(lambda: len(chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made img")) == 3)
+        cards = chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made")
+        assert [card.find_element(By.CSS_SELECTOR, ".name").text for card in cards] == [
+            f"mixed-course_{number:04d}" for number in range(3)
+        ]
+        for card in cards:
+            assert [button.text for button in card.find_elements(By.TAG_NAME, "button")] == [
+                "Open in Gazebo",
+                "Drive here …",
+                "Edit",
+            ]
+        page.js("state.dialog.value = null")
+    page.button("Runs").click()
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .made button"))
+    page.js("document.querySelectorAll('dialog details[open] .made button')[4].click()")
+    until(
+        lambda: (
+            "rsegen drive drawn/mixed-course_0001" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
+        )
+    )
+    page.js("state.dialog.value = { name: 'jobs' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .actions button"))
+    chrome.find_element(By.XPATH, "//dialog//details[@open]//button[normalize-space()='Show in folder']").click()
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "dialog details[open] .actions .shell"))
+    assert chrome.find_element(By.CSS_SELECTOR, "dialog details[open] .actions code").text == str(
+        (folder / "drawn").resolve()
+    )
 
 
 _FRAMES = "let n = 30; const [done] = arguments; (function next() { n-- ? requestAnimationFrame(next) : done(); })();"

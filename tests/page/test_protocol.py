@@ -48,6 +48,9 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
     "run": {"command": "metrics", "values": {}},
     "jobs": {},
     "cancel": {"job": 1},
+    "shell_target": {"command": "metrics"},
+    "made_maps": {"paths": ["field.yaml"]},
+    "show_folder": {"path": "field.yaml"},
     "reload": {},
     "close": {},
 }
@@ -76,11 +79,12 @@ def fits(value: Any, hint: Any) -> bool:
 
 
 @pytest.fixture
-def host(tmp_path: Path) -> Iterator[Host]:
+def host(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Host]:
     rsegen.save(RECIPE, tmp_path / "field.yaml")
     drive(tmp_path / "a", [[0.1 * at, 0.01 * at, 0, 0, 0, 0, 0] for at in range(40)], crossed=3.0)
     load_calls()
     host = Host(folder=tmp_path)
+    monkeypatch.setenv("PATH", "")  # no file manager is opened
     yield host
     host.close()
 

@@ -367,11 +367,11 @@ def test_a_file_that_leads_to_the_page_goes_with_its_server(tmp_path: Path) -> N
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_command_in_a_line(tmp_path: Path, number: signal.Signals) -> None:
     with command(tmp_path, "--no-browser", "--seed", "5") as (run, url):
-        match = re.fullmatch(r"http://localhost:(\d+)/\?token=([\w-]{32})&doc=d1", url)
+        match = re.fullmatch(r"http://localhost:(\d+)/\?token=([\w-]{32})&doc=(d1-\w+)", url)
         assert match, url
-        client = Client(int(match[1]), match[2])
-        assert client.call("state", doc="d1")["values"]["seed"] == 5
-        stream = client.events("d1", "one")
+        client, doc = Client(int(match[1]), match[2]), match[3]
+        assert client.call("state", doc=doc)["values"]["seed"] == 5
+        stream = client.events(doc, "one")
         stream.until(event="state")
         run.send_signal(number)
         assert run.wait(10) == 128 + number
@@ -383,9 +383,9 @@ def test_a_signal_ends_the_command_in_a_line(tmp_path: Path, number: signal.Sign
 @pytest.mark.slow
 def test_the_command_ends_some_seconds_after_its_last_page(tmp_path: Path) -> None:
     with command(tmp_path) as (run, url):
-        port, token = re.findall(r":(\d+)/\?token=([\w-]+)", url)[0]
+        port, token, doc = re.findall(r":(\d+)/\?token=([\w-]+)&doc=([\w-]+)", url)[0]
         for _ in range(2):  # a reload
-            stream = Client(int(port), token).events("d1", "one")
+            stream = Client(int(port), token).events(doc, "one")
             stream.until(event="state")
             stream.close()
             time.sleep(2)
@@ -400,6 +400,33 @@ def test_a_server_for_others_is_asked_by_addresses_and_its_own_name_only(tmp_pat
         for name in ("192.168.1.5", "[fe80::1]:80", "localhost", socket.gethostname().lower()):
             assert client.get(f"/?token={TOKEN}", Host=name).status == 200
         assert client.get(f"/?token={TOKEN}", Host="evil.example").status == 403
+
+
+def test_servers_of_a_folder_on_this_machine_have_one_token_and_others_have_none_that_stays(
+    tmp_path: Path, state_folder: Path
+) -> None:
+    tokens = {}
+    (tmp_path / "other").mkdir()
+    for number, (folder, address) in enumerate(
+        [(".", "127.0.0.1"), (".", "127.0.0.1"), ("other", "127.0.0.1"), (".", "0.0.0.0")]  # noqa: S104  # for this test
+    ):
+        service = Service(host=Host(folder=tmp_path / folder), address=address, port=0)
+        service.keep_token()
+        tokens[number] = service.token
+        service._socket.close()
+        service.host.close()
+    assert tokens[0] == tokens[1]
+    assert len({*tokens.values()}) == 3
+    files = [*state_folder.glob("*.token")]
+    assert {file.read_text("ascii") for file in files} == {tokens[0], tokens[2]}
+    if sys.platform != "win32":
+        assert {file.stat().st_mode & 0o777 for file in files} == {0o600}
+    next(file for file in files if file.read_text("ascii") == tokens[0]).write_text("not a token")
+    service = Service(host=Host(folder=tmp_path), port=0)
+    service.keep_token()
+    assert re.fullmatch(r"[\w-]{32}", service.token)
+    assert service.token not in tokens.values()
+    service._socket.close()
 
 
 def test_a_port_that_is_taken_is_a_line(tmp_path: Path) -> None:

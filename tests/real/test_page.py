@@ -14,8 +14,8 @@ from selenium.webdriver.common.keys import Keys
 
 from rsegen.driving import page as playback
 from rsegen.gazebo import sdf
-from rsegen.page import forms
 from rsegen.page import host as hosting
+from rsegen.page import runs
 from rsegen.page.host import Host
 from rsegen.page.service import Service
 from rsegen.recipe.examples import EXAMPLES
@@ -46,7 +46,7 @@ def now(host: Host, job: dict[str, Any]) -> dict[str, Any]:
 def test_a_drive_of_a_page_is_played_as_gazebo_recorded_it(host: Host) -> None:
     doc = hosting.open(host, what="peak")["doc"]
     values = {"robot": "burger", "duration": 2, "simulator": "classic", "seed": 3}
-    job = forms.run(host, doc=doc, command="drive", values=values, output="drive")
+    job = runs.run(host, doc=doc, command="drive", values=values, output="drive")
     until(lambda: now(host, job)["state"] != "running")
     done = now(host, job)
     assert (done["state"], done["done"], done["total"]) == ("done", 2, 2)
@@ -62,9 +62,9 @@ def test_a_drive_that_is_cancelled_leaves_no_server_and_no_folder(host: Host) ->
     doc = hosting.open(host, what="peak")["doc"]
     values = {"duration": 500, "simulator": "classic"}
     before = set(psutil.Process().children(recursive=True))  # of other tests
-    job = forms.run(host, doc=doc, command="drive", values=values, output="drive")
+    job = runs.run(host, doc=doc, command="drive", values=values, output="drive")
     until(lambda: bool(now(host, job)["done"]))
-    forms.cancel(host, job=job["id"])
+    runs.cancel(host, job=job["id"])
     until(lambda: now(host, job)["state"] == "cancelled")
     assert set(psutil.Process().children(recursive=True)) <= before
     assert list(host.folder.iterdir()) == []

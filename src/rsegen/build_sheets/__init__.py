@@ -8,9 +8,10 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "sheet",
-            "files for other programs",
+            "build it in wood",
             "write a build sheet (PDF, CSV) for building a map in wood",
             "rsegen.build_sheets.commands",
+            title="Build sheet",
         ),
     ),
     public={"rsegen.build_sheets.cut_settings": ("CutSettings",), "rsegen.build_sheets.document": ("sheet",)},

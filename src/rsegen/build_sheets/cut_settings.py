@@ -21,18 +21,28 @@ class CutSettings:
 
     kerf_mm: Annotated[
         float,
-        Float(0, 100, unit="mm", help="width of material that the saw removes with every cut; 1/8 in with units in"),
+        Float(
+            0,
+            100,
+            unit="mm",
+            usual=(0, 10),
+            help="width of material that the saw removes with every cut; 1/8 in with units in",
+        ),
     ] = 3.0
     stock_cm: Annotated[
         float, Float(0.001, 100_000, unit="cm", help="length of the pieces of timber to buy; 8 ft with units in")
     ] = 240.0
     trim_cm: Annotated[
-        float, Float(0, 1000, unit="cm", help="cut off at each end of a piece of stock; 1/2 in with units in")
+        float,
+        Float(0, 1000, unit="cm", usual=(0, 10), help="cut off at each end of a piece of stock; 1/2 in with units in"),
     ] = 1.0
     tolerance_mm: Annotated[
-        float, Float(0, 100, unit="mm", help="by how much a part may be cut too long; 1/32 in with units in")
+        float,
+        Float(0, 100, unit="mm", usual=(0, 5), help="by how much a part may be cut too long; 1/32 in with units in"),
     ] = 0.5
-    play_mm: Annotated[float, Float(0, 1000, unit="mm", help="clearance of a row of blocks in its frame")] = 0.0
+    play_mm: Annotated[
+        float, Float(0, 1000, unit="mm", usual=(0, 10), help="clearance of a row of blocks in its frame")
+    ] = 0.0
     density: Annotated[float, Float(1, 10_000, unit="kg/m3", help="density of the timber; pine: about 500")] = 500.0
     price: Annotated[float | None, Float(0, 1e9, help="price of a piece of stock for blocks; default: no cost")] = None
     frame_price: Annotated[

@@ -12,8 +12,15 @@ _REFERENCE, _INFORMATION = "rsegen.cli.reference", "information"
 CAPABILITY = Capability(
     summary="the core: from a recipe to a Gazebo world on the disk",
     commands=(
-        Command("generate", "worlds", "write worlds and models", "rsegen.cli.generate", "generate"),
-        Command("info", "maps", "print the size of a map, its obstacles and its cost", "rsegen.cli.info"),
+        Command(
+            "generate",
+            "make worlds",
+            "write worlds and models",
+            "rsegen.cli.generate",
+            "generate",
+            title="Generate worlds",
+        ),
+        Command("info", "measure", "print the size of a map, its obstacles and its cost", "rsegen.cli.info"),
         Command("examples", _INFORMATION, "list the recipes to start from, or copy them", _REFERENCE),
         Command("obstacles", _INFORMATION, "list the kinds of obstacles and their parameters", _REFERENCE),
         Command(
@@ -27,6 +34,7 @@ CAPABILITY = Capability(
             _INFORMATION,
             "list what is installed, what is missing and what it is needed for",
             "rsegen.cli.doctor",
+            title="What is installed",
         ),
         Command("completion", _INFORMATION, "print a shell completion script, for bash, zsh or fish", _REFERENCE),
         Command("man", _INFORMATION, "print the manual page of rsegen or of a command", "rsegen.cli.man"),

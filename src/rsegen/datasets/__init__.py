@@ -14,17 +14,19 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "series",
-            "worlds",
+            "make worlds",
             "write maps whose difficulty rises evenly",
             "rsegen.datasets.commands",
             "series",
+            title="Series of rising difficulty",
         ),
         Command(
             "dataset",
-            "files for other programs",
+            "for learning",
             "write very many maps into few files, for machine learning",
             "rsegen.datasets.commands",
             "make_dataset",
+            title="Data set of very many maps",
         ),
     ),
     public={

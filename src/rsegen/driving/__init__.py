@@ -8,24 +8,27 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "drive",
-            "simulation",
+            "drive a robot",
             "drive a robot over a map, in MuJoCo or Gazebo, and report how far it got",
             "rsegen.driving.commands",
             "drive",
+            title="Drive over a map",
         ),
         Command(
             "predict",
-            "simulation",
+            "drive a robot",
             "predict how surely a robot gets across a map",
             "rsegen.driving.commands",
             "predict",
+            title="Predict a crossing",
         ),
         Command(
             "drives",
-            "simulation",
+            "drive a robot",
             "drive a robot over many maps, and count how many it crosses",
             "rsegen.driving.commands",
             "drive_many",
+            title="Drive over many maps",
         ),
     ),
     public={

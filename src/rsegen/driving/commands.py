@@ -43,7 +43,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     size: Size = None,
     speed: Speed = None,
     turn: Turn = None,
-    robots: Annotated[int, Integer(1, 100, help="number of robots"), Shell(metavar="N")] = 1,
+    robots: Annotated[int, Integer(1, 100, usual=(1, 10), help="number of robots"), Shell(metavar="N")] = 1,
     simulator: DriveSimulator = None,
     motors: MotorModel = None,
     route: RouteName = "straight",

@@ -64,12 +64,15 @@ Best = Annotated[
 Drives = Annotated[
     int,
     Integer(
-        1, 10_000, help="number of drives at most, each with its own errors of start, friction, heights and steering"
+        1,
+        10_000,
+        usual=(5, 100),
+        help="number of drives at most, each with its own errors of start, friction, heights and steering",
     ),
     Shell(metavar="N"),
 ]
 
-Duration = Annotated[float, Float(0.1, 1e5, unit="s", help="simulation time"), Shell(metavar="S")]
+Duration = Annotated[float, Float(0.1, 1e5, unit="s", usual=(5, 120), help="simulation time"), Shell(metavar="S")]
 
 DriveSeed = Annotated[
     int | None, Integer(0, SEEDS - 1, help="seed of start poses and routes"), Shell(default="drawn and printed")

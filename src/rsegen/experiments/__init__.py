@@ -8,10 +8,11 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "experiment",
-            "simulation",
+            "drive a robot",
             "measure what maps cost a simulator while robots drive on them",
             "rsegen.experiments.commands",
             "experiment",
+            title="Experiment with a simulator",
         ),
     ),
     public={"rsegen.experiments.commands": ("experiment",), "rsegen.experiments.run": ("ExperimentResult",)},

@@ -12,10 +12,11 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "export",
-            "files for other programs",
+            "for other programs",
             "write maps for other programs: meshes, arrays, images, occupancy grids",
             "rsegen.formats.commands",
             "export_maps",
+            title="Export maps",
         ),
     ),
     public={

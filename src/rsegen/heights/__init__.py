@@ -11,9 +11,10 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "import",
-            "worlds",
+            "make worlds",
             "write a world from measured heights, an image or an occupancy grid of ROS",
             "rsegen.heights.commands",
+            title="World from measured heights",
         ),
     ),
     public={"rsegen.heights.base": ("imported",)},

@@ -26,9 +26,10 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "terrain",
-            "worlds",
+            "for learning",
             "write one field of many maps, in rows of rising difficulty, for learning",
             "rsegen.learning.commands",
+            title="Terrain of many maps",
         ),
     ),
     public={

@@ -11,9 +11,10 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "metrics",
-            "maps",
+            "measure",
             "measure how rough maps are, and what a robot can do on them",
             "rsegen.measuring.commands",
+            title="Measure maps",
         ),
     ),
     public={"rsegen.measuring.catalogue": ("Metric", "Metrics", "metric", "metrics")},

@@ -38,7 +38,7 @@ class CrosserSort(Parameter):
 
     def schema(self) -> dict[str, Json]:
         numbers = {"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1, "maxItems": 3}
-        return {"anyOf": [{"type": "string"}, numbers]}
+        return {"anyOf": [{"title": "a robot", "type": "string"}, {"title": "climb, drop and width", **numbers}]}
 
     def describe(self) -> str:
         return "a kind of robot or a file of one, or steps up, down and a width in cm, as in 7,7,30"

@@ -81,6 +81,7 @@ class Pallet(Filling):
             1,
             32767,
             unit="units",
+            usual=(1, 5),
             help="difference between one post length and the next: 2 for full-cubic pallets if "
             "the unit is half a post's width, as in maps that also have half-cubic ones",
         ),

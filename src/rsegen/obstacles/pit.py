@@ -26,10 +26,12 @@ class Pit(Layout):
     default_place: ClassVar[str] = Obstacle.default_place
 
     gap_width: Annotated[
-        int | None, Integer(1, 1000, unit="blocks", help="width of the hole around an island; default: no island")
+        int | None,
+        Integer(1, 1000, unit="blocks", usual=(1, 10), help="width of the hole around an island; default: no island"),
     ] = None
     beam_width: Annotated[
-        int | None, Integer(1, 1000, unit="blocks", help="width of a beam across the middle; default: no beam")
+        int | None,
+        Integer(1, 1000, unit="blocks", usual=(1, 10), help="width of a beam across the middle; default: no beam"),
     ] = None
     beam_along: Annotated[str, Choice(("x", "y"), help="direction of the beam")] = "x"
 

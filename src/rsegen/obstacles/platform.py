@@ -31,7 +31,13 @@ class Platform(Sloped):
     ] = (6, 6)
     level: Annotated[
         int | None,
-        Integer(0, 32766, unit="units", help="level of its cells, 0: the ground; default: the highest, levels - 1"),
+        Integer(
+            0,
+            32766,
+            unit="units",
+            usual=(0, 10),
+            help="level of its cells, 0: the ground; default: the highest, levels - 1",
+        ),
     ] = None
 
     def __post_init__(self) -> None:

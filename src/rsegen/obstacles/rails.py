@@ -29,8 +29,8 @@ class Rails(Layout):
     shape: Annotated[
         str, Choice(("rings", "x", "y"), help="rings: around the middle; x, y: one after the other along x or y")
     ] = "rings"
-    rails: Annotated[int, Integer(1, 1000, help="number of rails or rings, if all of them fit")] = 2
-    rail_width: Annotated[int, Integer(1, 1000, unit="blocks", help="width of a rail")] = 1
+    rails: Annotated[int, Integer(1, 1000, usual=(1, 10), help="number of rails or rings, if all of them fit")] = 2
+    rail_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="width of a rail")] = 1
 
     def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the level of the rails, which alone are covered."""

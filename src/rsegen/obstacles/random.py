@@ -163,7 +163,9 @@ class NormalRandom(Region):
 
     kind: ClassVar[str] = "normal_random"
 
-    spread: Annotated[float, Float(0.001, 100, help="standard deviation, as a share of the full height")] = 0.2
+    spread: Annotated[
+        float, Float(0.001, 100, usual=(0.05, 1), help="standard deviation, as a share of the full height")
+    ] = 0.2
 
     @elementwise
     def drawn(self, uniform: Array) -> Levels:

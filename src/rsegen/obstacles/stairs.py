@@ -39,10 +39,13 @@ class Stairs(Layout):
     direction: Annotated[
         str, Choice(("up", "down"), help="down: into the ground, which has to be high enough (ground_level)")
     ] = "up"
-    step_width: Annotated[int, Integer(1, 1000, unit="blocks", help="depth of a step, from one edge to the next")] = 1
-    step_height: Annotated[int, Integer(1, 32766, unit="units", help="height of a step")] = 1
+    step_width: Annotated[
+        int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="depth of a step, from one edge to the next")
+    ] = 1
+    step_height: Annotated[int, Integer(1, 32766, unit="units", usual=(1, 10), help="height of a step")] = 1
     platform_width: Annotated[
-        int, Integer(1, 1000, unit="blocks", help="least side of the platform in the middle of a pyramid")
+        int,
+        Integer(1, 1000, unit="blocks", usual=(1, 10), help="least side of the platform in the middle of a pyramid"),
     ] = 2
 
     def __post_init__(self) -> None:

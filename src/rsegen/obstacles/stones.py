@@ -29,13 +29,21 @@ class Stones(Layout):
 
     kind: ClassVar[str] = "stones"
 
-    stone_width: Annotated[int, Integer(1, 1000, unit="blocks", help="side of a stone")] = 2
-    stone_distance: Annotated[int, Integer(1, 1000, unit="blocks", help="width of the gaps between stones")] = 1
+    stone_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="side of a stone")] = 2
+    stone_distance: Annotated[
+        int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="width of the gaps between stones")
+    ] = 1
     uneven: Annotated[
-        int, Integer(0, 32766, unit="units", help="how far tops lie below the ground at most, each at random")
+        int,
+        Integer(
+            0, 32766, unit="units", usual=(0, 10), help="how far tops lie below the ground at most, each at random"
+        ),
     ] = 0
     platform_width: Annotated[
-        int, Integer(0, 1000, unit="blocks", help="side of a platform in the middle, at the level of the ground")
+        int,
+        Integer(
+            0, 1000, unit="blocks", usual=(0, 10), help="side of a platform in the middle, at the level of the ground"
+        ),
     ] = 0
 
     def __post_init__(self) -> None:

@@ -6,8 +6,14 @@ CAPABILITY = Capability(
     summary="maps on a page in the browser, to edit and to look at",
     needs=("measuring", "pictures"),
     commands=(
-        Command("gui", "worlds", "edit maps on a page in the browser", "rsegen.page.commands"),
-        Command("view", "maps", "write maps as an HTML page with a 3D view and heights", "rsegen.page.commands"),
+        Command("gui", "make worlds", "edit maps on a page in the browser", "rsegen.page.commands"),
+        Command(
+            "view",
+            "measure",
+            "write maps as an HTML page with a 3D view and heights",
+            "rsegen.page.commands",
+            title="Page to send",
+        ),
     ),
     public={"rsegen.page.service": ("Gui", "gui"), "rsegen.page.view": ("View", "view")},
     manual="page",

@@ -60,7 +60,7 @@ def add_gui(command: Parser) -> None:
 
 def run_gui(arguments: argparse.Namespace) -> None:
     """Serve the page until it is closed, or the command is stopped."""
-    from rsegen.page.host import Host
+    from rsegen.page.host import Host, OpenedDocument
     from rsegen.page.host import open as open_document
     from rsegen.page.model.session import Session
     from rsegen.page.service import Service
@@ -69,13 +69,13 @@ def run_gui(arguments: argparse.Namespace) -> None:
     folder, what = _place(arguments.recipe)
     host = Host(folder=folder)
     if has_recipe_flags(arguments):
-        doc = host.open(Session.of(recipe_from(arguments))).id
+        opened: OpenedDocument = {"doc": host.open(Session.of(recipe_from(arguments))).id, "play": ""}
     else:
-        doc = open_document(host, what=what)["doc"]
+        opened = open_document(host, what=what)
     with flags_in_errors(_Serving):
         service = Service(host=host, address=serving.host, port=serving.port, keep=serving.keep)
-    drive = what if what and (folder / what / "drive.json").is_file() else ""
-    _show_address(service, service.url(doc, drive), arguments)
+    service.keep_token()
+    _show_address(service, service.url(opened["doc"], opened["play"]), arguments)
     service.run()
 
 

@@ -10,36 +10,30 @@ one and starts the page, so it is found by its name, as the processes are that r
 from __future__ import annotations
 
 import argparse
-import os
-import re
-import shlex
-import time
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from inspect import Parameter as Argument
+from math import inf
 from pathlib import Path
 from typing import Any, Literal, TypedDict, cast
 
 from rsegen import __version__
-from rsegen.errors import FileError, ParameterError, UnknownName, UserError, refuse_unknown
+from rsegen.errors import FileError, ParameterError, UnknownName, refuse_unknown
 from rsegen.measuring.catalogue import METRICS, OF_A_ROBOT, UNITS
 from rsegen.obstacles import KINDS
 from rsegen.obstacles.base import PLACING, own_parameters
-from rsegen.page.calls import Question, call_of_host
+from rsegen.page.calls import call_of_host
 from rsegen.page.host import Host
-from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
 from rsegen.page.places import Places, names_in
-from rsegen.params.capabilities import capabilities, commands
+from rsegen.params.capabilities import Command, capabilities, commands
 from rsegen.params.command import Declared, declared
 from rsegen.params.registry import summary_of_class
-from rsegen.params.sorts import FilePath, Flag, Json, Text, plain
+from rsegen.params.sorts import FilePath, Flag, Float, Integer, Json, Parameter, Text, plain
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
-from rsegen.writing.journal import read_journal, refuse_loss, refuse_loss_below
-from rsegen.writing.store import refuse_taken_file
 
 _OF_A_SHELL = ("gui", "info", "examples", "obstacles", "schema", "completion", "man")
 """The commands that a page does not run: it is one of them, and shows what others print."""
@@ -80,7 +74,7 @@ TITLES = {
     "mesh_type": "Model mesh type",
     "by": "Metric",
     "names": "Models",
-    "paths": "Scans, or a map",
+    "paths": "Scans",
     "csv": "CSV file",
     "fit": "Picture of the fit",
     "errors": "Picture of the rounding",
@@ -111,6 +105,7 @@ JsonType = Literal["integer", "number", "string", "boolean", "array", "null"]
 class Schema(TypedDict, total=False):
     """What a field takes, in the words of JSON Schema."""
 
+    title: str  # of one of several forms of a value
     type: JsonType | list[JsonType]
     enum: list[str]
     minimum: float
@@ -129,6 +124,7 @@ class OfCommand(TypedDict, total=False):
 
     flag: str
     required: bool  # it does not run without
+    missing: str  # what to say if it is required and not given: "Choose at least one format."
 
 
 class Field(OfCommand):
@@ -140,6 +136,7 @@ class Field(OfCommand):
     schema: Schema
     unit: str  # "cm", "%", "units", "s", ""
     default: Json  # null: none, or decided by the program
+    slider: tuple[float, float] | None  # from where to where a slider goes, if there is one
     basic: bool  # shown at once; others under "More"
 
 
@@ -165,8 +162,9 @@ class DescribedCommand(TypedDict):
     """A command that may be run."""
 
     name: str
+    title: str  # in a menu: "Drive over a map"
     help: str
-    group: str
+    group: str  # what it is for: "drive a robot"
     target: Literal["recipe", "none"]
     fields: list[Field]
     output: Literal["folder", "file", "none"]
@@ -223,8 +221,45 @@ def field(parameter: Declared, *, basic: bool = True) -> Field:
         "schema": cast(Schema, _with_words(parameter, _without_const(parameter.sort.schema()))),
         "unit": getattr(getattr(parameter.sort, "sort", parameter.sort), "unit", ""),
         "default": str(default) if isinstance(default, Path) else plain(default),
+        "slider": _slider(parameter.sort),
         "basic": basic,
     }
+
+
+_MOST_STEPS = 100
+"""The largest difference between the ends of a slider: of more, a number that is typed is found sooner."""
+
+
+def _slider(sort: Parameter) -> tuple[float, float] | None:
+    """Return from where to where a slider for a number goes: over its usual range, else over all of it, if it is short.
+
+    Values beyond the ends of a slider are typed.
+    """
+    if not isinstance(sort, Float | Integer):
+        return None
+    low, high = sort.low, inf if sort.high is None else sort.high
+    return sort.usual or ((low, high) if high - low <= _MOST_STEPS else None)
+
+
+def _title_of_robot(name: str, robot: Any) -> str:
+    """Return a robot's name with what it is like and its size."""
+    size = " × ".join(f"{100 * side:.0f}" for side in robot.size)  # noqa: RUF001  # a page has the sign
+    return f"{name}: {robot.title}, {size} cm"
+
+
+def _missing(made: Field) -> str:
+    """Return what to say where a field that is needed is empty."""
+    name, schema = made["title"].lower(), made["schema"]
+    items = schema.get("items", {})
+    if schema.get("type") == "array":
+        verb = "Choose" if _has_words(items) else "Give"
+        return f"{verb} at least one {name.removesuffix('s')}."
+    article = "an" if name[0] in "aeio" else "a"
+    return f"{'Choose' if _has_words(schema) else 'Give'} {article} {name}."
+
+
+def _has_words(schema: Schema) -> bool:
+    return "enum" in schema or any("enum" in part for part in schema.get("anyOf", []))
 
 
 def _without_const(schema: Any) -> Any:
@@ -240,14 +275,20 @@ def _without_const(schema: Any) -> Any:
 
 
 def _with_words(parameter: Declared, schema: dict[str, Json]) -> dict[str, Json]:
-    """Return a schema of a text, or of a list of texts, with the known words before any other text."""
+    """Return a schema of a text, of a list of texts, or of either, with the known words before any other text."""
     words = parameter.known_names() if parameter.known_names else _words().get(parameter.name)
     if words is None:
         return schema
     if schema.get("type") == "string":
-        return {"anyOf": [{"enum": sorted(words)}, schema]}
+        title = {"title": schema["title"]} if "title" in schema else {}
+        return title | {"anyOf": [{"enum": sorted(words)}, {name: schema[name] for name in schema if name != "title"}]}
     if schema.get("type") == "array":
-        return schema | {"items": _with_words(parameter, schema["items"])}
+        return schema | {"items": _with_words(parameter, schema["items"])} if "items" in schema else schema
+    if "anyOf" in schema:
+        texts = ("string", "array")
+        return schema | {
+            "anyOf": [_with_words(parameter, part) if part.get("type") in texts else part for part in schema["anyOf"]]
+        }
     return schema
 
 
@@ -287,19 +328,23 @@ class CommandForm:
 
     fields: the actions of its parser that a form has, by name; output: that of the file or folder to write, if any
     takes_recipe: whether a document stands for one of its arguments
+    recipe_flags: the parameters of a recipe that it has flags for, obstacles among them
     """
 
     name: str
+    title: str
     help: str
     group: str
     fields: Mapping[str, argparse.Action]
     output: argparse.Action | None
     takes_recipe: bool
+    recipe_flags: frozenset[str]
     can_replace: bool
 
     @classmethod
-    def of(cls, name: str, text: str, group: str, parser: Any) -> CommandForm:
-        """Return the form of a command from its parser."""
+    def of(cls, known: Command, parser: Any) -> CommandForm:
+        """Return the form of a command from its declaration and its parser."""
+        name = known.name
         actions = {action.dest: action for action in parser.actions}
         arguments = {action.dest for action in parser.actions if not action.option_strings}
         takes_recipe = name == "compare" or not arguments.isdisjoint(_RECIPES)
@@ -311,7 +356,7 @@ class CommandForm:
         }
         output = next((action for action in actions.values() if "--output" in action.option_strings), None)
         left_out = {*_LEFT_OUT, *_LEFT_OUT_OF.get(name, ()), *(_RECIPES if takes_recipe else ())}
-        known = {
+        shown = {
             dest: action
             for dest, action in actions.items()
             if dest not in left_out
@@ -321,11 +366,13 @@ class CommandForm:
         }
         return cls(
             name=name,
-            help=text,
-            group=group,
-            fields=known,
+            title=known.title or name.capitalize(),
+            help=known.help,
+            group=known.group,
+            fields=shown,
             output=output,
             takes_recipe=takes_recipe,
+            recipe_flags=frozenset(action.dest for action in of_recipe),
             can_replace="force" in actions,
         )
 
@@ -339,6 +386,7 @@ class CommandForm:
         """Return it as pages have it."""
         return {
             "name": self.name,
+            "title": self.title,
             "help": self.help,
             "group": self.group,
             "target": "recipe" if self.takes_recipe else "none",
@@ -368,6 +416,8 @@ class CommandForm:
             made = {**made, "schema": {"type": "array", "items": made["schema"], "minItems": 1}}
         if action.option_strings:
             made["flag"] = action.option_strings[-1]
+        if action.required:
+            made["missing"] = _missing(made)
         return {**made, "required": action.required}
 
     def arguments(self, values: Mapping[str, Json], places: Places) -> tuple[list[str], list[str]]:
@@ -382,7 +432,7 @@ class CommandForm:
             value = values.get(name)
             if value is None or value == []:
                 if action.required:
-                    raise ParameterError(name, "is missing")
+                    raise ParameterError(name, self._described(action)["missing"])
             # A switch is written only if it differs from its default; the last of its flags is the one that says so.
             elif action.nargs == 0:
                 is_on = _declaration(action).default is True
@@ -447,7 +497,7 @@ def command_forms() -> Mapping[str, CommandForm]:
     """Return the form of every command that a page may run, by its name."""
     line = import_module("rsegen.cli.parser")
     return {
-        name: CommandForm.of(name, known.help, known.group, line.parser_of(name))
+        name: CommandForm.of(known, line.parser_of(name))
         for name, known in commands().items()
         if name not in _OF_A_SHELL
     }
@@ -464,7 +514,7 @@ def command_form(name: str) -> CommandForm:
 def hello(host: Host) -> Hello:
     """Return what is the same for all documents: forms, kinds, robots, formats, metrics that need no robot."""
     metrics = [name for name in (*UNITS, *METRICS) if name not in OF_A_ROBOT]
-    robots = {name: robot.title for name, robot in dict(_words().get("robot", {})).items()}
+    robots = {name: _title_of_robot(name, robot) for name, robot in dict(_words().get("robot", {})).items()}
     robots |= {name: name for name in names_in(host.folder) if name.endswith((".sdf", ".urdf", ".xacro"))}
     return {
         "version": __version__,
@@ -480,105 +530,3 @@ def hello(host: Host) -> Hello:
             for name, cls in dict(_words().get("formats", {})).items()
         ],
     }
-
-
-_REFUSED_WITHIN = 10.0
-"""Seconds in which a command refuses what exists already; on a busy machine Python alone takes some of them."""
-
-_EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it")
-
-
-@call_of_host
-def run(
-    host: Host, *, doc: str, command: str, values: dict[str, Json], output: str = "", replace: bool = False
-) -> JobValues:
-    """Run a command on the recipe of a document; a Question if it would replace what it may replace."""
-    form, document = command_form(command), host.opened(doc).document
-    if form.takes_recipe and (problem := document.session.problem):
-        raise ParameterError(problem.where, problem.problem)
-    flags, others = form.arguments(values, host.places)
-    place = _output(form, output, host.folder)
-    flags += [f"--output={place}"] if place else []
-    flags += ["--force"] if replace and form.can_replace else []
-    recipe = document.session.recipe if form.takes_recipe else None
-    file = str(host.places.relative(document.path)) if document.path else ""
-    if document.session.unsaved or not file:  # a name for it, as the file, if there is one, is not up to date
-        file = f"{document.session.recipe.name}.yaml"
-    words = [*others, file] if recipe else others
-    # None of the words is taken for another flag.
-    after = ["--"] if any(word.startswith("-") for word in words) else []
-    job = Job(
-        id=host.jobs.new_id(),
-        doc=doc,
-        command=command,
-        line=shlex.join(["rsegen", command, *flags, *after, *words]),
-    )
-    # A command without arguments takes no -- before them either.
-    arguments = (command, *flags, "--json", "--progress=json", *(["--", *others] if others or recipe else []))
-    made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
-    # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
-    made.is_shown = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
-    host.jobs.start(made)
-    if not made.is_shown:
-        _refuse_if_taken(host.jobs, made)
-    return asdict(job)
-
-
-def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
-    """Return where a command writes, seen from the folder of pages; a UserError if that is outside, or missing."""
-    if form.output is None:
-        if output:
-            raise ParameterError("output", f"{form.name} writes nothing")
-        return None
-    if not output:
-        if form.needs_output:
-            raise ParameterError("output", "is missing; give a name below the folder of this page")
-        return None
-    places = Places(folder)
-    place = places.relative(places.inside(output))
-    if place == Path():
-        raise ParameterError("output", "is the folder of this page; give a name below it")
-    return place
-
-
-def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
-    """Wait for a moment whether a command refuses what exists; then the Question whether to replace it, if it may."""
-    until = time.monotonic() + _REFUSED_WITHIN
-    while not made.ended.wait(0.05) and time.monotonic() < until and not made.job.done:
-        pass
-    refused = _EXISTS.match(made.stderr_lines[-1]) if made.job.state == "failed" and made.stderr_lines else None
-    if refused and _may_be_replaced(made.folder / refused[1], _HOLDS.get(made.job.command, "map")):
-        jobs.forget(made.job.id)
-        raise Question(f"{refused[1]}: exists already", "exists")
-    made.is_shown = True
-    jobs.notify(made)
-
-
-_HOLDS = {"drive": "drive", "dataset": "data set"}
-"""What a folder holds that a command writes, if that is no map."""
-
-
-def _may_be_replaced(path: Path, holds: str) -> bool:
-    """Return whether --force replaces a file or folder: rsegen wrote it, and it is unchanged."""
-    try:
-        if path.is_file():
-            refuse_taken_file(path, force=True)
-        elif (within := read_journal(path.parent)) and read_journal(path) is None:
-            refuse_loss_below(path.parent, path.name, within)  # a format in the folder of a map
-        else:
-            refuse_loss(path, holds)
-    except UserError:
-        return False
-    return True
-
-
-@call_of_host
-def cancel(host: Host, *, job: int) -> JobValues:
-    """Ask a job to stop."""
-    return host.jobs.cancel(job)
-
-
-@call_of_host
-def jobs(host: Host) -> list[JobValues]:
-    """Return all jobs."""
-    return host.jobs.listed()

@@ -6,6 +6,7 @@ those that only read. What changes is told to all pages of the document, as even
 
 from __future__ import annotations
 
+import json
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
@@ -13,11 +14,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
+from secrets import token_hex
 from tempfile import TemporaryDirectory
 from threading import Lock, RLock
 from typing import Any, Literal, TypedDict
 
 from rsegen.errors import FileError, ParameterError, TooLarge, UserError, did_you_mean
+from rsegen.input_files import regular_content
 from rsegen.page.calls import call_of_document, call_of_host
 from rsegen.page.jobs import Jobs, JobValues
 from rsegen.page.model.actions import Action, Ends, act, ends_of
@@ -45,10 +48,19 @@ class Problem(TypedDict):
     text: str
 
 
+class PlaceInDataSet(TypedDict):
+    """The place of a map in a data set."""
+
+    folder: str
+    place: int  # from 0 on, as in DIR#17
+    maps: int
+
+
 class State(TypedDict):
     """All that pages show of a document."""
 
     doc: str
+    opens: str  # by what it is opened again after a restart; empty: a new recipe
     revision: int  # counts changes, undo included
     title: str
     path: str | None
@@ -60,6 +72,7 @@ class State(TypedDict):
     problem: Problem | None
     maps: int
     first_map: int
+    data_set: PlaceInDataSet | None  # that the recipe is the map of
     name: str
     changed_on_disk: bool  # somebody else wrote the file
     recovered: str | None  # changes of a session that ended without saving were brought back: when
@@ -74,9 +87,10 @@ class EditedState(State):
 
 
 class OpenedDocument(TypedDict):
-    """The id of a document."""
+    """The id of a document, and the folder of the drive that plays over it, if a drive was opened; else empty."""
 
     doc: str
+    play: str
 
 
 class ListedFile(TypedDict):
@@ -165,11 +179,15 @@ class Opened:
     """A document that pages have open.
 
     shown: the map that each page shows, by the name that the page gave itself; kept: what was made of its maps, by
-    keys; searches: the newest request of each search, by its name
+    keys; searches: the newest request of each search, by its name; data_set: that it is a map of, if it is one; what:
+    by which it was opened, and is again after a restart; home: the folder of the host
     """
 
     id: str
     document: Document
+    home: Path
+    what: str = ""
+    data_set: PlaceInDataSet | None = None
     lock: RLock = field(default_factory=RLock)
     shown: dict[str, int] = field(default_factory=dict)
     kept: OrderedDict[object, Any] = field(default_factory=OrderedDict)
@@ -181,6 +199,12 @@ class Opened:
     def session(self) -> Session:
         """The recipe with its history."""
         return self.document.session
+
+    @property
+    def opens_again(self) -> str:
+        """By what `open` opens it again, also in another server in this folder: its file, or what it was opened by."""
+        path = self.document.path
+        return str(path.relative_to(self.home)) if path and path.is_relative_to(self.home) else self.what
 
     @property
     def pages(self) -> int:
@@ -269,6 +293,7 @@ class Host:
     jobs: Jobs = field(default_factory=Jobs)
     documents: dict[str, Opened] = field(default_factory=dict)
     _ids: Iterator[int] = field(default_factory=lambda: count(1))
+    _own: str = field(default_factory=lambda: token_hex(3))
     _temporary: TemporaryDirectory[str] | None = None
     _lock: RLock = field(default_factory=RLock)
 
@@ -331,20 +356,24 @@ class Host:
             if not unused:
                 raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
             del self.documents[unused[0]]
-        opened = Opened(id=f"d{next(self._ids)}", document=document)
+        # No document of another server has the number, as an address may be opened after a restart.
+        opened = Opened(id=f"d{next(self._ids)}-{self._own}", document=document, home=self.folder.resolve())
         self.documents[opened.id] = opened
         return opened
 
 
 @call_of_host
 def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its name on the page
-    """Open a new recipe, a file, an example, or a map of a data set."""
+    """Open a new recipe, a file, an example, a map of a data set, or a drive with its map."""
     if not what:
-        return {"doc": host.open(Session.of()).id}
+        return {"doc": host.open(Session.of()).id, "play": ""}
     name, sharp, number = what.rpartition("#")
     path = host.places.inside(name if sharp and number.isdecimal() else what)
     if sharp and number.isdecimal():
-        return {"doc": host.open(Session.of(recipe_in(f"{path}#{number}")), what).id}
+        opened = host.open(Session.of(recipe_in(f"{path}#{number}")), what)
+        opened.what = what
+        opened.data_set = {"folder": name, "place": int(number), "maps": _maps_in(path)}
+        return {"doc": opened.id, "play": ""}
     is_example = what in EXAMPLES and not path.exists()
     if not is_example and not path.exists():
         raise FileError(
@@ -352,9 +381,22 @@ def open(host: Host, *, what: str = "") -> OpenedDocument:  # noqa: A001  # its 
         )
     file = EXAMPLES[what] if is_example else recipe_files(str(path))[0].resolve()
     if file.is_relative_to(host.folder.resolve()):
-        return {"doc": host.open_file(file).id}
+        play = str(host.places.relative(file.parent)) if (file.parent / "drive.json").is_file() else ""
+        return {"doc": host.open_file(file).id, "play": play}
     title = f"copy of {what if is_example else file.name}"
-    return {"doc": host.open(session_of_file(file), title, file.read_text("utf-8")).id}
+    opened = host.open(session_of_file(file), title, file.read_text("utf-8"))
+    opened.what = what if is_example else ""
+    return {"doc": opened.id, "play": ""}
+
+
+def _maps_in(data_set: Path) -> int:
+    """Return the number of maps of a data set whose manifest has been read without complaint."""
+    manifest = regular_content(data_set / "manifest.json", _MOST_MANIFEST)
+    return int(json.loads(manifest or b"{}").get("maps", 0))
+
+
+_MOST_MANIFEST = 2**26
+"""Bytes of a manifest at most: some hundred for each of up to a hundred thousand files of maps."""
 
 
 @call_of_host
@@ -429,6 +471,7 @@ def state_of(opened: Opened, index: int) -> State:
     problem, recipe = session.problem, session.recipe
     return {
         "doc": opened.id,
+        "opens": opened.opens_again,
         "revision": session.revision,
         "title": document.shown_title,
         "path": str(document.path) if document.path else None,
@@ -448,6 +491,7 @@ def state_of(opened: Opened, index: int) -> State:
         "problem": {"where": problem.where, "text": problem.problem} if problem else None,
         "maps": recipe.maps,
         "first_map": recipe.first_map,
+        "data_set": None if document.path else opened.data_set,
         "name": recipe.name,
         "changed_on_disk": document.changed_on_disk,
         "recovered": document.recovered,

@@ -284,9 +284,12 @@ def _made(folder: Path, output: Path, began: float) -> Iterator[MadeFile]:
     paths = [folder / output] if (folder / output).is_file() else _below(folder / output)
     for path in paths:
         kind = HOLDS.get(path.name) or _KINDS.get(path.suffix)
+        if kind == "recipe" and (path.parent / "drive.json").is_file():
+            continue  # the map of a drive, which is opened with it
         if kind and path.stat().st_mtime >= began - 1:
             shown = path.parent if kind in ("drive", "dataset") else path
-            yield {"path": str(shown.relative_to(folder)), "name": shown.name, "kind": kind}
+            name = path.parent.name if kind == "recipe" else shown.name
+            yield {"path": str(shown.relative_to(folder)), "name": name, "kind": kind}
 
 
 _DEPTH, _MOST_LOOKED_AT = 3, 20_000

@@ -30,6 +30,7 @@ from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
 from rsegen.recipe.recipe import Recipe
+from rsegen.recipe.recipe_file import load
 from rsegen.scene.scene import Scene, compose
 from rsegen.writing.resources import format_bytes, refuse_too_large
 
@@ -220,6 +221,17 @@ def maps(host: Host, *, doc: str, first: int, count: int, by: str = "") -> list[
         if not 0 <= first < len(indices):
             raise ParameterError("first", f"{first} is outside 0..{len(indices) - 1}")
         return [_variant(recipe, index, metric) for index in indices[first : first + count]]
+
+
+_MOST_MADE = 12
+"""Maps that were written, of which pictures are drawn."""
+
+
+@call_of_host
+def made_maps(host: Host, *, paths: list[str]) -> list[Variant]:
+    """Return the maps of recipes in the folder of the page, the first of each: of what a command has just written."""
+    recipes = [load(host.places.inside(path)) for path in paths[:_MOST_MADE]]
+    return [_variant(recipe, recipe.first_map) for recipe in recipes]
 
 
 _MOST_SORTED = 200

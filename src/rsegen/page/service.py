@@ -6,11 +6,13 @@ import asyncio
 import atexit
 import ipaddress
 import os
+import re
 import secrets
 import socket
 import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, field
+from hashlib import blake2b
 from html import escape
 from pathlib import Path
 from threading import Thread
@@ -20,11 +22,13 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from rsegen.errors import FileError, ParameterError, library_message, shown
+from rsegen.input_files import regular_content
 from rsegen.page.host import Host
 from rsegen.page.host import open as open_document
 from rsegen.page.model.session import Session
 from rsegen.page.server import Desk
 from rsegen.recipe.recipe import Recipe
+from rsegen.writing.user_state import state_folder
 
 _GRACE = 6.0
 """Seconds from the last page to the end: a reload takes one or two, and a page that lost its server tries after 1.5."""
@@ -93,8 +97,18 @@ class Service:
         """Return the address of the page, with its token, of a document on it, and of a drive that plays over it."""
         name = f"[{self._ip}]" if self._ip.version == 6 else str(self._ip)
         name = socket.gethostname() if self._ip.is_unspecified else "localhost" if name == "127.0.0.1" else name
-        shown = "".join(f"&{key}={quote(value)}" for key, value in (("doc", doc), ("play", play)) if value)
+        opened = self.host.documents.get(doc)
+        parts = {"open": opened.opens_again if opened else "", "doc": doc, "play": play}
+        shown = "".join(f"&{key}={quote(value)}" for key, value in parts.items() if value)
         return f"http://{name}:{self.listening_port}/?token={self.token}{shown}"
+
+    def keep_token(self) -> None:
+        """Take the token that an earlier server in this folder had, so that its addresses open the page again.
+
+        Only on this machine alone: an address that was given to others ends with its server.
+        """
+        if not self.is_open_to_others:
+            self.token = self._desk.token = _kept_token(self.host.folder.resolve())
 
     def write_door(self, url: str) -> Path:
         """Write a file that leads a browser to an address, which only this user can read; it is removed when it did.
@@ -137,6 +151,23 @@ class Service:
         if self._thread:
             self._thread.join(30)
         self._socket.close()
+
+
+def _kept_token(folder: Path) -> str:
+    """Return the token of servers in a folder, kept in a file of this user's; a new one where none can be written."""
+    token = secrets.token_urlsafe(24)
+    digest = blake2b(os.fsencode(folder), digest_size=12).hexdigest()
+    path = state_folder() / f"{digest}.token"
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with suppress(FileExistsError):
+            with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
+                file.write(token)
+            return token
+        kept = regular_content(path, 100) or b""
+        if re.fullmatch(rb"[A-Za-z0-9_-]{32}", kept):
+            return kept.decode("ascii")
+    return token
 
 
 _PORT = 8437

@@ -62,7 +62,7 @@ class Material(TypedDict):
     height: float
     label: str  # the height in `unit`
     colour: str  # "#rrggbb" on the plan and in the height look
-    surface: str  # in the look of the recipe
+    surface: str  # in the look of the recipe: the same, but for wood and friction
     count: int
 
 
@@ -174,7 +174,8 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[Materia
     """Yield the materials of cells, the frame first, then the lowest level: level (None for frames), height, colours,
     count.
 
-    colour: as in plans, of its height unless the recipe gives one; surface: in the look of the recipe, as in previews.
+    colour: as in plans, of its height unless the recipe gives one; surface: as in previews, of the wood or friction
+    that the recipe's look shows, else the same.
     """
     # In the order of np.unique, which the cells refer to.
     field, written = shown.drawn.field, lengths_in(shown.drawn.units)
@@ -184,7 +185,7 @@ def _palette(shown: ShownMap, materials: Ints, counts: Ints) -> Iterator[Materia
         colour = surface = _GROUND
         if material:
             number = 0 if is_frame else material
-            colour, surface = shown.drawn.plan_colour(number), shown.drawn.surface_colour(number)
+            colour, surface = shown.drawn.plan_colour(number), shown.drawn.view_colour(number)
         yield {
             "level": None if is_frame else material,
             "height": height,

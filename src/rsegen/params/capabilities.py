@@ -5,7 +5,7 @@ A capability declares itself in the `__init__.py` of its folder, in names alone,
     CAPABILITY = Capability(
         summary="a field found in a point cloud",
         needs=("heights", "pictures"),
-        commands=(Command("scan", "worlds", "write the world of a real field", "rsegen.scanning.commands"),),
+        commands=(Command("scan", "make worlds", "write the world of a real field", "rsegen.scanning.commands"),),
         public={"rsegen.scanning.scans": ("scan", "ScannedMap")},
     )
 
@@ -31,14 +31,25 @@ from rsegen.params.extras import Extra
 CORE = ("params", "field", "geometry", "obstacles", "recipe", "scene", "gazebo", "writing", "cli")
 """Folders of the core, each of which may import those to its left. All other folders are capabilities."""
 
-GROUPS = ("worlds", "maps", "files for other programs", "simulation", "information")
-"""Headings of `rsegen --help`, in their order; a capability of somebody else may have its own."""
+GROUPS = (
+    "make worlds",
+    "measure",
+    "drive a robot",
+    "simulators",
+    "build it in wood",
+    "for other programs",
+    "for learning",
+    "information",
+)
+"""What commands are for: the headings of `rsegen --help` and of the page's menu, in their order; a capability of
+somebody else may have its own."""
 
 
 class Command(NamedTuple):
     """A command of the command line: its name, its heading and line in `rsegen --help`, and where it is.
 
-    module: has `add_NAME`, which adds its flags to a parser, and `run_NAME`; function: the public function that it is
+    module: has `add_NAME`, which adds its flags to a parser, and `run_NAME`; function: the public function that it is;
+    title: a few words for the page's menu, by default its name
     """
 
     name: str
@@ -46,6 +57,7 @@ class Command(NamedTuple):
     help: str
     module: str
     function: str = ""
+    title: str = ""
 
 
 class Capability(NamedTuple):

@@ -60,12 +60,13 @@ class Parameter(Protocol):
 
 @dataclass(frozen=True)
 class Float(Parameter):
-    """A finite number from `low` to `high`, both allowed."""
+    """A finite number from `low` to `high`, both allowed; `usual`: the range that most people need, for sliders."""
 
     low: float = -math.inf
     high: float = math.inf
     unit: str = ""
     help: str = ""
+    usual: tuple[float, float] | None = None
 
     def check(self, where: str, value: object) -> float:
         try:  # a text has no __float__; that of a whole number of hundreds of digits, or of an array, fails
@@ -96,12 +97,13 @@ class Float(Parameter):
 
 @dataclass(frozen=True)
 class Integer(Parameter):
-    """A whole number from `low` to `high`, both allowed."""
+    """A whole number from `low` to `high`, both allowed; `usual`: the range that most people need, for sliders."""
 
     low: int
     high: int | None = None
     unit: str = ""
     help: str = ""
+    usual: tuple[int, int] | None = None
 
     def check(self, where: str, value: object) -> int:
         number = as_int(value)
@@ -213,7 +215,8 @@ class ListOf(Parameter):
         sort = self.sort.schema()
         if self.length:
             return {"type": "array", "items": sort, "minItems": self.length, "maxItems": self.length}
-        return {"anyOf": [sort, {"type": "array", "items": sort, "minItems": 1, "maxItems": self.most}]}
+        several = {"title": "a list", "type": "array", "items": sort, "minItems": 1, "maxItems": self.most}
+        return {"anyOf": [{"title": "one value", **sort}, several]}
 
     def describe(self) -> str:
         sort = self.sort.describe()
@@ -417,7 +420,8 @@ class Size2D(Parameter):
 
     def schema(self) -> dict[str, Json]:
         number = {"type": "integer", "minimum": 1, "maximum": self.high}
-        return {"anyOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}]}
+        two = {"title": "x and y", "type": "array", "items": number, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [{"title": "square", **number}, two]}
 
     def describe(self) -> str:
         return f"a whole number in 1..{self.high}, or one for each of x and y, as in [2, 3]"

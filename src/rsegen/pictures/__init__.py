@@ -5,7 +5,13 @@ from rsegen.params.capabilities import Capability, Command
 CAPABILITY = Capability(
     summary="pictures of maps, plots, and fields in notebooks",
     commands=(
-        Command("preview", "maps", "draw a map: plan with heights, and a view in 3D", "rsegen.pictures.commands"),
+        Command(
+            "preview",
+            "measure",
+            "draw a map: plan with heights, and a view in 3D",
+            "rsegen.pictures.commands",
+            title="Draw a preview",
+        ),
     ),
     public={"rsegen.pictures.preview": ("preview",)},
     sidecars=("rsegen.pictures.sidecar:Preview",),

@@ -11,10 +11,11 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "rate",
-            "simulation",
+            "drive a robot",
             "find how hard a field a robot crosses, with a 95 % interval",
             "rsegen.rating.commands",
             "rate",
+            title="Rate a robot",
         ),
     ),
     public={

@@ -59,9 +59,9 @@ class DifficultySort:
 
     def schema(self) -> dict[str, Json]:
         share, steps = _SHARE.schema(), _STEPS.schema()
-        pair = {"type": "array", "items": share, "minItems": 2, "maxItems": 2}
-        stepped = {"type": "array", "prefixItems": [share, share, steps], "minItems": 3, "maxItems": 3}
-        return {"anyOf": [share, pair, stepped]}
+        pair = {"title": "drawn from a range", "type": "array", "items": share, "minItems": 2, "maxItems": 2}
+        rising = {"type": "array", "prefixItems": [share, share, steps], "minItems": 3, "maxItems": 3}
+        return {"anyOf": [{"title": "fixed", **share}, pair, {"title": "rising in steps", **rising}]}
 
     def describe(self) -> str:
         return "a number from 0 to 1, or a range as in [0.2, 1] or, in 10 steps, [0.2, 1, 10]"
@@ -86,7 +86,8 @@ class CrossableBySort:
         return value if isinstance(value, str) else _FIGURES.format(value)
 
     def schema(self) -> dict[str, Json]:
-        return {"anyOf": [{"type": "string"}, _FIGURES.schema()]}
+        limits = {"title": "climb, drop and width", **_FIGURES.schema()}
+        return {"anyOf": [{"title": "a robot", "type": "string"}, limits]}
 
     def describe(self) -> str:
         return f"a kind of robot, as in burger, or {_FIGURES.describe()}"
@@ -101,7 +102,9 @@ _CENTIMETRES = Float(0.001, 100_000, unit="cm")
 class MapDesign:
     """Parameters that decide the levels of the blocks of every map, in the words of the recipe file."""
 
-    chunk_size: Annotated[int, Integer(1, 1000, unit="blocks", help="blocks along one side of a chunk (pallet)")] = 10
+    chunk_size: Annotated[
+        int, Integer(1, 1000, unit="blocks", usual=(4, 40), help="blocks along one side of a chunk (pallet)")
+    ] = 10
     chunks: Annotated[Cell, Size2D(help="map size in chunks: N for a square, or NxM")] = (1, 1)
     unit_cm: Annotated[
         float, replace(_CENTIMETRES, help="unit of height; each block is a whole number of units high")
@@ -117,6 +120,7 @@ class MapDesign:
             0,
             MOST_LEVELS - 1,
             unit="units",
+            usual=(0, 10),
             help="level of the blocks that no obstacle covers; obstacles stand on it, and pits reach down from it",
         ),
     ] = 0
@@ -133,6 +137,7 @@ class MapDesign:
             1,
             32767,
             unit="units",
+            usual=(1, 10),
             help="largest height difference between neighbouring blocks; steeper slopes are flattened",
         ),
     ] = None

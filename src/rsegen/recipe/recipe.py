@@ -59,7 +59,7 @@ class Run:
         return f"{self.name}_{index:04d}"
 
 
-_FRICTION = Float(0, 1000, help="friction coefficient of blocks, frames and ground")
+_FRICTION = Float(0, 1000, usual=(0, 1.5), help="friction coefficient of blocks, frames and ground")
 _COLOUR = Text("#[0-9A-Fa-f]{6}", "#rrggbb, in quotes")
 
 

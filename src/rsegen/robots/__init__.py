@@ -13,15 +13,26 @@ CAPABILITY = Capability(
     summary="rsegen's robots, and those of SDF, URDF and Xacro files",
     needs=("pictures", "standing"),
     commands=(
-        Command("spots", "maps", "find spots for a start or a goal of a robot", "rsegen.robots.commands", "spots"),
         Command(
-            "robot", "information", "print what was read of a robot, and from where", "rsegen.robots.robot_command"
+            "spots",
+            "measure",
+            "find spots for a start or a goal of a robot",
+            "rsegen.robots.commands",
+            "spots",
+            title="Spots for a robot",
+        ),
+        Command(
+            "robot",
+            "information",
+            "print what was read of a robot, and from where",
+            "rsegen.robots.robot_command",
+            title="What was read of a robot",
         ),
     ),
     public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
     extras=(MESH, XACRO),
     crossers="rsegen.robots.lookup:crosser",
-    words={"robot": "rsegen.robots.base:ROBOTS"},
+    words={"robot": "rsegen.robots.base:ROBOTS", "crossable_by": "rsegen.robots.base:ROBOTS"},
     calls=("rsegen.robots.page",),
     manual="robots",
 )

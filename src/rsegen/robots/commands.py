@@ -37,7 +37,7 @@ def spots(  # noqa: PLR0913  # each is a flag
     *,
     map: MapReference = None,  # noqa: A002  # the flag's name
     robot: RobotModel = "burger",
-    count: Annotated[int, Integer(1, 1000, help="number of spots"), Shell(metavar="N")] = 1,
+    count: Annotated[int, Integer(1, 1000, usual=(1, 20), help="number of spots"), Shell(metavar="N")] = 1,
     size: Annotated[
         tuple[float, float] | None,
         ListOf(SIDE, 2, help="length and width of a robot, in place of --robot"),

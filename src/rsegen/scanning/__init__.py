@@ -19,15 +19,17 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "scan",
-            "worlds",
+            "make worlds",
             "write the world of a real field from a point cloud or a depth image of it",
             "rsegen.scanning.commands",
+            title="World from a scan",
         ),
         Command(
             "compare",
-            "maps",
+            "measure",
             "show which blocks of a scan, or of a map, differ from those of a map",
             "rsegen.scanning.commands",
+            title="Compare with a scan",
         ),
     ),
     public={

@@ -109,8 +109,11 @@ class Scene:
         return rounded_colour(own * texture for own, texture in zip(tint, mean, strict=True))
 
     def view_colour(self, material: int) -> Colour:
-        """Return the colour of a material in views: of its texture if the look has one, else as in plans."""
-        return self.surface_colour(material) if self.recipe.is_textured else self.plan_colour(material)
+        """Return the colour of a material in views: that of wood or friction if the look shows it, else as in plans.
+
+        So a height has one colour in views and plans; in worlds a level has its own.
+        """
+        return self.surface_colour(material) if self.recipe.look in ("wood", "friction") else self.plan_colour(material)
 
     def _given_colour(self, material: int) -> Colour | None:
         given = _given(material, self.recipe.frame_colour, self.recipe.level_colours)

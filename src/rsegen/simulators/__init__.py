@@ -6,12 +6,20 @@ CAPABILITY = Capability(
     summary="worlds in Gazebo: servers, windows, transports",
     needs=("robots", "standing"),
     commands=(
-        Command("open", "simulation", "open a world in Gazebo or MuJoCo", "rsegen.simulators.commands", "open"),
+        Command(
+            "open",
+            "simulators",
+            "open a world in Gazebo or MuJoCo",
+            "rsegen.simulators.commands",
+            "open",
+            title="Open in a simulator",
+        ),
         Command(
             "sim",
-            "information",
+            "simulators",
             "list the simulators with version and path, or how to install them",
             "rsegen.simulators.commands",
+            title="Simulators on this machine",
         ),
     ),
     public={"rsegen.simulators.commands": ("open",), "rsegen.simulators.open_world": ("OpenResult",)},

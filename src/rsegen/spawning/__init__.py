@@ -8,24 +8,27 @@ CAPABILITY = Capability(
     commands=(
         Command(
             "spawn",
-            "simulation",
+            "simulators",
             "spawn a map or a robot in the running simulation",
             "rsegen.spawning.commands",
             "spawn",
+            title="Add to a running simulation",
         ),
         Command(
             "respawn",
-            "simulation",
+            "simulators",
             "replace the map of the running simulation by the next one",
             "rsegen.spawning.commands",
             "respawn",
+            title="Show the next map",
         ),
         Command(
             "remove",
-            "simulation",
+            "simulators",
             "delete models from the running simulation",
             "rsegen.spawning.commands",
             "remove",
+            title="Remove from a running simulation",
         ),
     ),
     public={

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from base64 import b64encode
 from dataclasses import replace
@@ -15,10 +16,11 @@ from hypothesis import strategies as st
 
 import rsegen
 from rsegen import Random, Recipe, StepField
+from rsegen.page import browser as page_files
 from rsegen.page.shown_map import ShownMap, editor_page, page
 from rsegen.pictures.plan import cell_colours
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.scene.colours import height_colour
+from rsegen.scene.colours import height_colour, oklab
 from rsegen.scene.scene import fingerprint
 from tests.page.browser.pages import Tags, addresses, cells_of, heights_of, maps_of
 from tests.support.strategies import fields, recipes
@@ -125,7 +127,7 @@ def test_heights_are_in_the_units_of_the_recipe() -> None:
     assert shown["unit"] == "in"
 
 
-@pytest.mark.parametrize("look", ["plain", "wood", "friction"])
+@pytest.mark.parametrize("look", ["plain", "levels", "wood", "friction"])
 def test_the_surface_has_the_colours_of_the_look_and_heights_have_their_own(look: str) -> None:
     scene = rsegen.compose(replace(ROUGH, look=look))
     (shown,) = maps_of(rsegen.view(scene).html)
@@ -133,7 +135,9 @@ def test_the_surface_has_the_colours_of_the_look_and_heights_have_their_own(look
         if entry["level"] == 0:
             continue
         colour = height_colour(entry["height"]) if entry["level"] else scene.colour(0)
-        for name, wanted in (("colour", colour), ("surface", scene.surface_colour(entry["level"] or 0))):
+        is_material = look in ("wood", "friction")
+        surface = scene.surface_colour(entry["level"] or 0) if is_material else colour
+        for name, wanted in (("colour", colour), ("surface", surface)):
             parts = [int(entry[name][at : at + 2], 16) for at in (1, 3, 5)]
             assert parts == [round(255 * part) for part in wanted]
 
@@ -171,3 +175,16 @@ def test_metrics_equal_the_output_of_the_command(capsys: pytest.CaptureFixture[s
     assert values["rms step"] == f"{found.steps.rms * 100:.2f}".rstrip("0").rstrip(".") + " cm"
     assert values["entropy"] == f"{found.spread.entropy:.2f} bits"
     assert re.fullmatch(r"[\d.]+ cm", values["opens west to east"])
+
+
+def test_no_colour_of_tilt_is_that_of_a_height() -> None:
+    text = (Path(page_files.__file__).parent / "app" / "overlay.ts").read_text("utf-8")
+    ramp = json.loads(re.findall(r"RAMP = (\[\[.*?\]\]);", text)[0])
+    assert len(ramp) == 5
+    places = np.linspace(0, 1, 21)
+    corners = np.array([oklab((r / 255, g / 255, b / 255)) for r, g, b in ramp])
+    tilts = np.stack([np.interp(places * 4, range(5), corners[:, axis]) for axis in range(3)], axis=1)
+    heights = np.array([oklab(height_colour(height)) for height in np.geomspace(0.01, 2, 100)])
+    apart = np.linalg.norm(tilts[:, None] - heights[None], axis=2)
+    assert apart.min() > 0.08  # four times what one sees side by side
+    assert (np.diff(tilts[:, 0]) < 0).all(), "it reads in grey too"

@@ -176,8 +176,7 @@ def test_a_draft_after_a_crash_has_the_keys_that_were_given(tmp_path: Path, monk
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     draft = draft_of(Recipe(seed=1, obstacles=[rsegen.Peak(levels=5, key="mine"), rsegen.Peak(levels=4)]))
     assert draft.own == {"mine"}
-    DraftFile(name="a").write(draft)
-    monkeypatch.setattr("rsegen.page.model.document._is_being_edited", lambda path: False)
+    DraftFile(name="a").write(draft, "")
     recovered = DraftFile(name="a").recovered()
     assert recovered is not None
     assert recovered[0] == draft

@@ -241,12 +241,22 @@ def _places(old: Sequence[str], lines: Sequence[str]) -> list[int]:
 
 def command_line(recipe: Recipe, folder: str) -> str:
     """Return the command that generates the maps of a recipe."""
-    words = ["rsegen", "generate", "-o", folder]
+    return shlex.join(["rsegen", "generate", "-o", folder, *recipe_flags(recipe)])
+
+
+def recipe_flags(recipe: Recipe) -> list[str]:
+    """Return the flags that make a recipe, in words: one for each parameter that is not its default, and obstacle."""
+    words = []
     for name, value in _stated(recipe).items():
         words += [f"--{name.replace('_', '-')}", parameters(Recipe)[name].format(value)]
     for obstacle in without_derived_keys(recipe.obstacles):
         words += ["--obstacle", row_text(obstacle)]
-    return shlex.join(words)
+    return words
+
+
+def stated_names(recipe: Recipe) -> set[str]:
+    """Return the names of the parameters for which `recipe_flags` has flags."""
+    return {*_stated(recipe), *(["obstacle"] if recipe.obstacles else [])}
 
 
 def python_code(recipe: Recipe, folder: str) -> str:

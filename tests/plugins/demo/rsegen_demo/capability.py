@@ -5,7 +5,7 @@ from rsegen.params.capabilities import Capability, Command
 CAPABILITY = Capability(
     summary="blocks, counted",
     needs=("pictures",),
-    commands=(Command("tally", "maps", "count the blocks of a map", "rsegen_demo.tally", "tally"),),
+    commands=(Command("tally", "measure", "count the blocks of a map", "rsegen_demo.tally", "tally"),),
     public={"rsegen_demo.tally": ("tally",)},
     sidecars=("rsegen_demo.tally:Tally",),
 )

@@ -3,7 +3,7 @@
 import { Button, Icon, Menu, NumberInput, Segmented, Select } from "./controls";
 import { times } from "./exact";
 import type { DescribedCommand } from "./protocol";
-import { leaveFor, offer, Progress } from "./run";
+import { leaveFor, offer, Progress, titleOf } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
 import {
@@ -76,11 +76,11 @@ function RunMenu() {
   const groups = new Map<string, DescribedCommand[]>();
   for (const command of hello.value?.commands ?? []) groups.set(command.group, [...(groups.get(command.group) ?? []), command]);
   return (
-    <Menu label="Run" icon="play" title="Commands for this map" class="run">
+    <Menu label="Run" icon="play" title="Commands for this map" class="run" wide>
       {[...groups].map(([group, commands]) => (
         <div role="group" aria-label={group} key={group}>
           <h2>{group}</h2>
-          {commands.map((command) => <button type="button" key={command.name} onClick={() => (dialog.value = { name: "run", command: command.name })}><span>{command.name}<small>{command.help}</small></span></button>)}
+          {commands.map((command) => <button type="button" key={command.name} onClick={() => (dialog.value = { name: "run", command: command.name })}><span>{command.title}<small>{command.help}</small></span></button>)}
         </div>
       ))}
     </Menu>
@@ -127,8 +127,8 @@ export function Status({ note }: { note?: string }) {
       {!frozen && now && <span class="seed">seed <code>{String(now.values.seed ?? "–")}</code><Button icon="dice" class="quiet" title="Draw another seed (Ctrl+Alt+R)" onClick={() => void edit({ do: "reroll" })} /></span>}
       {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}
       <span class="gap" />
-      {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{running[0].command} {running[0].step} <Progress job={running[0]} /></button>}
-      {!running[0] && jobs.value[0] && <button type="button" class="quiet" onClick={() => (dialog.value = { name: "jobs" })}>{jobs.value[0].command} {jobs.value[0].state}</button>}
+      {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{titleOf(running[0].command)} {running[0].step} <Progress job={running[0]} /></button>}
+      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="What was run, and what came of it" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
       {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
         <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
       <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>

@@ -66,8 +66,8 @@ export function useAddress(made: () => Promise<Blob | null>, of: unknown[]): str
 }
 
 /* A button that opens a list below it; a choice in it closes it. */
-export function Menu({ label, icon, title, children, class: name = "", onClose }: {
-  label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string; onClose?: () => void;
+export function Menu({ label, icon, title, children, class: name = "", wide = false, onClose }: {
+  label?: ComponentChildren; icon?: IconName; title: string; children: ComponentChildren; class?: string; wide?: boolean; onClose?: () => void;
 }) {
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
@@ -96,7 +96,7 @@ export function Menu({ label, icon, title, children, class: name = "", onClose }
         {label}
         {label && <Icon name="down" />}
       </button>
-      <div id={id} ref={list} popover="auto" class="menu" onToggle={place} onKeyDown={walk}
+      <div id={id} ref={list} popover="auto" class={wide ? "menu wide" : "menu"} onToggle={place} onKeyDown={walk}
         onClick={(event) => (event.target as Element).closest("button") && list.current!.hidePopover()}>
         {children}
       </div>

@@ -8,9 +8,6 @@ import { hello } from "./state";
 
 type Change = (value: Json | undefined, gesture: string) => void;
 
-/* The largest number for which a slider still has a step for each value. */
-const SLIDER = 1000;
-
 export function FieldControl({ field, value, problem, onChange, explained }: {
   field: Field; value: Json | undefined; problem?: string; onChange: Change; explained?: boolean;
 }) {
@@ -18,25 +15,24 @@ export function FieldControl({ field, value, problem, onChange, explained }: {
   const [why, setWhy] = useState("");
   const { schema, title, help, unit } = field;
   const given = value ?? field.default ?? undefined;
-  const wide = Boolean(schema.anyOf) || isWordy(schema) || (isNumber(schema) && hasSlider(schema));
+  const wide = Boolean(schema.anyOf) || isWordy(schema) || Boolean(field.slider);
   return (
     <Labelled id={id} label={title} help={help} unit={unit} problem={why || problem} wide={wide} note={explained && help}
       long={Number(schema.maximum ?? 0) > Number.MAX_SAFE_INTEGER}>
-      <Control id={id} schema={schema} name={title} value={given} empty={field.default === null} problem={problem}
+      <Control id={id} schema={schema} slider={field.slider} name={title} value={given} empty={field.default === null} problem={problem}
         onChange={onChange} onWhy={setWhy} />
     </Labelled>
   );
 }
 
 interface ControlProps {
-  id: string; schema: Schema; name: string; value: Json | undefined; empty: boolean; problem?: string;
+  id: string; schema: Schema; slider?: [number, number] | null; name: string; value: Json | undefined; empty: boolean; problem?: string;
   onChange: Change; onWhy: (why: string) => void;
 }
 
 const isNumber = (schema: Schema) => schema.type === "integer" || schema.type === "number";
-const hasSlider = ({ minimum, maximum }: Schema) => minimum !== undefined && maximum !== undefined && Number(maximum) - Number(minimum) <= SLIDER;
 const isWordy = (schema: Schema) => (schema.enum?.join("").length ?? 0) > 12 || schema.type === "string" || schema.type === "array";
-const words = (name: string) => name.replaceAll("_", " ");
+const words = (name: string) => (/_\d{4}$/.test(name) ? name : name.replaceAll("_", " ")); // a map keeps its name
 
 function Control(props: ControlProps) {
   const { id, schema, name, value, empty, problem, onChange, onWhy } = props;
@@ -53,10 +49,11 @@ function Control(props: ControlProps) {
     const whole = schema.type === "integer";
     const { minimum, maximum } = schema;
     const number = { id, value, whole, empty, minimum, maximum, onChange, onWhy, problem, name };
-    if (!hasSlider(schema)) return <NumberInput {...number} name={undefined} placeholder={empty ? "none" : ""} />;
-    return <Slider {...number} low={minimum!} high={maximum!} step={!whole && maximum! - minimum! <= 10 ? 0.01 : 1} />;
+    if (!props.slider) return <NumberInput {...number} name={undefined} placeholder={empty ? "none" : ""} />;
+    const [low, high] = props.slider;
+    return <Slider {...number} low={low} high={high} step={whole || high - low > 50 ? 1 : high - low > 5 ? 0.1 : 0.01} />;
   }
-  if (schema.anyOf && schema.anyOf.every((each) => each.enum || each.type === "string")) return <Suggested {...props} />;
+  if (schema.anyOf && schema.anyOf.every((each) => each.enum || each.type === "string")) return <WordOrText {...props} />;
   if (schema.anyOf) return <AnyOf {...props} />;
   if (schema.type === "array") return <ArrayControl {...props} />;
   return <TextControl {...props} />;
@@ -78,13 +75,29 @@ function TextControl({ id, schema, value, empty, onChange, onWhy }: ControlProps
   return <input id={id} type="text" autocomplete="off" {...props} aria-invalid={Boolean(why)} onBlur={() => (onWhy(why), props.onBlur())} />;
 }
 
-/* A text for which some words are known. */
-function Suggested({ id, schema, value, empty, onChange }: ControlProps) {
-  const { props } = useTyped(value, (text) => (text || !empty ? text : undefined), onChange);
-  return <>
-    <input id={id} type="text" list={`${id}-known`} autocomplete="off" {...props} />
-    <datalist id={`${id}-known`}>{schema.anyOf!.flatMap((each) => each.enum ?? []).map((word) => <option key={word} value={word} />)}</datalist>
-  </>;
+const OTHER = " "; // no word is a blank
+
+/* One of some known words, or another text, such as the path of a file; robots with what they are like. */
+function WordOrText({ id, schema, name, value, empty, onChange }: ControlProps) {
+  const known = schema.anyOf!.flatMap((each) => each.enum ?? []);
+  const robots = hello.value?.robots ?? [];
+  const areRobots = known.length > 0 && known.every((word) => robots.some((robot) => robot.name === word));
+  const choices = areRobots ? robots.map((robot) => [robot.name, robot.title] as const) : known.map((word) => [word, words(word)] as const);
+  const isListed = choices.some(([word]) => word === value);
+  const [isOther, takeOther] = useState(false);
+  const { props } = useTyped(value, (text) => text || undefined, onChange);
+  const shows = isOther || (value !== undefined && !isListed);
+  const choose = (choice: string) => {
+    takeOther(choice === OTHER);
+    onChange(choice.trim() || undefined, "");
+  };
+  return (
+    <div class="choice">
+      <Select id={id} value={shows ? OTHER : String(value ?? "")} onChange={choose}
+        choices={[...(empty || value === undefined ? [["", "–"] as const] : []), ...choices, [OTHER, areRobots ? "a file …" : "another …"] as const]} />
+      {shows && <input type="text" autocomplete="off" aria-label={areRobots ? "File of a robot" : `${name}: another`} placeholder={areRobots ? "robot.sdf, robot.urdf, or robot.xacro NAME:=VALUE" : ""} {...props} />}
+    </div>
+  );
 }
 
 /* Pairs and triples as so many numbers, other lists in one text. */
@@ -132,16 +145,12 @@ function LinesControl({ id, name, value, onChange }: ControlProps) {
     onChange={(event) => onChange(event.currentTarget.value.split("\n").map((line) => line.trim()).filter(Boolean), "")} />;
 }
 
-const KINDS: { [type: string]: string } = { integer: "one", number: "one", string: "name", boolean: "yes or no" };
-
-function caption(schema: Schema): string {
-  if (schema.type !== "array") return schema.enum || schema.pattern?.startsWith("^#") ? "one" : (KINDS[String(schema.type ?? "")] ?? "other");
-  const count = schema.prefixItems?.length ?? (schema.minItems === schema.maxItems ? schema.minItems : undefined);
-  return count === undefined ? "list" : ["none", "one", "two", "three", "four"][count] ?? String(count);
-}
+/* What forms of a value are called that have no title, as those of a plug-in. */
+const FORMS: { [type: string]: string } = { array: "a list", string: "a text", boolean: "yes or no", integer: "a number", number: "a number" };
 
 function fits(schema: Schema, value: Json | undefined): boolean {
-  if (!Array.isArray(value)) return schema.type !== "array" && (typeof value === "string") === (schema.type === "string" || Boolean(schema.enum));
+  const isText = schema.type === "string" || Boolean(schema.enum ?? schema.anyOf);
+  if (!Array.isArray(value)) return schema.type !== "array" && (typeof value === "string") === isText;
   const count = schema.prefixItems?.length ?? schema.minItems;
   return schema.type === "array" && (schema.prefixItems || schema.minItems === schema.maxItems ? count === value.length : true);
 }
@@ -152,12 +161,12 @@ function AnyOf(props: ControlProps) {
   const [chosen, choose] = useState<number | null>(null);
   const found = choices.findIndex((schema) => fits(schema, props.value));
   const at = props.value !== undefined && found >= 0 && chosen === null ? found : (chosen ?? Math.max(found, 0));
-  const names = choices.map((schema, number) => [String(number), caption(schema)] as const);
+  const names = choices.map((schema, number) => [String(number), schema.title ?? FORMS[String(schema.type)] ?? "a word"] as const);
   const use = (number: string) => {
     const [next, first] = [choices[Number(number)]!, Array.isArray(props.value) ? props.value[0] : props.value];
     const count = next.prefixItems?.length ?? (next.minItems === next.maxItems ? next.minItems : 1) ?? 1;
     choose(Number(number));
-    if (first === undefined || typeof first === "string" || next.type === "string") return;
+    if (first === undefined || typeof first === "string" || next.type === "string" || next.anyOf) return;
     // A third number of a range is a number of steps.
     const filled = Array.from({ length: count }, (_, k) => (k < 2 ? first : (next.prefixItems?.[k]?.minimum ?? first)));
     props.onChange(next.type === "array" ? filled : first, "");
@@ -165,7 +174,7 @@ function AnyOf(props: ControlProps) {
   return (
     <div class="any">
       <Segmented name={`${props.name}: form`} value={String(at)} choices={names} onChange={use} />
-      <Control {...props} schema={choices[at]!} value={fits(choices[at]!, props.value) ? props.value : undefined} />
+      <Control {...props} slider={null} schema={choices[at]!} value={fits(choices[at]!, props.value) ? props.value : undefined} />
     </div>
   );
 }

@@ -15,7 +15,6 @@ const close = () => (dialog.value = null);
 /* Open what a folder lists: a drive is played over its map, or beside the one that is played. */
 async function openEntry({ path, kind }: ListedFile): Promise<void> {
   if (kind === "drive" && playbacks.value.length) return close(), play(path, true);
-  if (kind === "drive") return void ((await leaveFor(`${path}/recipe.json`)) && (await play(path)));
   await leaveFor(kind === "dataset" ? `${path}#0` : path);
 }
 

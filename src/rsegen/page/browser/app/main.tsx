@@ -71,7 +71,7 @@ function Dialog() {
     case "help": return <Help />;
     case "variants": return <Variants />;
     case "jobs": return <Jobs />;
-    case "run": return <Run key={now.command} name={now.command} upload={now.upload} />;
+    case "run": return <Run key={`${now.command} ${now.target}`} name={now.command} upload={now.upload} target={now.target} />;
     default: return null;
   }
 }

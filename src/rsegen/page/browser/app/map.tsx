@@ -5,7 +5,7 @@ import { Button } from "./controls";
 import { Form } from "./fields";
 import type { Field, Json } from "./protocol";
 import { leaveFor } from "./run";
-import { dialog, edit, hello, index, problemAt, showMap, state } from "./state";
+import { dialog, edit, hello, index, problemAt, scene, showMap, state } from "./state";
 import { Difficulty } from "./results";
 
 export function MapPanel() {
@@ -24,7 +24,7 @@ export function MapPanel() {
       <Form fields={basic} values={now.values} problems={problemAt} onChange={change} />
       <Difficulty />
       <div class="actions">
-        <Button title="Twelve other seeds as pictures; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show twelve …</Button>
+        <Button title="Pictures of 12 other seeds; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show 12 variations</Button>
         <Button class="primary" title="Write worlds and models (Ctrl+Enter)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
       </div>
       <input type="search" class="filter" aria-label="Find a parameter" placeholder="Find a parameter" value={wanted.value}
@@ -44,27 +44,25 @@ export function MapPanel() {
 /* What parameters are filtered by. */
 const wanted = signal("");
 
-/* Steps through the maps of the recipe, or of the data set that it is from. */
+/* Steps through the maps of the recipe, or of the data set that it is from; people count from 1, names of maps from 0. */
 export function MapChooser() {
   const now = state.value;
-  const [, data, number] = /^(.+)#(\d+)$/.exec(now?.path ? "" : (now?.title ?? "")) ?? [];
-  if (data) {
-    const at = Number(number);
-    return (
-      <div class="chooser" role="group" aria-label="Map of the data set">
-        <Button icon="left" class="quiet" title="Previous map of the data set" disabled={at === 0} onClick={() => void leaveFor(`${data}#${at - 1}`)} />
-        <output aria-live="polite">map {at} <small>of {data}</small></output>
-        <Button icon="right" class="quiet" title="Next map of the data set" onClick={() => void leaveFor(`${data}#${at + 1}`)} />
-      </div>
-    );
+  if (!now) return null;
+  if (now.data_set) {
+    const { folder, place, maps } = now.data_set;
+    return <Stepper of="the data set" place={place} maps={maps} name={`${folder}#${place}`} go={(next) => void leaveFor(`${folder}#${next}`)} />;
   }
-  if (!now || now.maps < 2) return null;
   const first = now.first_map ?? 0;
+  if (now.maps < 2) return null;
+  return <Stepper of="the recipe" place={index.value - first} maps={now.maps} name={scene.value?.name ?? now.name} go={(next) => void showMap(first + next)} />;
+}
+
+function Stepper({ of, place, maps, name, go }: { of: string; place: number; maps: number; name: string; go: (place: number) => void }) {
   return (
-    <div class="chooser" role="group" aria-label="Map of the recipe">
-      <Button icon="left" class="quiet" title="Previous map" disabled={index.value <= first} onClick={() => void showMap(index.value - 1)} />
-      <output aria-live="polite">map {index.value} <small>of {first} to {first + now.maps - 1}</small></output>
-      <Button icon="right" class="quiet" title="Next map" disabled={index.value >= first + now.maps - 1} onClick={() => void showMap(index.value + 1)} />
+    <div class="chooser" role="group" aria-label={`Map of ${of}`}>
+      <Button icon="left" class="quiet" title={`Previous map of ${of}`} disabled={place <= 0} onClick={() => go(place - 1)} />
+      <output aria-live="polite" title={name}>Map {place + 1} of {maps}</output>
+      <Button icon="right" class="quiet" title={`Next map of ${of}`} disabled={place >= maps - 1} onClick={() => go(place + 1)} />
     </div>
   );
 }

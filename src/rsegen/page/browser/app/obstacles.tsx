@@ -166,9 +166,9 @@ function ObstacleForm({ row }: { row: number }) {
         <Select id={`${id}-kind`} value={shown(entry.kind)} onChange={turnInto}
           choices={[...(kind ? [] : [[shown(entry.kind), shown(entry.kind)] as const]), ...hello.value!.kinds.map((each) => [each.name, each.title, each.help] as const)]} />
       </Labelled>
-      {levels && <Measure name="levels" label="Height" unit="levels" help={levels.help} value={entry.levels} low={2} high={20} whole
+      {levels && <Measure name="levels" label="Height" unit="levels" help={levels.help} value={entry.levels} range={levels.slider} whole
         note={heights(entry.levels)} problem={at("levels")} onChange={change} />}
-      {softness && <Measure name="softness" label="Softness" unit="%" help={softness.help} value={entry.softness ?? 0} low={0} high={100}
+      {softness && <Measure name="softness" label="Softness" unit="%" help={softness.help} value={entry.softness ?? 0} range={softness.slider}
         problem={at("softness")} onChange={change} />}
       <Place row={row} />
       <div class="field" data-field="Blend">
@@ -182,15 +182,15 @@ function ObstacleForm({ row }: { row: number }) {
 }
 
 /* A number with a slider for its usual values. */
-function Measure({ name, label, unit, help, note, problem, onChange, ...number }: {
-  name: string; label: string; unit?: string; help?: string; note?: string; problem?: string; value: Json | undefined; low: number; high: number; whole?: boolean;
+function Measure({ name, label, unit, help, note, problem, range, onChange, ...number }: {
+  name: string; label: string; unit?: string; help?: string; note?: string; problem?: string; value: Json | undefined; range: [number, number] | null; whole?: boolean;
   onChange: (name: string, value: Json | undefined, gesture: string) => void;
 }) {
   const id = useId();
   const [why, setWhy] = useState("");
   return (
     <Labelled id={id} label={label} unit={unit} help={help} note={note} problem={why || problem} wide>
-      <Slider {...number} id={id} name={label} whole={number.whole ?? false} onWhy={setWhy} problem={problem}
+      <Slider {...number} id={id} name={label} low={range?.[0] ?? 0} high={range?.[1] ?? 100} whole={number.whole ?? false} onWhy={setWhy} problem={problem}
         onChange={(value, gesture) => onChange(name, value, gesture)} />
     </Labelled>
   );

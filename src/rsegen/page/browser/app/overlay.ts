@@ -5,10 +5,10 @@ import type { PoseMap, DrawnReach, SceneData } from "./protocol";
 
 export interface Overlay { canvas: HTMLCanvasElement; low: [number, number]; size: [number, number] } // metres
 
-/* From calm to alarming: dark blue to yellow, of evenly rising lightness (the ramp viridis). */
-const RAMP = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+/* From calm to alarming: white over pink to a dark purple, of evenly falling lightness; no height has such a colour. */
+export const RAMP = [[252, 240, 248], [240, 186, 222], [222, 120, 190], [172, 52, 152], [96, 8, 92]];
 const REASONS = [[40, 150, 140], [230, 85, 70], [240, 165, 50], [150, 95, 200], [90, 100, 120], [210, 100, 160]];
-const SEEN = 190; // of 255: the wood is seen below
+const SEEN = 225; // of 255: the edges of blocks are seen below, and hardly their colours
 
 export interface Scale { low: number; high: number; colours: string[] }
 

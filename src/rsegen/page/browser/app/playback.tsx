@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 import { Button, Select } from "./controls";
 import type { Playback, RobotShapes } from "./protocol";
 import { call } from "./server";
-import { attempt, drawing, forgetRobot, hello, playbacks, robot, scene, second } from "./state";
+import { attempt, drawing, forgetRobot, hello, playbacks, played, robot, scene, second } from "./state";
 
 export const drawings = signal<Map<string, RobotShapes>>(new Map());
 const plays = signal(false);
@@ -18,6 +18,7 @@ export async function play(path: string, beside = false): Promise<void> {
   const missing = [...new Set(drive.robots.map((each) => each.robot))].filter((name) => !drawings.value.has(name));
   const made = await Promise.all(missing.map((robot) => attempt(() => call("robot", { robot }))));
   drawings.value = new Map([...drawings.value, ...missing.flatMap((name, at) => (made[at] ? [[name, made[at]] as const] : []))]);
+  if (!beside) played.value = path;
   playbacks.value = beside && playbacks.value.length ? [playbacks.value[0]!, drive] : [drive];
   if (playbacks.value.length === 1) choose(drive);
   second.value = 0;

@@ -64,6 +64,7 @@ export interface StartOrGoal {
 /* The state after a change. */
 export interface EditedState {
   doc: string;
+  opens: string; // by what it is opened again after a restart; empty: a new recipe
   revision: number; // counts changes, undo included
   title: string;
   path: string | null;
@@ -75,6 +76,7 @@ export interface EditedState {
   problem: Problem | null;
   maps: number;
   first_map: number;
+  data_set: PlaceInDataSet | null; // that the recipe is the map of
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
   recovered: string | null; // changes of a session that ended without saving were brought back: when
@@ -100,6 +102,13 @@ export interface Ends {
 export interface Problem {
   where: string;
   text: string;
+}
+
+/* The place of a map in a data set. */
+export interface PlaceInDataSet {
+  folder: string;
+  place: number; // from 0 on, as in DIR#17
+  maps: number;
 }
 
 /* What a folder holds. */
@@ -148,7 +157,7 @@ export interface Material {
   height: number;
   label: string; // the height in `unit`
   colour: string; // "#rrggbb" on the plan and in the height look
-  surface: string; // in the look of the recipe
+  surface: string; // in the look of the recipe: the same, but for wood and friction
   count: number;
 }
 
@@ -182,17 +191,20 @@ export interface Group {
 export interface Field {
   flag?: string;
   required?: boolean; // it does not run without
+  missing?: string; // what to say if it is required and not given: "Choose at least one format."
   name: string;
   title: string; // a word or two
   help: string;
   schema: Schema;
   unit: string; // "cm", "%", "units", "s", ""
   default: Json; // null: none, or decided by the program
+  slider: [number, number] | null; // from where to where a slider goes, if there is one
   basic: boolean; // shown at once; others under "More"
 }
 
 /* What a field takes, in the words of JSON Schema. */
 export interface Schema {
+  title?: string; // of one of several forms of a value
   type?: "integer" | "number" | "string" | "boolean" | "array" | "null" | ("integer" | "number" | "string" | "boolean" | "array" | "null")[];
   enum?: string[];
   minimum?: number;
@@ -231,8 +243,9 @@ export interface Titled {
 /* A command that may be run. */
 export interface DescribedCommand {
   name: string;
+  title: string; // in a menu: "Drive over a map"
   help: string;
-  group: string;
+  group: string; // what it is for: "drive a robot"
   target: "recipe" | "none";
   fields: Field[];
   output: "folder" | "file" | "none";
@@ -272,9 +285,10 @@ export interface MetricRows {
   rows: [string, string, string, string][]; // name, value, meaning, key
 }
 
-/* The id of a document. */
+/* The id of a document, and the folder of the drive that plays over it, if a drive was opened; else empty. */
 export interface OpenedDocument {
   doc: string;
+  play: string;
 }
 
 /* A drive that was recorded. */
@@ -324,6 +338,7 @@ export interface DrawnPose {
 /* All that pages show of a document. */
 export interface State {
   doc: string;
+  opens: string; // by what it is opened again after a restart; empty: a new recipe
   revision: number; // counts changes, undo included
   title: string;
   path: string | null;
@@ -335,6 +350,7 @@ export interface State {
   problem: Problem | null;
   maps: number;
   first_map: number;
+  data_set: PlaceInDataSet | null; // that the recipe is the map of
   name: string;
   changed_on_disk: boolean; // somebody else wrote the file
   recovered: string | null; // changes of a session that ended without saving were brought back: when
@@ -358,6 +374,18 @@ export interface DrawnPart {
   pose: number[]; // 4x4, row by row, in the robot's frame
   colour: string;
   wheel: boolean;
+}
+
+/* What stands for a document in the line of a command. */
+export interface ShellTarget {
+  before: string; // a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
+  text: string; // words of the line: a file, flags, or the folder of a map
+}
+
+/* A folder, as a path to copy, and whether a file manager was opened on it. */
+export interface ShownFolder {
+  path: string;
+  is_open: boolean;
 }
 
 /* A document as YAML or JSON, as Python, and as a command line. */
@@ -492,11 +520,13 @@ export interface Calls {
   hello: { args: {}; result: Hello };
   /* Return all jobs. */
   jobs: { args: {}; result: Job[] };
+  /* Return the maps of recipes in the folder of the page, the first of each: of what a command has just written. */
+  made_maps: { args: { paths: string[] }; result: Variant[] };
   /* Return `count` maps of a document's recipe from the place `first` on in their order, or as many as there are. */
   maps: { args: { doc: string; first: number; count: number; by?: string }; result: Variant[] };
   /* Return all metrics of a map as rows of name, value, unit or meaning, and key; with a robot, also its own. */
   measure: { args: { doc: string; index: number; robot?: string | null }; result: MetricRows };
-  /* Open a new recipe, a file, an example, or a map of a data set. */
+  /* Open a new recipe, a file, an example, a map of a data set, or a drive with its map. */
   open: { args: { what?: string }; result: OpenedDocument };
   /* Return the drive that a folder holds. */
   playback: { args: { path: string }; result: Playback };
@@ -509,11 +539,15 @@ export interface Calls {
   /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
   robot: { args: { robot: string }; result: RobotShapes };
   /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */
-  run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; replace?: boolean }; result: Job };
+  run: { args: { doc: string; command: string; values: { [name: string]: Json }; output?: string; target?: string; replace?: boolean }; result: Job };
   /* Write a document to its file, or to another one in the folder. */
   save: { args: { doc: string; path?: string; replace?: boolean; page?: string }; result: State };
   /* Return a map of a document as it is drawn; of a draft that is invalid, that of the last valid recipe. */
   scene: { args: { doc: string; index?: number | null; page?: string }; result: DocumentMap };
+  /* Return what stands for a document in the line of a command; map_name: that is chosen, if one is. */
+  shell_target: { args: { doc: string; command: string; map_name?: string }; result: ShellTarget };
+  /* Open the file manager on a folder, or on that of a file; only a person who sits at this machine sees it. */
+  show_folder: { args: { path: string }; result: ShownFolder };
   /* Return all that pages show of a document; index: the map that the page shows. */
   state: { args: { doc: string; page?: string; index?: number | null }; result: State };
   /* Stop a search that is done for a document. */

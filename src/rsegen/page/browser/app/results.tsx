@@ -159,31 +159,31 @@ export function Variants() {
     close();
   };
   const orders = [["", "by number"] as const, ...(hello.value?.metrics ?? []).map(({ name, title }) => [name, `by ${title}`] as const)];
-  const maps = state.value?.maps ?? 1;
+  const [maps, first] = [state.value?.maps ?? 1, state.value?.first_map ?? 0];
   const count = by ? Math.min(maps, MOST_SORTED) : maps;
   return (
     <Modal title="Variants" close={close} wide>
       <div class="actions">
         <Segmented name="Of" value={of} choices={[["seeds", "other seeds"], ["maps", "maps of this recipe"]]} onChange={choose} />
-        {of === "seeds" ? <Button icon="dice" title="Draw twelve other seeds" onClick={() => void look()}>Twelve others</Button> : <>
-          <Button icon="left" title="Previous twelve" disabled={from <= 0} onClick={() => setFrom(Math.max(0, from - 12))} />
-          <Button icon="right" title="Next twelve" disabled={from + 12 >= count} onClick={() => setFrom(from + 12)} />
+        {of === "seeds" ? <Button icon="dice" title="Draw 12 other seeds" onClick={() => void look()}>12 others</Button> : <>
+          <Button icon="left" title="Previous 12" disabled={from <= 0} onClick={() => setFrom(Math.max(0, from - 12))} />
+          <Button icon="right" title="Next 12" disabled={from + 12 >= count} onClick={() => setFrom(from + 12)} />
           <Select name="Sorted by" value={by} choices={orders} onChange={(next) => { sort(next); setFrom(0); }} />
           {by && <span class="note">the lowest first{maps > MOST_SORTED && `; ${MOST_SORTED} of ${maps} maps, evenly spaced`}</span>}</>}
       </div>
       <ul class="gallery">
         {(found ?? []).map((variant) => (
           <li key={`${variant.seed}-${variant.index}`}>
-            <button type="button" class="card" onClick={() => keep(variant)} title={of === "seeds" ? `Keep seed ${variant.seed}` : `Show map ${variant.index}`}>
-              <Picture map={variant.scene} label={of === "seeds" ? `seed ${variant.seed}` : `map ${variant.index}`} />
-              <span class="name">{of === "seeds" ? String(variant.seed) : `map ${variant.index}`}</span>
+            <button type="button" class="card" onClick={() => keep(variant)} title={of === "seeds" ? `Keep seed ${variant.seed}` : `Show map ${variant.index - first + 1}`}>
+              <Picture map={variant.scene} label={of === "seeds" ? `seed ${variant.seed}` : `map ${variant.index - first + 1}`} />
+              <span class="name">{of === "seeds" ? String(variant.seed) : `Map ${variant.index - first + 1}`}</span>
               <dl>{variant.difficulty.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>
             </button>
           </li>
         ))}
       </ul>
       {problem.value && <p class="problem" role="alert">{problem.value.text}</p>}
-      {found === null && <p class="empty" role="status">Drawing twelve maps …</p>}
+      {found === null && <p class="empty" role="status">Drawing 12 maps …</p>}
     </Modal>
   );
 }

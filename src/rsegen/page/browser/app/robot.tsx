@@ -79,7 +79,9 @@ export function RobotPanel() {
           {poseMap.value && <Segmented name="Shown at each place" value={mapShown.value} choices={[["tilt", "tilt"], ["margin", "margin"], ["reason", "why not"]]} onChange={(next) => (mapShown.value = next)} />}
           {poseMap.value && <Legend map={poseMap.value} shown={mapShown.value} />}
           <Searching />
-          {reach.value && <p class="note">{reach.value.text}</p>}
+          {reach.value && <>
+            <ul class="legend" aria-label="Colours of reach"><li class="key"><i class="reached" />in its own colour: the robot gets there</li><li class="key"><i class="pale" />pale: it does not</li></ul>
+            <p class="note">{reach.value.text}</p></>}
           {stands && <div aria-live="polite">
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
             {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin to tipping over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],

@@ -5,15 +5,18 @@ import { Button, Icon, Labelled, Modal, useAddress } from "./controls";
 import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
-import type { DescribedCommand, Job, Json } from "./protocol";
+import type { DescribedCommand, Field, Job, Json, SceneData, ShellTarget } from "./protocol";
 import { call, fileOf, Failed } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
-import { copy } from "./results";
+import { Picture, copy } from "./results";
+
+/* What a command is called in menus. */
+export const titleOf = (name: string): string => hello.value?.commands.find((command) => command.name === name)?.title ?? name;
 
 type Values = { [name: string]: Json | undefined };
 
-/* The command as somebody would type it. */
-function line(command: DescribedCommand, values: Values, output: string): string {
+/* The command as somebody would type it; target: what stands for the document, or the map that it is run on. */
+function line(command: DescribedCommand, values: Values, output: string, target: ShellTarget): string {
   const quoted = (text: string) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
   const flags = command.fields.flatMap(({ name, flag, default: usual }) => {
     const value = values[name];
@@ -21,8 +24,7 @@ function line(command: DescribedCommand, values: Values, output: string): string
     if (value === true) return flag ? [flag] : [];
     return value === false || !flag ? [] : [flag, quoted(Array.isArray(value) ? value.map(shown).join(",") : shown(value))];
   });
-  const target = command.target === "recipe" ? [quoted(state.value?.path ?? `${state.value?.name}.yaml`)] : [];
-  return ["rsegen", command.name, ...target, ...flags, ...(output ? ["-o", quoted(output)] : [])].join(" ");
+  return target.before + ["rsegen", command.name, ...(target.text ? [target.text] : []), ...flags, ...(output ? ["-o", quoted(output)] : [])].join(" ");
 }
 
 const OUTPUTS: { [command: string]: string } = {
@@ -34,7 +36,20 @@ const SUFFIXES: { [command: string]: string } = { view: "html", preview: "png" }
 /* What was chosen last for each command, until the page is left. */
 const remembered = new Map<string, { values: Values; output: string }>();
 
-function usual(command: DescribedCommand, upload?: string): { values: Values; output: string } {
+const mapName = (at: number) => `${state.value!.name}_${String(at).padStart(4, "0")}`;
+
+const MOST_NAMED = 500; // maps in a list to choose from
+
+/* The fields of a form: of several maps one is chosen by its name, of a single one nothing is to be said. */
+function fieldsOf(command: DescribedCommand, target: string): Field[] {
+  if (target) return command.fields.filter((field) => field.name !== "map");
+  const { maps = 1, first_map: first = 0 } = state.value ?? {};
+  if (command.target !== "recipe" || maps > MOST_NAMED) return command.fields;
+  const names = Array.from({ length: maps }, (_, at) => mapName(first + at));
+  return command.fields.flatMap((field) => (field.name !== "map" ? [field] : maps === 1 ? [] : [{ ...field, schema: { enum: names } }]));
+}
+
+function usual(command: DescribedCommand, upload?: string, target?: string): { values: Values; output: string } {
   const file = command.output_required ? `${state.value?.name}.${SUFFIXES[command.name] ?? "pdf"}` : "";
   const known = remembered.get(command.name) ?? { values: {}, output: OUTPUTS[command.name] ?? (command.output === "file" ? file : command.name) };
   const values: Values = { ...known.values };
@@ -42,16 +57,24 @@ function usual(command: DescribedCommand, upload?: string): { values: Values; ou
   if (upload && input) values[input.name] = input.schema.type === "array" ? [upload] : upload;
   // The map that is shown is meant by what is about one map.
   const one = command.fields.find((field) => field.name === "map" && !field.help.includes("all"));
-  if (one && (state.value?.maps ?? 1) > 1) values.map = String(index.value);
+  delete values.map;
+  if (one && !target && (state.value?.maps ?? 1) > 1) values.map = mapName(index.value);
   if (robot.value && command.fields.some((field) => field.name === "robot")) values.robot ??= robot.value;
   if (robot.value && put.value && command.name === "spawn") values.pose = [...put.value, heading.value].map((value) => Number(value.toFixed(4)));
   return { values, output: command.output === "none" ? "" : known.output };
 }
 
-export function Run({ name, upload }: { name: string; upload?: string }) {
+const isEmpty = (value: Json | undefined) => value === undefined || value === null || value === "" || (Array.isArray(value) && !value.length);
+
+export function Run({ name, upload, target = "" }: { name: string; upload?: string; target?: string }) {
   const command = hello.value?.commands.find((each) => each.name === name);
   const id = useId();
-  const [{ values, output }, set] = useState(() => (command ? usual(command, upload) : { values: {}, output: "" }));
+  const [{ values, output }, set] = useState(() => (command ? usual(command, upload, target) : { values: {}, output: "" }));
+  const [stands, stand] = useState<ShellTarget>({ before: "", text: target });
+  useEffect(() => {
+    if (target || command?.target !== "recipe") return;
+    void attempt(() => ask("shell_target", { command: name, map_name: shown(values.map ?? "") }), false).then((found) => found && stand(found));
+  }, [name, target, values.map]);
   const [failure, fail] = useState<Failed["failure"] | null>(null);
   const [number, follow] = useState<number | null>(null);
   const close = () => (dialog.value = null);
@@ -59,12 +82,12 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
   const job = jobs.value.find((each) => each.id === number);
   const run = async (replace = false) => {
     fail(null);
-    const missing = command.fields.find((field) => field.required && (values[field.name] ?? "") === "");
-    if (missing) return fail({ where: missing.name, text: "is missing" });
+    const missing = command.fields.find((field) => field.required && isEmpty(values[field.name]));
+    if (missing) return fail({ where: missing.name, text: missing.missing ?? "" });
     remembered.set(name, { values, output });
     const given = Object.fromEntries(Object.entries(values).filter((entry): entry is [string, Json] => entry[1] !== undefined));
     try {
-      const started = await ask("run", { command: name, values: given, ...(output && { output }), ...(replace && { replace }) });
+      const started = await ask("run", { command: name, values: given, ...(output && { output }), ...(target && { target }), ...(replace && { replace }) });
       if (!jobs.value.some((each) => each.id === started.id)) jobs.value = [started, ...jobs.value];
       follow(started.id);
     } catch (error) {
@@ -77,22 +100,22 @@ export function Run({ name, upload }: { name: string; upload?: string }) {
   useEffect(() => form.current?.querySelector(".field .problem")?.scrollIntoView({ block: "nearest" }), [failure]);
   const elsewhere = failure && !command.fields.some((field) => field.name === failure.where) && failure.where !== "output";
   return (
-    <Modal title={`${name[0]!.toUpperCase()}${name.slice(1)}`} close={close} wide={Boolean(job)}>
-      {job ? <JobReport job={job} again={() => follow(null)} /> : (
+    <Modal title={command.title} close={close} wide={Boolean(job)}>
+      {job ? <JobReport key={job.id} job={job} again={() => follow(null)} /> : (
         <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
-          <p class="lead">{command.help}</p>
-          <Form fields={command.fields} values={values} problems={problems} explained
+          <p class="lead">{command.help}{target && <> — on <code>{target}</code></>}</p>
+          <Form fields={fieldsOf(command, target)} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
           {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : ", if any"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
           </Labelled>}
-          <div class="shell"><code>{line(command, values, output)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output))} /></div>
-          {state.value?.problem && command.target === "recipe" && <p class="problem" role="alert">First correct the recipe: {state.value.problem.where}: {state.value.problem.text}</p>}
+          <div class="shell"><code>{line(command, values, output, stands)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output, stands))} /></div>
+          {state.value?.problem && !target && command.target === "recipe" && <p class="problem" role="alert">First correct the recipe: {state.value.problem.where}: {state.value.problem.text}</p>}
           <footer class="actions">
             {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
             {upload && name === "scan" && <button type="button" onClick={() => (dialog.value = { name: "run", command: "compare", upload })}>Compare it with this map …</button>}
             <button type="button" onClick={close}>Cancel</button>
-            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace what is there" : "Run"}</button></footer>
+            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && !target && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace what is there" : "Run"}</button></footer>
         </form>
       )}
     </Modal>
@@ -113,18 +136,20 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
       {job.state === "running" && <Progress job={job} />}
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
       <Report text={job.lines.join("\n")} isBad={job.state === "failed"} />
-      <div class="pictures">{job.files.filter((file) => file.kind === "picture").slice(0, 8).map((file) => <FilePicture key={file.path} {...file} wide={isOnTop(file) && !job.files.every(isOnTop)} />)}</div>
+      <div class="pictures">{job.files.filter((file) => file.kind === "picture" && !isOfMap(file, job)).slice(0, 8).map((file) => <FilePicture key={file.path} {...file} wide={isOnTop(file) && !job.files.every(isOnTop)} />)}</div>
       {job.files.filter((file) => file.kind === "table" && isOnTop(file)).slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
-      <ul class="files">{job.files.filter((file) => file.kind !== "picture").map((file) => (
+      <MadeMaps job={job} />
+      <ul class="files">{job.files.filter((file) => file.kind !== "picture" && file.kind !== "recipe").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
             {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
-          {(file.kind === "recipe" || file.kind === "dataset") && <button type="button" onClick={() => void leaveFor(file.kind === "dataset" ? `${file.path}#0` : file.path)}>Open</button>}
+          {file.kind === "dataset" && <button type="button" onClick={() => void leaveFor(`${file.path}#0`)}>Open</button>}
           {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
           {file.kind !== "drive" && file.kind !== "dataset" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
         </li>))}</ul>
       <footer class="actions">
         {job.state === "running" ? <button type="button" onClick={() => void attempt(() => call("cancel", { job: job.id }))}>Cancel the run</button> : again && <button type="button" onClick={again}>Change and run again</button>}
+        {job.files.length > 0 && <ShowFolder path={commonFolder(job.files)} />}
         {job.opens && <button type="button" class="primary" onClick={() => void leaveFor(job.opens!)}>Open the recipe</button>}
         {drives.length > 0 && <button type="button" class="primary" onClick={() => { dialog.value = null; void play(drives[0]!.path); }}>Play</button>}
         <button type="button" onClick={() => (dialog.value = null)}>Close</button>
@@ -133,11 +158,72 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
   );
 }
 
+type Made = Job["files"][number];
+const folderOf = (file: Made) => file.path.replace(/\/?[^/]*$/, "");
+const isOfMap = (picture: Made, job: Job) => job.files.some((file) => file.kind === "recipe" && folderOf(file) === folderOf(picture));
+
+/* The deepest folder that has all files. */
+const commonFolder = (files: Made[]): string =>
+  files.map((file) => (file.kind === "drive" || file.kind === "dataset" ? file.path : folderOf(file)).split("/"))
+    .reduce((one, other) => one.slice(0, one.findIndex((part, at) => part !== other[at]) >>> 0)).join("/") || ".";
+
+const MOST_MAPS = 12; // that are shown with pictures
+
+/* The maps that a command wrote: their names, pictures, and what people do with them next. */
+function MadeMaps({ job }: { job: Job }) {
+  const maps = job.state === "done" ? job.files.filter((file) => file.kind === "recipe") : [];
+  const previewOf = (map: Made) => job.files.find((file) => file.kind === "picture" && /preview/.test(file.name) && folderOf(file) === folderOf(map));
+  const bare = maps.slice(0, MOST_MAPS).filter((map) => !previewOf(map));
+  const [drawn, draw] = useState<Map<string, SceneData>>(new Map());
+  const wanted = bare.map((map) => map.path).join("\n");
+  useEffect(() => {
+    if (!wanted) return;
+    const paths = wanted.split("\n");
+    void attempt(() => call("made_maps", { paths }), false).then((found) => found && draw(new Map(found.map((each, at) => [paths[at]!, each.scene]))));
+  }, [wanted]);
+  if (!maps.length) return null;
+  return (
+    <>
+      <h3>{maps.length === 1 ? "The map" : `${maps.length} maps`}</h3>
+      <ul class="gallery">{maps.slice(0, MOST_MAPS).map((map) => (
+        <li key={map.path} class="made">
+          {previewOf(map) ? <FilePicture {...previewOf(map)!} wide={false} /> : drawn.has(map.path) && <Picture map={drawn.get(map.path)!} label={map.name} />}
+          <b class="name">{map.name}</b>
+          <button type="button" onClick={() => void openWorld(folderOf(map))}>Open in Gazebo</button>
+          <button type="button" onClick={() => (dialog.value = { name: "run", command: "drive", target: folderOf(map) })}>Drive here …</button>
+          <button type="button" onClick={() => void leaveFor(map.path)}>Edit</button>
+        </li>))}</ul>
+      {maps.length > MOST_MAPS && <p class="note">and {maps.length - MOST_MAPS} more</p>}
+    </>
+  );
+}
+
+/* Open a map that was written in the simulator of this machine. */
+async function openWorld(target: string): Promise<void> {
+  const started = await attempt(() => ask("run", { command: "open", values: {}, target }));
+  if (!started) return;
+  jobs.value = [started, ...jobs.value.filter((job) => job.id !== started.id)];
+  dialog.value = { name: "jobs" };
+}
+
+/* Show files in the file manager of the server's machine; where there is none, their path, to copy. */
+function ShowFolder({ path }: { path: string }) {
+  const [place, set] = useState("");
+  const look = async () => {
+    const found = await attempt(() => call("show_folder", { path }));
+    set(found && !found.is_open ? found.path : "");
+  };
+  if (place) return <span class="shell"><code>{place}</code><Button icon="copy" class="quiet" title="Copy the path of the folder" onClick={() => void copy(place)} /></span>;
+  return <button type="button" onClick={() => void look()}>Show in folder</button>;
+}
+
 /* Open another recipe, after a question if the one that is open would be left unsaved; false if it was not opened. */
 export async function leaveFor(what: string): Promise<boolean> {
   if (state.value?.unsaved && !confirm(`${state.value.title} has changes that are not saved. Leave them?`)) return false;
-  if (!(await open(what))) return false;
+  const opened = await open(what);
+  if (!opened) return false;
   dialog.value = null;
+  if (opened.play) await play(opened.play);
   return true;
 }
 
@@ -161,8 +247,8 @@ async function show(path: string): Promise<void> {
 
 const MOST_ROWS = 60; // longer ones are for programs
 
-/* The fields of a line of CSV. */
-const fieldsOf = (row: string): string[] =>
+/* The cells of a line of CSV. */
+const cellsOf = (row: string): string[] =>
   [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted?.replaceAll('""', '"') ?? plain ?? "");
 
 /* What a command says: text, with tables and headings of Markdown as such. */
@@ -190,7 +276,7 @@ function Rows({ rows: [head, ...body], name }: { rows: string[][]; name?: string
 /* A table that a run wrote, if it is one to be read: short, with a line of names. */
 function FileTable({ path, name }: { path: string; name: string }) {
   const [rows, set] = useState<string[][]>([]);
-  useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(fieldsOf))), [path]);
+  useEffect(() => void attempt(async () => (await fileOf(path)).text(), false).then((text) => text && set(text.trim().split(/\r?\n/).map(cellsOf))), [path]);
   const [head, ...body] = rows;
   if (!head || body.length > MOST_ROWS || head[0]?.startsWith("#")) return null;
   return <Rows rows={rows} name={name} />;
@@ -205,7 +291,7 @@ function FilePicture({ path, name, wide }: { path: string; name: string; wide: b
 export function Jobs() {
   return (
     <Modal title="Runs" close={() => (dialog.value = null)} wide>
-      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{job.command} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
+      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{titleOf(job.command)} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
     </Modal>
   );
 }

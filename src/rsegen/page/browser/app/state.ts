@@ -31,7 +31,7 @@ export const options = signal<Partial<Options>>({ look: "recipe", grid: true, ax
 export const plan = signal<"inset" | "half" | "hidden">("inset");
 export const tab = signal<"obstacles" | "map" | "robot" | "results">("map");
 export const dialog = signal<
-  { name: "open" | "save" | "help" | "variants" } | { name: "run"; command: string; upload?: string } | { name: "jobs" } | null
+  { name: "open" | "save" | "help" | "variants" } | { name: "run"; command: string; upload?: string; target?: string } | { name: "jobs" } | null
 >(null);
 
 export const robot = signal(""); // its name; empty: none
@@ -47,6 +47,7 @@ export const way = signal<DrawnWay | null>(null);
 export type Searched = "tilt" | "reach" | "crossing" | "way";
 export const searching = signal<{ of: Searched; share: number } | null>(null); // of the robot on the map
 export const playbacks = signal<Playback[]>([]); // none, one, or two side by side
+export const played = signal(""); // the folder of the drive that is played, for the address
 export const second = signal(0);
 
 const size = signal<[number, number]>([innerWidth, innerHeight]);
@@ -156,13 +157,13 @@ export async function showMap(number: number): Promise<void> {
   if (next) take(next); // the ends of obstacles that are drawn at random
 }
 
-/* Edit another document: a new one, a file, an example, a map of a data set. */
-export async function open(what: string): Promise<boolean> {
+/* Edit another document: a new one, a file, an example, a map of a data set, that of a drive; null if it cannot be had. */
+export async function open(what: string): Promise<Calls["open"]["result"] | null> {
   const left = doc();
-  const opened = await attempt(async () => (await call("open", { what })).doc);
-  if (opened === null || !(await load(opened))) return false;
-  if (left && left !== opened) await attempt(() => call("close", { doc: left }), false); // else its changes would come back
-  return true;
+  const opened = await attempt(() => call("open", { what }));
+  if (opened === null || !(await load(opened.doc))) return null;
+  if (left && left !== opened.doc) await attempt(() => call("close", { doc: left }), false); // else its changes would come back
+  return opened;
 }
 
 async function load(id: string): Promise<boolean> {
@@ -176,10 +177,18 @@ async function load(id: string): Promise<boolean> {
   index.value = next.first_map ?? 0;
   forgetRobot();
   take(next);
-  history.replaceState(null, "", `#${id}`);
   void listen(id, page, hear, (is) => (connected.value = is), ends.signal);
   return true;
 }
+
+/* The address of the page opens the document that it shows: this one as long as its server runs, later its file. */
+effect(() => {
+  const now = state.value;
+  if (!now) return;
+  const asked = new URLSearchParams({ token: new URLSearchParams(location.search).get("token") ?? "" });
+  for (const [key, value] of Object.entries({ open: now.opens, doc: now.doc, play: playbacks.value.length ? played.value : "" })) if (value) asked.set(key, value);
+  history.replaceState(null, "", `?${asked}`);
+});
 
 function hear(event: Event): void {
   if (event.event === "state") take(event.state);
@@ -405,7 +414,7 @@ effect(() => {
 export async function start(): Promise<void> {
   if (frozen) return void (scene.value = frozen.maps[0] ?? null);
   const asked = new URLSearchParams(location.search);
-  const [known, list] = [location.hash.slice(1) || asked.get("doc"), attempt(() => call("hello", {}))];
+  const [known, list] = [asked.get("doc"), attempt(() => call("hello", {}))];
   const loads = (known && (await load(known))) || (await open(asked.get("open") ?? ""));
   const failure = loads ? null : problem.value;
   hello.value = await list;

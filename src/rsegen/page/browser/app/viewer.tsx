@@ -87,6 +87,26 @@ function aspect(): number {
   return Math.min(2.2, Math.max(0.6, (x + 4) / (y + 4))); // four cells of room for numbers
 }
 
+/* Whether the recipe shows wood or friction, which are no colours of heights. */
+const hasMaterial = () => scene.value?.palette.some(({ level, colour, surface }) => level && colour !== surface) ?? false;
+
+const MOST_ROWS = 7; // of a legend
+
+/* What the colours of the blocks mean, wherever they mean heights: the highest first, of many levels some. */
+function HeightLegend() {
+  const map = scene.value;
+  if (!map || (hasMaterial() && options.value.look !== "heights")) return null;
+  const levels = map.palette.filter((each) => each.level).reverse();
+  const rows = Math.min(MOST_ROWS, levels.length);
+  const shown = levels.filter((_, at) => rows === levels.length || Array.from({ length: rows }, (_, k) => Math.round((k * (levels.length - 1)) / (rows - 1))).includes(at));
+  if (!shown.length) return null;
+  return (
+    <ul class="over legend heights-legend" aria-label={`Colours of heights, ${map.unit}`}>
+      {shown.map((each) => <li key={each.level} class="key"><i style={{ background: each.colour }} />{each.label} {map.unit}</li>)}
+    </ul>
+  );
+}
+
 export function Stage() {
   const two = playbacks.value.length > 1;
   const halved = useRef(false);
@@ -105,9 +125,10 @@ export function Stage() {
           <div class="bar" role="group" aria-label="Look from">
             {LOOKS.map(([from, label]) => <Button key={from} class="quiet" title={`Look ${from === "above" ? "from above, north up" : from === "oblique" ? "from the south-east" : `from the ${from}`}`} onClick={() => window.rsegen.solid?.look(from)}>{label}</Button>)}
           </div>
-          <Segmented name="Colours" value={options.value.look ?? "recipe"} choices={[["recipe", "Material", "as in Gazebo"], ["heights", "Heights", "one colour for each height"]]}
-            onChange={(look) => (options.value = { ...options.value, look })} />
+          {hasMaterial() && <Segmented name="Colours" value={options.value.look ?? "recipe"} choices={[["recipe", "Material", "as in Gazebo"], ["heights", "Heights", "one colour for each height"]]}
+            onChange={(look) => (options.value = { ...options.value, look })} />}
         </div>
+        <HeightLegend />
         {!scene.value && <p class="over empty">Drawing the map …</p>}
         {state.value?.problem && <p class="over stale" role="status">The last valid map: {state.value.problem.where}: {state.value.problem.text}</p>}
       </div>

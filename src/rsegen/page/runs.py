@@ -1,0 +1,179 @@
+"""What a page runs: commands with their forms' values, on a document or on a map that is written already; their lines.
+
+    document or map, values, output --run--> Job, which is `rsegen COMMAND` in a process of its own (`jobs.py`)
+
+The line of a shell that does the same works wherever the folder of the page is the working folder, also for a recipe
+that was never saved: it then has the recipe's flags, or, where a command has not all of them, writes the maps first.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import NamedTuple, TypedDict
+
+from rsegen.errors import ParameterError, UserError
+from rsegen.page.calls import Question, call_of_host
+from rsegen.page.forms import CommandForm, command_form
+from rsegen.page.host import Host
+from rsegen.page.jobs import Job, JobRun, Jobs, JobValues
+from rsegen.page.model.document import Document
+from rsegen.page.model.texts import command_line, recipe_flags, stated_names
+from rsegen.page.places import Places
+from rsegen.params.sorts import Json
+from rsegen.writing.journal import read_journal, refuse_loss, refuse_loss_below
+from rsegen.writing.store import refuse_taken_file
+
+
+class ShellTarget(TypedDict):
+    """What stands for a document in the line of a command."""
+
+    before: str  # a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
+    text: str  # words of the line: a file, flags, or the folder of a map
+
+
+class _Target(NamedTuple):
+    """What stands for a document in the line of a command, in words; flags come before other words."""
+
+    before: str = ""
+    flags: Sequence[str] = ()
+    words: Sequence[str] = ()
+
+
+def _target_of(form: CommandForm, document: Document, places: Places, map_name: str) -> _Target:
+    """Return what stands for a document: its file if it is up to date, else its flags, or a map of it that is made."""
+    recipe = document.session.recipe
+    if document.path and not document.session.unsaved:
+        return _Target(words=[str(places.relative(document.path))])
+    if stated_names(recipe) <= form.recipe_flags:
+        return _Target(flags=recipe_flags(recipe))
+    folder = map_name or recipe.map_name(recipe.first_map)
+    return _Target(before=f"{command_line(recipe, recipe.name)} && ", words=[f"{recipe.name}/{folder}"])
+
+
+@call_of_host
+def shell_target(host: Host, *, doc: str, command: str, map_name: str = "") -> ShellTarget:
+    """Return what stands for a document in the line of a command; map_name: that is chosen, if one is."""
+    target = _target_of(command_form(command), host.opened(doc).document, host.places, map_name)
+    return {"before": target.before, "text": shlex.join([*target.flags, *target.words])}
+
+
+_REFUSED_WITHIN = 10.0
+"""Seconds in which a command refuses what exists already; on a busy machine Python alone takes some of them."""
+
+_EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it")
+
+
+@call_of_host
+def run(  # noqa: PLR0913  # a page gives each
+    host: Host,
+    *,
+    doc: str,
+    command: str,
+    values: dict[str, Json],
+    output: str = "",
+    target: str = "",
+    replace: bool = False,
+) -> JobValues:
+    """Run a command on the recipe of a document; a Question if it would replace what it may replace.
+
+    target: a map in the folder of the page, which then stands for the document
+    """
+    form, document = command_form(command), host.opened(doc).document
+    takes_document = form.takes_recipe and not target
+    if takes_document and (problem := document.session.problem):
+        raise ParameterError(problem.where, problem.problem)
+    flags, others = form.arguments(values, host.places)
+    place = _output(form, output, host.folder)
+    flags += [f"--output={place}"] if place else []
+    flags += ["--force"] if replace and form.can_replace else []
+    made_maps = [str(host.places.relative(host.places.inside(target)))] if target else []
+    recipe = document.session.recipe if takes_document else None
+    told = _Target(words=made_maps)
+    if takes_document:
+        told = _target_of(form, document, host.places, str(values.get("map") or ""))
+    words = [*others, *told.words]
+    # None of the words is taken for another flag.
+    after = ["--"] if any(word.startswith("-") for word in words) else []
+    job = Job(
+        id=host.jobs.new_id(),
+        doc=doc,
+        command=command,
+        line=told.before + shlex.join(["rsegen", command, *told.flags, *flags, *after, *words]),
+    )
+    # A command without arguments takes no -- before them either.
+    arguments = [command, *flags, "--json", "--progress=json"]
+    if others or made_maps or recipe:
+        arguments += ["--", *others, *made_maps]
+    made = JobRun(job=job, arguments=arguments, recipe=recipe, folder=host.folder.resolve(), output=place)
+    # If its output exists, it may refuse to replace it, and then nothing has happened but a question.
+    made.is_shown = not (place and os.path.lexists(made.folder / place) and form.can_replace and not replace)
+    host.jobs.start(made)
+    if not made.is_shown:
+        _refuse_if_taken(host.jobs, made)
+    return asdict(job)
+
+
+def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
+    """Return where a command writes, seen from the folder of pages; a UserError if that is outside, or missing."""
+    if form.output is None:
+        if output:
+            raise ParameterError("output", f"{form.name} writes nothing")
+        return None
+    if not output:
+        if form.needs_output:
+            raise ParameterError("output", "Give a name below the folder of this page.")
+        return None
+    places = Places(folder)
+    place = places.relative(places.inside(output))
+    if place == Path():
+        raise ParameterError("output", "That is the folder of this page. Give a name below it.")
+    return place
+
+
+def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
+    """Wait for a moment whether a command refuses what exists; then the Question whether to replace it, if it may."""
+    until = time.monotonic() + _REFUSED_WITHIN
+    while not made.ended.wait(0.05) and time.monotonic() < until and not made.job.done:
+        pass
+    refused = _EXISTS.match(made.stderr_lines[-1]) if made.job.state == "failed" and made.stderr_lines else None
+    if refused and _may_be_replaced(made.folder / refused[1], _HOLDS.get(made.job.command, "map")):
+        jobs.forget(made.job.id)
+        raise Question(f"{refused[1]}: exists already", "exists")
+    made.is_shown = True
+    jobs.notify(made)
+
+
+_HOLDS = {"drive": "drive", "dataset": "data set"}
+"""What a folder holds that a command writes, if that is no map."""
+
+
+def _may_be_replaced(path: Path, holds: str) -> bool:
+    """Return whether --force replaces a file or folder: rsegen wrote it, and it is unchanged."""
+    try:
+        if path.is_file():
+            refuse_taken_file(path, force=True)
+        elif (within := read_journal(path.parent)) and read_journal(path) is None:
+            refuse_loss_below(path.parent, path.name, within)  # a format in the folder of a map
+        else:
+            refuse_loss(path, holds)
+    except UserError:
+        return False
+    return True
+
+
+@call_of_host
+def cancel(host: Host, *, job: int) -> JobValues:
+    """Ask a job to stop."""
+    return host.jobs.cancel(job)
+
+
+@call_of_host
+def jobs(host: Host) -> list[JobValues]:
+    """Return all jobs."""
+    return host.jobs.listed()
