@@ -25,7 +25,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         [
             "'genrate'",
             "did you mean 'generate'?",
-            "info, man, metrics, obstacles, open, predict, preview, rate, remove, respawn, scan, schema, series, sheet",
+            "info, man, metrics, obstacles, open, predict, preview, rate, remove, respawn, robot, scan, schema, series",
         ],
     ),
     "a command of two lines": (["a\nb"], ["'a\\nb'", "generate, gui, import, info"]),
@@ -265,7 +265,7 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
         "compare": ["a.xyz", "a.yaml"],
         "export": ["a.yaml", "--to", "stl", "-o", "out"],
     }
-    given |= {"rate": ["burger"], "spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
+    given |= {"rate": ["burger"], "robot": ["burger"], "spawn": ["burger"], "respawn": ["a.yaml"], "remove": ["burger"]}
     line = refused(command, *given.get(command, []), "--hlep")
     assert "unknown flag '--hlep'; did you mean '--help'?" in line
 

@@ -64,6 +64,18 @@ def test_rsegen_alone_says_how_to_begin(capsys: pytest.CaptureFixture[str]) -> N
     assert {"generate", "open", "examples", "gui", "--help"} <= set(text.split())
 
 
+@pytest.mark.parametrize(("asked", "meant"), [(["help"], ["--help"]), (["help", "drive"], ["drive", "--help"])])
+def test_help_is_a_word_too(asked: list[str], meant: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    printed = []
+    for words in (asked, meant):
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        assert ended.value.code == 0
+        printed.append(capsys.readouterr().out)
+    assert printed[0] == printed[1]
+    assert printed[0].startswith("usage: rsegen")
+
+
 @pytest.mark.parametrize("command", commands())
 def test_every_command_has_json_and_quiet(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert {"--json", "--quiet"} <= set(helped(capsys, command).replace(",", " ").split())

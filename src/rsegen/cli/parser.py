@@ -55,6 +55,8 @@ def _filled(empty: Parser, command: str) -> Parser:
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:
     """Return what a command line says; its `run` runs the command, if one is named."""
+    if words and words[0] == "help":  # as in git, docker and pip
+        words = [*words[1:2], "--help"]
     if not words or words[0].startswith("-"):
         return parser().parse_args(words)
     command, *others = words

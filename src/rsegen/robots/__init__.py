@@ -23,7 +23,7 @@ CAPABILITY = Capability(
         ),
         Command(
             "robot",
-            "information",
+            "drive a robot",
             "print what was read of a robot, and from where",
             "rsegen.robots.robot_command",
             title="What was read of a robot",
