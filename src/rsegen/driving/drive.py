@@ -284,7 +284,7 @@ def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecordin
             held.append(run.name)
     if held and field.frame[0].all():
         height = lengths_in(scene.units).with_unit(field.frame_height, 3)
-        advice = "give boundary='none' for maps without frames, or robot='crawler', which climbs 10 cm"
+        advice = "give robot='crawler', which climbs 10 cm, or make the map without frames (boundary none)"
         yield f"the frame, {height} high, stopped {', '.join(held)}; {advice}"
 
 
