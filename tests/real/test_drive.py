@@ -68,7 +68,7 @@ def test_a_burger_crosses_steps_of_a_centimetre_and_no_higher_ones_in_classic(
     rows = np.loadtxt(tmp_path / "out" / "burger_0.csv", delimiter=",", skiprows=1)
     assert rows[:, 3].max() == pytest.approx(2 * unit_cm / 100 if crosses else 0, abs=0.015)
     with Image.open(tmp_path / "out" / "drive.png") as picture:
-        assert picture.size == (800, 800)
+        assert picture.width == 1050  # a column of a paper, 300 pixels per inch
 
 
 @pytest.mark.parametrize(

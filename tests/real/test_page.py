@@ -109,7 +109,7 @@ def started(page: Page, **values: str) -> None:
 @pytest.mark.long(reason="a server and a browser more")
 @pytest.mark.usefixtures("gazebo_classic")
 def test_a_drive_of_the_form_is_played_over_the_blocks(page: Page) -> None:
-    run(page, "drive", Robot="burger", Duration="2", Simulator="classic")
+    run(page, "drive over a map", Duration="2", Simulator="classic")
     page.chrome.find_element(By.CSS_SELECTOR, "dialog footer .primary").click()
     until(lambda: page.js("return state.second.value > 0"))
     assert page.js("return window.rsegen.solid.player.robots.length") == 1
@@ -133,7 +133,7 @@ def test_the_map_and_a_robot_at_its_place_are_sent_into_a_running_gazebo(
     world.write_bytes(b"".join(sdf.utf8(sdf.world(compose(load(EXAMPLES["peak"])), ()))))
     with running_server(gazebo_classic, world) as server, server.connect() as live:
         monkeypatch.setenv("GAZEBO_MASTER_URI", server.environment["GAZEBO_MASTER_URI"])
-        run(page, "spawn", Simulator="classic")
+        run(page, "add to a running simulation", Simulator="classic")
         assert set(live.poses()) == {"ground_plane", "peak_0000"}
         page.js("state.dialog.value = null; state.tab.value = 'robot'; state.chooseRobot('burger')")
         until(lambda: page.js("return Boolean(state.drawing.value)"))
