@@ -96,8 +96,9 @@ def run(page: Page, command: str, **values: str) -> None:
 
 def started(page: Page, **values: str) -> None:
     for label, value in values.items():
-        field = page.chrome.find_element(By.CSS_SELECTOR, f'dialog [data-field="{label}"] input:not([type=range])')
-        field.send_keys(Keys.CONTROL, "a", Keys.NULL, value)
+        place = f'dialog [data-field="{label}"]'
+        field = page.chrome.find_element(By.CSS_SELECTOR, f"{place} input:not([type=range]), {place} select")
+        field.send_keys(value) if field.tag_name == "select" else field.send_keys(Keys.CONTROL, "a", Keys.NULL, value)
     before = page.js("return state.jobs.value.length")
     page.chrome.find_element(By.CSS_SELECTOR, "dialog button[type=submit]").click()
     until(lambda: page.js("return state.jobs.value.length") > before)
