@@ -26,13 +26,13 @@ from rsegen.driving.prediction import Prediction
 from rsegen.driving.recording import ContactSamples, DriveRecording, RobotRun, contacts_csv
 from rsegen.driving.robot_runs import finish_x
 from rsegen.driving.routes import AlongWay, PlannedWay, Wandering
-from rsegen.errors import ParameterError, shown
+from rsegen.errors import ParameterError
 from rsegen.params.numbers import lengths_in, whole_degrees
 from rsegen.recipe.codec import map_json
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Tracks
-from rsegen.robots.lookup import DrivableRobot, robot_of
-from rsegen.robots.sdf_file import SdfRobot, from_file, is_robot_file
+from rsegen.robots.lookup import DrivableRobot, chosen_robot
+from rsegen.robots.sdf_file import SdfRobot
 from rsegen.scene.scene import Scene
 from rsegen.simulators.base import Installation
 from rsegen.simulators.embedded import EmbeddedSimulator
@@ -188,32 +188,18 @@ PICTURE, VIDEO = "picture.jpg", "drive.webp"
 
 def file_names(runs: Sequence[RobotRun], *, picture: bool, video: bool) -> list[str]:
     """Return the names of the files of a drive in its folder."""
-    names = [
-        *(f"{run.name}.csv" for run in runs),
-        "contacts.csv",
-        "recipe.json",
-        "drive.json",
-        "drive.png",
-        "drive.pdf",
-    ]
+    usual = ("contacts.csv", "recipe.json", "drive.json", "drive.png", "drive.pdf")
+    names = [*(f"{run.name}.csv" for run in runs), *usual]
     return [*names, *(["way.csv"] if runs[0].way else []), *([PICTURE] if picture else []), *([VIDEO] if video else [])]
 
 
 def drivable(
     robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, tracks: str | None, **limits: object
 ) -> DrivableRobot:
-    """Return a robot of a kind or of a file; only a file's takes wheels, tracks, size, speed and turn rate."""
-    given_limits = {name: value for name, value in limits.items() if value is not None}
-    if wheels and tracks:
-        raise ParameterError("tracks", "excludes wheels: give those on which the robot drives")
-    if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
-        model = from_file(robot, wheels, tracks).given(given_limits)
-        _ = model.drive  # an error before anything is driven
-        return model
-    for name in [*given_limits, *(["wheels"] if wheels else []), *(["tracks"] if tracks else [])]:
-        kind = robot_of(robot).kind
-        raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
-    return robot_of(robot)
+    """Return a robot of a kind or of a file that has a drive, as `chosen_robot` does."""
+    model = chosen_robot(robot, wheels, tracks, **limits)
+    _ = model.drive  # an error before anything is driven
+    return model
 
 
 def refuse_best(best: str | None, route: str) -> None:

@@ -314,9 +314,7 @@ def _verdict(
         yield f"Predicted: {subject} {can} {' and '.join(across)}."
     for name, way in ways.items():
         if way.length is None:
-            reason, at = getattr(way, "reason", None), getattr(way, "at", None)
-            why = "" if reason is None or at is None else f": it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
-            yield f"Predicted: {subject} {cannot} {name}{why}."
+            yield f"Predicted: {subject} {cannot} {name}{f': {why}' if (why := _why_not(way)) else ''}."
     if ways and crosser.search:
         yield "How surely, drives tell: add --verify, or use rsegen predict."
 
@@ -376,10 +374,15 @@ def _poses(poses: Any, written: Lengths) -> Iterator[str]:
         yield f"         clearance {half} or more in half of these, {least} at the least"
 
 
+def _why_not(way: Any) -> str:
+    """Return why a robot does not get across, and where; an empty text for paths of cells, which have no reason."""
+    reason, at = getattr(way, "reason", None), getattr(way, "at", None)
+    return "" if reason is None or at is None else f"it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
+
+
 def _way(way: Any) -> str:
     if way.length is None:
-        reason, at = getattr(way, "reason", None), getattr(way, "at", None)
-        return "none" if reason is None or at is None else f"none; it {reason} at x {at[0]:.2f}, y {at[1]:.2f} m"
+        return f"none; {why}" if (why := _why_not(way)) else "none"
     straight = f"{way.length:.2f} m, {way.length_ratio:.2f} x straight"
     if isinstance(cost := getattr(way, "cost", None), float):
         return f"{straight}; with rises {cost:.2f} m, {getattr(way, 'cost_ratio', 0):.2f} x"

@@ -2,10 +2,10 @@
 
     request --Guard: host, origin--> route --token, size, JSON--> types --> call in a thread --> JSON
 
-Nothing that comes in is trusted. The token is in the address that is printed, as Jupyter has it, and not
-in the command line of a browser that is opened, which other users of the machine can read. A web page that
-somebody else made can send requests to this machine too: it has no token, and of the answers it can read none, as no
-other origin is allowed. A name that was made to lead here ("DNS rebinding") is not among the hosts that are answered.
+Nothing that comes in is trusted. The token is in the address that is printed, as Jupyter has it, and not in the command
+line of a browser that is opened, which other users of the machine can read. A web page that somebody else made can send
+requests to this machine too: it has no token, and of the answers it can read none, as no other origin is allowed. A
+name that was made to lead here ("DNS rebinding") is not among the hosts that are answered.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from rsegen.page.host import open as open_document
 from rsegen.page.model.session import Session
 from rsegen.page.server import Desk
 from rsegen.recipe.recipe import Recipe
-from rsegen.writing.user_state import state_folder
+from rsegen.writing.user_state import create_private, state_folder
 
 _GRACE = 6.0
 """Seconds from the last page to the end: a reload takes one or two, and a page that lost its server tries after 1.5."""
@@ -159,10 +159,8 @@ def _kept_token(folder: Path) -> str:
     digest = blake2b(os.fsencode(folder), digest_size=12).hexdigest()
     path = state_folder() / f"{digest}.token"
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with suppress(FileExistsError):
-            with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
-                file.write(token)
+            create_private(path, token)
             return token
         kept = regular_content(path, 100) or b""
         if re.fullmatch(rb"[A-Za-z0-9_-]{32}", kept):

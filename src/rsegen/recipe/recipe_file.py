@@ -38,9 +38,15 @@ def load(path: str | Path) -> Recipe:
     ParameterError
         If a value in it is wrong.
     """
-    path = Path(path)
+    recipe, _ = recipe_and_content(Path(path))
+    return recipe
+
+
+def recipe_and_content(path: Path) -> tuple[Recipe, object]:
+    """Return the recipe in a file, and the content of the file, as `load` reads it."""
     try:
-        return decode(recipe_content(path))
+        content = recipe_content(path)
+        return decode(content), content
     except ParameterError as error:
         raise error.of(str(path)) from None
 

@@ -19,6 +19,21 @@ DrivableRobot: TypeAlias = Robot | SdfRobot
 """A robot that can be driven over a map: of a kind, or of a file."""
 
 
+def chosen_robot(
+    robot: str | os.PathLike[str] | DrivableRobot, wheels: str | None, tracks: str | None, **limits: object
+) -> DrivableRobot:
+    """Return a robot of a kind or of a file; only a file's takes wheels, tracks, size, speed and turn rate."""
+    given_limits = {name: value for name, value in limits.items() if value is not None}
+    if wheels and tracks:
+        raise ParameterError("tracks", "excludes wheels: give those on which the robot drives")
+    if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
+        return from_file(robot, wheels, tracks).given(given_limits)
+    for name in [*given_limits, *(["wheels"] if wheels else []), *(["tracks"] if tracks else [])]:
+        kind = robot_of(robot).kind
+        raise ParameterError(name, f"is for the robot of a file; {shown(kind)} has its own")
+    return robot_of(robot)
+
+
 def robot_of_kind(kind: str, where: str = "robot") -> Robot:
     """Return the robot of a kind, or raise an UnknownName that lists the kinds."""
     return ROBOTS.named(kind, where)

@@ -41,17 +41,12 @@ def add_robot(command: Parser) -> None:
 
 def run_robot(arguments: argparse.Namespace) -> Report:
     """Read the robot, and list its figures."""
-    from rsegen.errors import ParameterError
-    from rsegen.robots.lookup import robot_of
-    from rsegen.robots.sdf_file import SdfRobot, from_file
+    from rsegen.robots.lookup import chosen_robot
+    from rsegen.robots.sdf_file import SdfRobot
 
-    robot = robot_of(arguments.robot)
+    robot = chosen_robot(arguments.robot, arguments.wheels, arguments.tracks)
     if not isinstance(robot, SdfRobot):
-        if arguments.wheels or arguments.tracks:
-            raise ParameterError("wheels" if arguments.wheels else "tracks", "are for a robot of a file")
         return _report(robot.kind, list(_of_kind(robot)), ())
-    if arguments.wheels or arguments.tracks:
-        robot = from_file(arguments.robot, arguments.wheels, arguments.tracks)
     return _report(robot.kind, list(_of_file(robot)), tuple(_remarks(robot)))
 
 
@@ -130,10 +125,10 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
 
 def _remarks(robot: SdfRobot) -> Iterator[str]:
     yield from robot.remarks
-    if robot.light_wheels:
-        yield robot.light_wheels
-    if robot.held:
-        yield f"held in a drive as its model has them, as nothing drives them: {', '.join(robot.held)}"
+    if light := robot.light_wheels:
+        yield light
+    if held := robot.held:
+        yield f"held in a drive as its model has them, as nothing drives them: {', '.join(held)}"
 
 
 def _assumed(robot: SdfRobot, name: str) -> str:

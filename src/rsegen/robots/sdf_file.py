@@ -182,8 +182,8 @@ class SdfRobot(RobotOnField):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if simulator == "classic" and self.light_wheels:
-            yield f"{self.kind}: {self.light_wheels}"
+        if simulator == "classic" and (light := self.light_wheels):
+            yield f"{self.kind}: {light}"
         if simulator in BACKENDS:
             changes = _make_drivable(self._model(), self, self.kind, simulator)
         else:

@@ -51,7 +51,7 @@ def resolve_uris(model: Element, file: Path) -> None:
     folders of models that the simulators know; FileError if the mesh of a collision shape is not found.
     """
     for uri in model.iter("uri"):
-        path = _resolved((uri.text or "").strip(), file)
+        path = found_uri((uri.text or "").strip(), file)
         if path:
             uri.text = str(path)
     for mesh in model.iterfind(".//collision/geometry/mesh/uri"):
@@ -65,21 +65,16 @@ def _advice(uri: str, file: Path) -> str:
     scheme, separator, rest = uri.partition("://")
     if separator and scheme in ("model", "package"):
         name, _, inner = rest.lstrip("/").partition("/")
-        folder = _resolved(f"{scheme}://{name}", file)
+        folder = found_uri(f"{scheme}://{name}", file)
         if folder is None:
             return "put its package next to that of the file, or its folder into GAZEBO_MODEL_PATH"
         return f"there is no {inner} in {folder}"
     return "there is no such file"
 
 
-def found_uri(uri: str, file: Path) -> Path | None:
-    """Return the path of what a URI in a file names, None if it is not found."""
-    return _resolved(uri, file)
-
-
 def found_package(name: str, file: Path) -> Path | None:
     """Return the folder of a package that a file names, None if it is not found."""
-    return _resolved(f"package://{name}", file)
+    return found_uri(f"package://{name}", file)
 
 
 class Manifest(NamedTuple):
@@ -142,7 +137,7 @@ def packages_around(file: Path) -> Iterator[Path]:
                 waiting.append((inner, depth + 1))
 
 
-def _resolved(uri: str, file: Path) -> Path | None:
+def found_uri(uri: str, file: Path) -> Path | None:
     """Return the path of an existing file that a URI names, None if there is none."""
     scheme, separator, rest = uri.partition("://")
     candidates: Iterable[Path] = ()

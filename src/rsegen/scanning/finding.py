@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rsegen.errors import ScanError
+from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import Cell
@@ -94,16 +95,9 @@ def _is_one_patch(scan: Scan) -> bool:
 
 def _parts(cells: Mask) -> int:
     """Return the number of parts of some cells that are connected by sides."""
-    labels = np.where(cells, np.arange(1, cells.size + 1).reshape(cells.shape), 0)
-    while True:
-        around = np.pad(labels, 1)
-        spread = np.max(
-            [around[1:-1, 1:-1], around[2:, 1:-1], around[:-2, 1:-1], around[1:-1, 2:], around[1:-1, :-2]], 0
-        )
-        joined = np.where(cells, spread, 0)
-        if np.array_equal(joined, labels):
-            return len(np.unique(labels[cells]))
-        labels = joined
+    low, high = neighbours(cells.shape)
+    alike = cells.ravel()[low] & cells.ravel()[high]
+    return len(np.unique(component_labels(cells.size, low[alike], high[alike])[cells.ravel()]))
 
 
 def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:

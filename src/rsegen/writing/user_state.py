@@ -22,19 +22,24 @@ def state_folder() -> Path:
     return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "rsegen"
 
 
-def state_file(name: str, pid: int | None = None) -> Path:
-    """Return the file of a process, this one if none is given, under a name."""
-    return state_folder() / f"{name}-{os.getpid() if pid is None else pid}.json"
+def state_file(name: str) -> Path:
+    """Return the file of this process under a name."""
+    return state_folder() / f"{name}-{os.getpid()}.json"
+
+
+def create_private(path: Path, text: str) -> None:
+    """Write a new file in the state folder that only the user can read; an OSError if it cannot be, or is there."""
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+        file.write(text)
 
 
 def write_state(name: str, content: Any) -> None:
     """Write the file of this process; an OSError if that fails, which leaves the one before."""
     path = state_file(name)
     new = path.with_suffix(f".{os.urandom(4).hex()}")
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     try:
-        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
-            json.dump(content, file)
+        create_private(new, json.dumps(content))
         new.replace(path)
     except OSError:
         with suppress(OSError):

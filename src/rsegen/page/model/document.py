@@ -29,7 +29,7 @@ from rsegen.page.model.session import Draft, Session
 from rsegen.page.model.texts import text_after
 from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
-from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, load, recipe_content
+from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, recipe_and_content
 from rsegen.writing.store import write_file
 from rsegen.writing.user_state import state_file, state_files, write_state
 
@@ -176,7 +176,7 @@ def _checksum(content: bytes) -> str:
 
 def session_of_file(path: Path) -> Session:
     """Return a session with the recipe in a file, whose obstacles keep the keys that they have there."""
-    recipe, content = load(path), recipe_content(path)
+    recipe, content = recipe_and_content(path)
     rows = content.get("obstacles") if isinstance(content, Mapping) else None
     keys = (row.get("key") for row in rows or () if isinstance(row, Mapping))
     return Session.of(recipe, frozenset(key for key in keys if isinstance(key, str)))
