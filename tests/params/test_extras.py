@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 import sys
+import tomllib
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
@@ -17,9 +17,8 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_libraries_of_extras_are_those_of_the_project() -> None:
-    text = (ROOT / "pyproject.toml").read_text("utf-8")
-    (table,) = re.findall(r"^\[project\.optional-dependencies\]\n(.*?)^\[", text, re.MULTILINE | re.DOTALL)
-    declared = {name: re.findall(r'"([^"]+)"', row) for name, row in re.findall(r"^(\w+) = \[(.*?)\]", table, re.M)}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    declared = project["optional-dependencies"]
     declared.pop("all")
     assert {name: sorted(needed) for name, needed in requirements().items() if name not in ("", "all")} == {
         name: sorted(needed) for name, needed in declared.items()
