@@ -2,11 +2,14 @@
 
 python -m benchmarks.rating                does both, prints the tables and keeps benchmarks/results/rating.json
 python -m benchmarks.rating --simulated    rates simulated robots alone, ten minutes; the record of the others is kept
+python -m benchmarks.rating --add          rates those of rsegen's robots that the record has not
 python -m benchmarks.rating --only-print   prints the tables of the record
+python -m benchmarks.rating --file robot.urdf.xacro --name "Husky, husky/husky, noetic (dff7c81)"
+                                           rates a maker's robot with two seeds, and adds it to the record
 
 Simulated robots cross with a probability that is known, so it can be counted how often an interval holds the true
 level. Some have a curve of another form than the one that is fitted. rsegen's robots are rated with two seeds, whose
-intervals are compared; with other motors and friction; and by the prediction.
+intervals are compared; with other motors and friction, a maker's at another speed; and by the prediction.
 """
 
 from __future__ import annotations
@@ -120,6 +123,7 @@ class Robot(NamedTuple):
     by: str = "mujoco"
     motors: str | None = None
     friction: float = 1.0
+    speed: float | None = None  # m/s, of the robot of a file; None: its usual one
     seed: int = 7
 
     @property
@@ -127,7 +131,8 @@ class Robot(NamedTuple):
         """The judge and what differs, in words."""
         words = "MuJoCo" if self.by == "mujoco" else self.by
         motors = f", motors as {self.motors}" if self.motors else ""
-        return f"{words}{motors}{f', friction {self.friction:g}' if self.friction != 1 else ''}"
+        friction = f", friction {self.friction:g}" if self.friction != 1 else ""
+        return f"{words}{motors}{friction}{f', at {self.speed:g} m/s' if self.speed else ''}"
 
 
 SEEDS = 7, 8
@@ -135,7 +140,7 @@ SEEDS = 7, 8
 ROBOTS = (
     *(Robot(kind, seed=seed) for kind, seed in product(("burger", "jackal", "crawler"), SEEDS)),
     *(Robot(kind, motors="classic") for kind in ("burger", "jackal")),
-    *(Robot(kind, friction=0.5) for kind in ("burger", "jackal")),
+    *(Robot(kind, friction=0.5) for kind in ("burger", "jackal", "crawler")),
     *(Robot(kind, by="prediction") for kind in ("burger", "jackal", "crawler")),
 )
 
@@ -144,11 +149,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     options = _options(arguments)
     record: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
-    if not options.only_print:
-        record |= {"machine": machine(), "simulated": list(simulated())}
+    if options.file:
+        others = [
+            row for row in record.get("makers", ()) if (row["kind"], row["speed"]) != (options.name, options.speed)
+        ]
+        robots = [Robot(options.file, seed=seed, speed=options.speed) for seed in SEEDS]
+        made = [{**_rated(robot), "kind": options.name} for robot in robots]
+        record["makers"] = [*others, *made]
         _keep(record)
-        record |= {"robots": []} if not options.simulated else {}
-        for robot in ROBOTS if not options.simulated else ():
+    elif not options.only_print:
+        if not options.add:
+            record |= {"machine": machine(), "simulated": list(simulated())}
+            record |= {} if options.simulated else {"robots": []}
+            _keep(record)
+        known = [_robot(row) for row in record["robots"]]
+        for robot in () if options.simulated else (robot for robot in ROBOTS if robot not in known):
             record["robots"].append(_rated(robot))
             _keep(record)
     print("\n".join(table(record)))
@@ -195,7 +210,7 @@ def _rated(robot: Robot) -> dict[str, Any]:
     """Return the rating of a robot."""
     recipe = replace(usual_fields(), seed=robot.seed, friction=robot.friction)
     begin = perf_counter()
-    rating = rsegen.rate(robot.kind, recipe, by=robot.by, motors=robot.motors, workers=cores())
+    rating = rsegen.rate(robot.kind, recipe, by=robot.by, motors=robot.motors, speed=robot.speed, workers=cores())
     print(f"{robot}: {perf_counter() - begin:.0f} s", file=sys.stderr)
     assert isinstance(rating, rsegen.Rating)  # noqa: S101  # without a reliability it is one
     (curve,) = rating.curves
@@ -211,17 +226,23 @@ def _rated(robot: Robot) -> dict[str, Any]:
 
 def pairs(record: Mapping[str, Any]) -> tuple[list[Mapping[str, Any]], list[Mapping[str, Any]]]:
     """Return the rows of the usual robots with the first seed, and with the second."""
-    usual = [row for row in record["robots"] if (row["by"], row["motors"], row["friction"]) == ("mujoco", None, 1.0)]
-    first, second = ([row for row in usual if row["seed"] == seed] for seed in SEEDS)
+    usual = [row for row in record["robots"] if Robot(row["kind"], seed=row["seed"]) == _robot(row)]
+    rows = [*usual, *(row for row in record.get("makers", ()) if row["speed"] is None)]
+    first, second = ([row for row in rows if row["seed"] == seed] for seed in SEEDS)
     return first, second
+
+
+def _robot(row: Mapping[str, Any]) -> Robot:
+    """Return the robot of a row of the record."""
+    return Robot(**{name: row[name] for name in Robot._fields})
 
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """Yield the figures as lines of Markdown."""
     yield "| robot | judge | seed | half at a unit of | 80 % at | trials |"
     yield "|---|---|---|---|---|---|"
-    for row in record.get("robots", ()):
-        robot = Robot(**{name: row[name] for name in Robot._fields})
+    for row in (*record.get("robots", ()), *record.get("makers", ())):
+        robot = _robot(row)
         levels = " | ".join(_level(row[name]) for name in ("half", "most"))
         yield f"| {robot.kind} | {robot.title} | {robot.seed} | {levels} | {row['trials']} |"
     yield (
@@ -259,8 +280,15 @@ def _share(count: int, of: int) -> str:
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.rating", description=__doc__.splitlines()[0])
     parser.add_argument("--simulated", action="store_true", help="simulated robots alone")
+    parser.add_argument("--add", action="store_true", help="rate those of rsegen's robots that the record has not")
     parser.add_argument("--only-print", action="store_true", help="print the tables of the record")
-    return parser.parse_args(arguments)
+    parser.add_argument("--file", help="file of a maker's robot, which is rated and added to the record")
+    parser.add_argument("--speed", type=float, help="its speed in m/s, in place of its usual one")
+    parser.add_argument("--name", help="what its row says: the robot, its repository, branch and commit")
+    options = parser.parse_args(arguments)
+    if bool(options.file) != bool(options.name):
+        parser.error("--file and --name are given together")
+    return options
 
 
 if __name__ == "__main__":

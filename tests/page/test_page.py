@@ -493,6 +493,31 @@ def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrom
     until(lambda: "--robot 'other robot.sdf'" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
 
 
+def test_a_rating_grows_and_a_click_on_a_trial_plays_it(chrome: Chrome, address: str) -> None:
+    page = Page(chrome, address, "peak")
+    page.js("state.dialog.value = { name: 'run', command: 'rate' }")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
+    Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select')).select_by_value("jackal")
+    page.type("Trials", "24")
+    chrome.find_element(By.CSS_SELECTOR, "dialog button[type=submit]").click()
+
+    def trials() -> list[WebElement]:
+        return chrome.find_elements(By.CSS_SELECTOR, ".rating .trial")
+
+    until(lambda: len(trials()) >= 8)
+    assert len(trials()) < 24, "the curve came when all trials were made"
+    until(lambda: len(trials()) == 24)
+    crossed = [each for each in trials() if each.get_attribute("aria-label").endswith(", crossed")]
+    assert 0 < len(crossed) < 24
+    assert all(
+        each.location["y"] < chrome.find_element(By.CSS_SELECTOR, ".rating .curve").location["y"] for each in crossed
+    )
+    page.js("arguments[0].dispatchEvent(new MouseEvent('click', { bubbles: true }))", crossed[0])
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, ".timeline"))
+    assert not chrome.find_elements(By.CSS_SELECTOR, "dialog[open]")
+    assert page.state()["title"].startswith("peak")
+
+
 def test_maps_are_counted_from_one_and_chosen_by_their_names(chrome: Chrome, address: str) -> None:
     page = Page(chrome, address, "mixed-course")
     chooser = chrome.find_element(By.CSS_SELECTOR, ".chooser output")

@@ -47,6 +47,8 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
     "save": {},
     "run": {"command": "metrics", "values": {}},
     "jobs": {},
+    "rating": {"path": "rate"},
+    "drive_trial": {"path": "rate", "judge": "the prediction by its poses", "trial": 0},
     "cancel": {"job": 1},
     "shell_target": {"command": "metrics"},
     "made_maps": {"paths": ["field.yaml"]},
@@ -82,6 +84,7 @@ def fits(value: Any, hint: Any) -> bool:
 def host(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Host]:
     rsegen.save(RECIPE, tmp_path / "field.yaml")
     drive(tmp_path / "a", [[0.1 * at, 0.01 * at, 0, 0, 0, 0, 0] for at in range(40)], crossed=3.0)
+    rsegen.rate("burger", seed=7, trials=8, by="prediction", output=tmp_path / "rate")
     load_calls()
     host = Host(folder=tmp_path)
     monkeypatch.setenv("PATH", "")  # no file manager is opened

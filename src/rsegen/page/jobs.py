@@ -74,6 +74,7 @@ class Job:
     total: float | None = None  # null: unknown
     step: str = _WAITS
     lines: list[str] = field(default_factory=list)  # its report, or the one line of its error
+    output: str = ""  # the file or folder that it writes, seen from the folder of pages
     files: list[MadeFile] = field(default_factory=list)
     result: Json = None  # of --json
     opens: str | None = None  # a recipe that a page may open: of scan, import
@@ -284,8 +285,8 @@ def _made(folder: Path, output: Path, began: float) -> Iterator[MadeFile]:
     paths = [folder / output] if (folder / output).is_file() else _below(folder / output)
     for path in paths:
         kind = HOLDS.get(path.name) or _KINDS.get(path.suffix)
-        if kind == "recipe" and (path.parent / "drive.json").is_file():
-            continue  # the map of a drive, which is opened with it
+        if kind == "recipe" and any((path.parent / name).is_file() for name in ("drive.json", "rating.json")):
+            continue  # the map of a drive, which is opened with it, or the fields of a rating, each at its own level
         if kind and path.stat().st_mtime >= began - 1:
             shown = path.parent if kind in ("drive", "dataset") else path
             name = path.parent.name if kind == "recipe" else shown.name

@@ -105,6 +105,7 @@ def run(  # noqa: PLR0913  # a page gives each
         doc=doc,
         command=command,
         line=told.before + shlex.join(["rsegen", command, *told.flags, *flags, *after, *words]),
+        output=str(place or ""),
     )
     # A command without arguments takes no -- before them either.
     arguments = [command, *flags, "--json", "--progress=json"]

@@ -23,5 +23,6 @@ CAPABILITY = Capability(
         "rsegen.rating.rating": ("Curve", "Rating"),
         "rsegen.rating.reliability": ("ReliabilityTest", "failures_allowed"),
     },
+    calls=("rsegen.rating.page",),
     manual="rating",
 )

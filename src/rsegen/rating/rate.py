@@ -157,7 +157,7 @@ def rate_robot(  # noqa: PLR0913  # as `rsegen.rate`
 
 def _curves(plan: RatingPlan, judges: Sequence[Judge], store: Store | None, target: Target) -> list[Curve]:
     """Return the curve of each judge; Stopped, with how many trials are kept, after Ctrl-C."""
-    begun = read_entries(store) if store else {}
+    begun = read_entries(store.folder, store.journal.content) if store else {}
     made = sum(len(begun.get(judge.title, ())) for judge in judges)
     curves: list[Curve] = []
 

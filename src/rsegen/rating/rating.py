@@ -268,14 +268,14 @@ def plot(rating: Rating) -> bytes:
     """Draw a PNG: shares that were crossed with their Wilson intervals and numbers of trials; curves and 95 % bands."""
     figure = figure_of(8.5, 5.6, 4, 8)
     axes, axis = figure.subplots(), rating.axis
-    places = np.linspace(*_shown_places(rating), _POINTS)
+    places = np.linspace(*shown_places(rating.curves), _POINTS)
     levels = [axis.level(place) for place in places]
     for colour, curve in zip(_COLOURS, rating.curves, strict=False):
         known = curve.posterior
         low, high = known.band(places)
         axes.fill_between(levels, low, high, color=colour, alpha=0.18, linewidth=0)
         axes.plot(levels, known.expected(places), color=colour, linewidth=2, label=_label(curve))
-        for level, crossed, count in _points(curve):
+        for level, crossed, count in points_of(curve):
             share, (below, above) = crossed / count, wilson(crossed, count)
             axes.plot([level, level], [below, above], color=colour, linewidth=0.8, alpha=0.5)
             axes.plot([level], [share], "o", color=colour, markersize=3 + 1.1 * count**0.5, alpha=0.75)
@@ -288,9 +288,9 @@ def plot(rating: Rating) -> bytes:
         axes.axhline(share, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
     axes.set_xscale("log")
     axes.set(xlim=(levels[0], levels[-1]), ylim=(-0.04, 1.06), ylabel="share of fields that are crossed")
-    axes.set_xlabel(_axis_label(axis))
+    axes.set_xlabel(axis_label(axis))
     axes.set_title(f"{rating.robot} on {rating.fields_in_words}, seed {rating.recipe.seed}", fontsize=11)
-    ticks = _ticks(*sorted((levels[0], levels[-1])))
+    ticks = ticks_between(*sorted((levels[0], levels[-1])))
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.legend(loc="lower left", fontsize=8)
@@ -302,20 +302,22 @@ def _label(curve: Curve) -> str:
     return counted if curve.outside else f"{counted}\nhalf at {curve.axis.shown(*curve.half)}"
 
 
-def _axis_label(axis: Axis) -> str:
+def axis_label(axis: Axis) -> str:
+    """Return what the levels of an axis are, as the axis of a plot says it."""
     unit = {"unit": "unit [cm]", "block_width": "width of a block [cm]", "slope": "slope [degrees]"}
     return f"{unit.get(axis.name, axis.name)}, harder to the right"
 
 
-def _shown_places(rating: Rating) -> tuple[float, float]:
-    """Return the ends of the plot: from where nearly all fields are crossed to where hardly any is, on every curve."""
-    ends = [curve.posterior.at_share(share)[0] for curve in rating.curves for share in (0.9, 0.03)]
-    ends += [rating.axis.place(level) for curve in rating.curves for level, _, count in _points(curve) if count > 1]
-    first, last = rating.axis.ends
+def shown_places(curves: Sequence[Curve]) -> tuple[float, float]:
+    """Return the ends of a plot: from where nearly all fields are crossed to where hardly any is, on every curve."""
+    axis = curves[0].axis
+    ends = [curve.posterior.at_share(share)[0] for curve in curves for share in (0.9, 0.03)]
+    ends += [axis.place(level) for curve in curves for level, _, count in points_of(curve) if count > 1]
+    first, last = axis.ends
     return max(min(ends) - 0.1, first), min(max(ends) + 0.1, last)
 
 
-def _points(curve: Curve) -> Iterator[tuple[float, int, int]]:
+def points_of(curve: Curve) -> Iterator[tuple[float, int, int]]:
     """Yield the mean level of trials that are near to each other, how many crossed, and how many have a result."""
     bins: dict[int, list[tuple[float, int, int]]] = {}
     for level, crossed, count in curve.counts():
@@ -326,7 +328,7 @@ def _points(curve: Curve) -> Iterator[tuple[float, int, int]]:
         yield exp(float(np.log(levels) @ counts / counts.sum())), int(crossings.sum()), int(counts.sum())
 
 
-def _ticks(low: float, high: float) -> Array:
+def ticks_between(low: float, high: float) -> Array:
     """Return round levels between two ends, fewer of them on a wide axis."""
     steps = (1, 2, 5) if high / low > 12 else (1, 1.5, 2, 3, 4, 5, 6, 8) if high / low > 2 else np.arange(1, 10, 0.25)
     values = np.array([step * 10.0**power for power in range(-4, 4) for step in steps])

@@ -27,7 +27,7 @@ from rsegen.rating.psychometric import next_places
 from rsegen.rating.rating import FILES, HOLDS, Curve
 from rsegen.recipe.recipe import Recipe
 from rsegen.writing.execute import Execution, executor_of
-from rsegen.writing.journal import is_intact, read_errors, read_journal
+from rsegen.writing.journal import Journal, is_intact, read_errors, read_journal
 from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
 
 _BATCH, _MOST_IN_BATCH, _SHARE = 8, 64, 8
@@ -165,11 +165,10 @@ _SORTS: dict[str, Any] = {
 _OPTIONAL = {"crossed", "seconds", "x", "tipped", "duration"}
 
 
-def read_entries(store: Store) -> dict[str, list[Trial]]:
-    """Return the trials in a journal by the titles of their judges; FileError for one that was changed."""
+def read_entries(folder: Path, journal: Journal | None) -> dict[str, list[Trial]]:
+    """Return the trials in a folder's journal by the titles of their judges; FileError for one that was changed."""
     begun: dict[str, list[Trial]] = {}
-    content = store.journal.content
-    for number, result in enumerate(content.results if content else (), 1):
+    for number, result in enumerate(journal.results if journal else (), 1):
         try:
             refuse_unknown("key", result, _SORTS)
             values: dict[str, Any] = {
@@ -181,6 +180,6 @@ def read_entries(store: Store) -> dict[str, list[Trial]]:
                 raise ParameterError("map", f"{values['map']} is not {len(known)}, the next one")
         except ParameterError as error:
             advice = "give another folder, or force=True"
-            raise FileError(f"{store.folder / JOURNAL}: result {number}: {error}; {advice}") from None
+            raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
         known.append(Trial(**values))
     return begun

@@ -25,6 +25,7 @@ export interface Job {
   total: number | null; // null: unknown
   step: string;
   lines: string[]; // its report, or the one line of its error
+  output: string; // the file or folder that it writes, seen from the folder of pages
   files: MadeFile[];
   result: Json; // of --json
   opens: string | null; // a recipe that a page may open: of scan, import
@@ -335,6 +336,32 @@ export interface DrawnPose {
   polygon: [number, number, number][]; // support polygon, in order
 }
 
+/* A rating, with the trials that have been made. */
+export interface RatingSoFar {
+  robot: string;
+  axis: string; // what the levels are
+  ticks: number[];
+  is_rising: boolean; // whether higher levels are harder
+  curves: RatedCurve[];
+  can_drive: boolean; // whether a trial can be driven again
+}
+
+/* The trials of one judge, and what they tell. */
+export interface RatedCurve {
+  judge: string;
+  half: string; // in words, with its interval
+  points: [number, number, number][]; // level, crossed, trials: several trials near to each other
+  line: [number, number, number, number][]; // level, share that is crossed, and the ends of its 95 % interval
+  trials: RatedTrial[];
+}
+
+/* A robot on one field. */
+export interface RatedTrial {
+  map: number; // the index of its field
+  level: number;
+  crossed: boolean | null; // null: it has no result
+}
+
 /* All that pages show of a document. */
 export interface State {
   doc: string;
@@ -510,6 +537,8 @@ export interface Calls {
   close: { args: { doc: string }; result: null };
   /* Return how surely a robot gets across a map, with all drives that tell it. */
   crossing: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
+  /* Drive a trial again in MuJoCo, as a job that writes a drive beside the folder of its rating. */
+  drive_trial: { args: { doc: string; path: string; judge: string; trial: number }; result: Job };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */
   edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
   /* List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files. */
@@ -532,6 +561,8 @@ export interface Calls {
   playback: { args: { path: string }; result: Playback };
   /* Return how a robot rests that is put down level at x, y with a heading; also beside the map. */
   pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: DrawnPose };
+  /* Return the rating that a folder holds, also of a command that still runs; a UserError until a trial has ended. */
+  rating: { args: { path: string }; result: RatingSoFar };
   /* Return where a robot gets on a map, its ways across, and a start and a goal for it. */
   reach: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Take over what is in the file. */

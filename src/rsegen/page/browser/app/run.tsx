@@ -8,6 +8,7 @@ import { play } from "./playback";
 import type { DescribedCommand, Field, Job, Json, SceneData, ShellTarget } from "./protocol";
 import { call, fileOf, Failed } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
+import { RatingCurves } from "./rating";
 import { Picture, copy } from "./results";
 
 /* What a command is called in menus. */
@@ -135,6 +136,7 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
       <p class={`state ${job.state}`} role="status"><b>{job.state}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
       {job.state === "running" && <Progress job={job} />}
       <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
+      {job.command === "rate" && job.output && <RatingCurves job={job} />}
       <Report text={job.lines.join("\n")} isBad={job.state === "failed"} />
       <div class="pictures">{job.files.filter((file) => file.kind === "picture" && !isOfMap(file, job)).slice(0, 8).map((file) => <FilePicture key={file.path} {...file} wide={isOnTop(file) && !job.files.every(isOnTop)} />)}</div>
       {job.files.filter((file) => file.kind === "table" && isOnTop(file)).slice(0, 4).map((file) => <FileTable key={file.path} {...file} />)}
