@@ -14,6 +14,7 @@ RsegenError
 │   ├── NoSimulator      no simulator that is installed here can fulfil a request
 │   └── NothingRuns      a running simulation should be changed, and none runs
 ├── WriteError           the disk failed in the middle; nothing half written is left; exit code 1
+│   └── Stuck            so that not all of what was replaced could be put back; the message names it
 ├── Incomplete           the user's mistake showed only after something was written, which stays; exit code 1
 ├── WorkerLost           a worker was killed from outside; nothing half written is left; exit code 1
 ├── FilesDamaged         files on disk are not what rsegen wrote; exit code 1
@@ -74,6 +75,10 @@ class NothingRuns(UserError):
 
 class WriteError(RsegenError):
     """The disk failed in the middle of writing."""
+
+
+class Stuck(WriteError):
+    """The disk failed, and failed again when what was replaced was put back; the message names what was not."""
 
 
 class Incomplete(RsegenError):

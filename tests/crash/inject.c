@@ -26,20 +26,22 @@ Not seen are writes by the C library itself (fprintf, fputs; fwrite is), by mmap
 #include <unistd.h>
 
 #define FILES 4096
-enum mode { COUNT, KILL, KILLAFTER, FAIL, FULL, SHORT, INTERRUPT, STOP };
+enum mode { COUNT, KILL, KILLAFTER, FAIL, FULL, SHORT, INTERRUPT, STOP, STUCK, DEAD };
 enum verdict { PASS, FAILS, THEN_DIE, HALF };
 
 struct control {
     int32_t group;        /* the process group that is counted; 0: none */
     int32_t main;         /* the process that gets SIGINT */
     int32_t mode;         /* enum mode */
-    int32_t error;        /* errno of FAIL */
+    int32_t error;        /* errno of FAIL, STUCK and DEAD */
     int32_t alone;        /* kill only the process that makes the call, not its group */
     int32_t no_locks;     /* flock and fcntl's locks fail with ENOLCK */
     int32_t no_exchange;  /* renameat2 with flags, such as RENAME_EXCHANGE, fails with this errno */
     int32_t full;         /* set by FULL: the disk is full from now on */
     int32_t cut;          /* set by SHORT: the next write fails */
     int32_t busy;         /* a lock on `unsynced` */
+    int32_t every;        /* STUCK: each so many-th of the renames from the k-th call on fails */
+    int32_t renames;      /* the renames from the k-th call on */
     int64_t k;
     int64_t calls;
     int64_t by_workers;   /* those of other processes than `main` */
@@ -91,6 +93,13 @@ static int below(int folder, const char *path, char *found) {
     return counted(found);
 }
 
+/* Whether a call fails that is not the first: renames go on to fail, or all calls of a disk that is gone. */
+static int goes_on(const char *call) {
+    if (control->mode == DEAD) return 1;
+    if (control->mode != STUCK || (strncmp(call, "rename", 6) && strcmp(call, "link"))) return 0;
+    return __atomic_fetch_add(&control->renames, 1, __ATOMIC_SEQ_CST) % control->every == 0;
+}
+
 /* What happens to a call: counts it, and if it is the k-th, does what the mode says. */
 static enum verdict judge(const char *call, const char *path, int allocates, int writes) {
     int64_t number = __atomic_add_fetch(&control->calls, 1, __ATOMIC_SEQ_CST);
@@ -100,7 +109,15 @@ static enum verdict judge(const char *call, const char *path, int allocates, int
         errno = control->error;
         return FAILS;
     }
-    if (number == control->k) {
+    if (control->k && number >= control->k && goes_on(call)) {
+        if (!control->call[0]) {
+            snprintf(control->call, sizeof control->call, "%s", call);
+            snprintf(control->path, sizeof control->path, "%s", path);
+        }
+        errno = control->error;
+        return FAILS;
+    }
+    if (number == control->k && control->mode != STUCK) {
         snprintf(control->call, sizeof control->call, "%s", call);
         snprintf(control->path, sizeof control->path, "%s", path);
         switch (control->mode) {

@@ -16,8 +16,8 @@ from pathlib import Path
 _SOURCE = Path(__file__).with_name("inject.c")
 _FILES = 4096
 
-MODES = ("count", "kill", "killafter", "fail", "full", "short", "interrupt", "stop")
-"""What happens at the k-th call, in the order of inject.c."""
+MODES = ("count", "kill", "killafter", "fail", "full", "short", "interrupt", "stop", "stuck", "dead")
+"""What happens at the k-th call, in the order of inject.c; from it on, `stuck` renames fail, or all calls: `dead`."""
 
 ERRORS = (errno.EIO, errno.ENOSPC, errno.EACCES, errno.EPERM, errno.EDQUOT, errno.EROFS)
 
@@ -31,7 +31,7 @@ class Control(ctypes.Structure):
 
     _fields_ = (
         *((name, ctypes.c_int32) for name in ("group", "main", "mode", "error", "alone", "no_locks", "no_exchange")),
-        *((name, ctypes.c_int32) for name in ("full", "cut", "busy")),
+        *((name, ctypes.c_int32) for name in ("full", "cut", "busy", "every", "renames")),
         *((name, ctypes.c_int64) for name in ("k", "calls", "by_workers", "files")),
         ("unsynced", _File * _FILES),
         ("call", ctypes.c_char * 32),
@@ -44,13 +44,15 @@ class Control(ctypes.Structure):
 class Injection:
     """What happens to a run at the k-th of its calls that write below the folder; nothing if k is 0.
 
-    error: errno of `fail` and of the end of `short`   alone: `kill` kills one process only
+    error: errno of `fail`, `stuck`, `dead` and of the end of `short`   every: which renames are `stuck`, 1: all
+    alone: `kill` kills one process only
     power: the power fails with the kill: what was not synced is lost   no_locks, no_exchange: what the disk lacks
     """
 
     mode: str = "count"
     k: int = 0
     error: int = 0
+    every: int = 1
     alone: bool = False
     power: bool = False
     no_locks: bool = False
@@ -64,6 +66,7 @@ class Injection:
     def __str__(self) -> str:
         words = [f"{self.mode} at call {self.k}"]
         words += [errno.errorcode[self.error]] if self.error else []
+        words += [f"every {self.every}"] if self.mode == "stuck" else []
         words += [word for word in ("alone", "power", "no_locks") if getattr(self, word)]
         words += [f"no exchange ({errno.errorcode[self.no_exchange]})"] if self.no_exchange else []
         return ", ".join(words)
@@ -73,7 +76,7 @@ class Injection:
         ctypes.memset(ctypes.addressof(control), 0, ctypes.sizeof(control))
         control.mode, control.k, control.error = MODES.index(self.mode), self.k, self.error or errno.ENOSPC
         control.alone, control.no_locks, control.no_exchange = self.alone, self.no_locks, self.no_exchange
-        control.root = os.fsencode(root)
+        control.every, control.root = self.every, os.fsencode(root)
 
 
 def mapped_control(path: str | Path) -> Control:

@@ -28,7 +28,17 @@ from tests.crash.judging import (
 )
 from tests.crash.server import Server
 
-KINDS = {"kill": 20, "killafter": 14, "power": 12, "fail": 26, "full": 8, "short": 5, "interrupt": 15}
+KINDS = {
+    "kill": 20,
+    "killafter": 14,
+    "power": 12,
+    "fail": 26,
+    "full": 8,
+    "short": 5,
+    "interrupt": 15,
+    "stuck": 18,
+    "dead": 6,
+}
 """How often each is drawn: what happens at a call."""
 SECOND, TAKEN, RESERVED = "second run", "foreign in its place", "foreign hidden name"
 RUN_BY_NAME = {run.name: run for run in RUNS}
@@ -105,7 +115,7 @@ def _disturbed(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, l
     """A call of the run fails, or kills it; in some trials the run that continues it is killed too."""
     injection = _injection(trial.kind, trial.rng, alone.calls)
     command, done = list(trial.run.command), list[str]()
-    wrong, gaps = list[str](), False
+    wrong, gaps, named = list[str](), False, ""
     for again in range(1 + (trial.rng.random() < 0.25)):
         if again:  # a run that goes on is killed too
             command = _continued(trial.run, alone, server)
@@ -116,8 +126,9 @@ def _disturbed(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, l
             cut_power(server.root, end)
         done.append(f"{replace(injection, **trial.lacks)}: {end.call or 'never reached'}")
         gaps |= bool("no_exchange" in trial.lacks and end.signal)
+        named += end.err.partition("could not be put back")[2]
         now, interrupted = tree(server.trial), injection.mode == "interrupt" and bool(end.call)
-        wrong += _judged(trial.run, alone, now, before, gaps=gaps)
+        wrong += _judged(trial.run, alone, now, before, gaps=gaps, named=named)
         wrong += wrong_end(end, before, now, alone.whole, interrupted=interrupted)
     wrong += _gone_on(trial.run, alone, server)
     if not wrong and trial.rng.random() < 0.2:
@@ -125,10 +136,12 @@ def _disturbed(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, l
     return "; then ".join(done), wrong
 
 
-def _judged(run: Run, alone: Undisturbed, now: Tree, before: Tree, *, gaps: bool = False) -> Iterator[str]:
+def _judged(
+    run: Run, alone: Undisturbed, now: Tree, before: Tree, *, gaps: bool = False, named: str = ""
+) -> Iterator[str]:
     """What is wrong with what is on disk after a run that was disturbed."""
     old, whole, found = (_of_root(files) for files in (alone.before, alone.whole, now))
-    yield from neither_old_nor_new(found, old, whole, run.depth, gaps=gaps)
+    yield from neither_old_nor_new(found, old, whole, run.depth, gaps=gaps, named=named)
     yield from (f"outside: {line}" for line in differences(_outside(now), _outside(before)))
 
 
@@ -247,7 +260,8 @@ def _injection(kind: str, rng: random.Random, calls: int) -> Injection:
     return Injection(
         mode="kill" if kind == "power" else kind,
         k=rng.randint(1, max(1, calls)),
-        error=rng.choice(ERRORS) if kind == "fail" else errno.ENOSPC if kind == "short" else 0,
+        error=rng.choice(ERRORS) if kind in ("fail", "stuck", "dead") else errno.ENOSPC if kind == "short" else 0,
+        every=rng.choice((1, 1, 2, 3)) if kind == "stuck" else 1,
         alone=kind in ("kill", "killafter") and rng.random() < 0.5,
         power=kind == "power",
     )

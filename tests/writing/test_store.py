@@ -17,8 +17,8 @@ import pytest
 
 from rsegen.errors import FilesDamaged, OutputError, Stopped, WriteError
 from rsegen.input_files import JOURNAL
-from rsegen.writing import store as store_module
 from rsegen.writing import swap
+from rsegen.writing import undo as undo_module
 from rsegen.writing.journal import verify
 from rsegen.writing.store import (
     Store,
@@ -191,7 +191,7 @@ def test_a_map_that_lies_aside_when_the_run_is_killed_comes_back_and_is_never_me
     is_aside = not (tmp_path / "map").exists()
     assert is_aside == (renames == 1)
     if is_aside:
-        with pytest.raises(FilesDamaged, match=r"map: lies in .*, as a run that replaced it was killed"):
+        with pytest.raises(FilesDamaged, match=r"map: lies in .*, as a run that replaced it did not get to its end"):
             verify(tmp_path)
     write_folder(BUNDLE, tmp_path / "other")
     assert (contents(tmp_path / "map") == old) == (renames < 2)
@@ -268,14 +268,14 @@ def test_files_that_cannot_all_be_put_in_place_are_all_as_before(
     with open_store(tmp_path) as store:
         store.put({"a": [b"1"], "d/b": [b"2"]})
     before = contents(tmp_path)
-    sync = store_module.Store._put_unit
+    swapped = undo_module.Swaps.swap
 
-    def fails(self: Store, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
+    def fails(self: undo_module.Swaps, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
         if place.name == "c":
             raise OSError(errno.EIO, "Input/output error")
-        sync(self, new, place, undo, replaces=replaces)
+        swapped(self, new, place, undo, replaces=replaces)
 
-    monkeypatch.setattr(store_module.Store, "_put_unit", fails)
+    monkeypatch.setattr(undo_module.Swaps, "swap", fails)
     with pytest.raises(WriteError, match="nothing was changed"), open_store(tmp_path) as store:
         store.put({"a": [b"10"], "d/b": [b"20"], "e/f": [b"30"], "c": [b"40"]}, force=True)
     assert contents(tmp_path) == before
@@ -292,7 +292,7 @@ def test_a_name_that_somebody_takes_in_the_last_moment_stays_his(
         place.write_text("years of work")
         put(new, place)
 
-    monkeypatch.setattr(store_module, "put", late)
+    monkeypatch.setattr(undo_module, "put", late)
     with pytest.raises(OutputError):
         write_file([b"new"], tmp_path / "a.png")
     assert contents(tmp_path) == {"a.png": b"years of work"}

@@ -29,10 +29,13 @@ from typing import Any
 from rsegen.errors import FileError, FilesDamaged, OutputError
 from rsegen.input_files import JOURNAL, Checksum, checksum_of, open_regular
 from rsegen.params.sorts import Json
-from rsegen.writing.swap import put, sync
+from rsegen.writing.swap import NotPutBack, put, sync
 
 HIDDEN = ".rsegen"
 """Start of the names of rsegen's own folders, which no journal lists: staging, and a folder being replaced."""
+
+KEPT = "kept"
+"""The file in a hidden folder that says, in lines of JSON, what lies in it, and at which place it belongs (undo.py)."""
 
 _FORMAT = 1
 _LARGEST = 256 * 2**20
@@ -114,7 +117,7 @@ def _decoded(text: bytes) -> Journal:
     results = []
     for entry in entries:
         if "file" in entry:
-            name = _inside(entry["file"])
+            name = inside(entry["file"])
             if not isinstance(entry["bytes"], int):
                 raise TypeError(entry["bytes"])
             checksum = Checksum(bytes=entry["bytes"], sha256=str(entry["sha256"]))
@@ -126,7 +129,7 @@ def _decoded(text: bytes) -> Journal:
     return Journal(holds=str(first["holds"]), of=first.get("of"), files=files, results=tuple(results), size=len(whole))
 
 
-def _inside(name: str) -> str:
+def inside(name: str) -> str:
     """Return the path of a file in the folder; ValueError if it leads out of it."""
     path = PurePosixPath(name)
     if path.is_absolute() or ".." in path.parts or not path.parts or str(path) != name:
@@ -149,11 +152,19 @@ class OpenJournal:
 
     @contextmanager
     def announced(self, files: Mapping[str, Checksum], holds: str) -> Iterator[None]:
-        """Append a line for each of these files first; if what is done inside fails, they are cut off again."""
+        """Append a line for each of these files first; if what is done inside fails, they are cut off again.
+
+        They stay if files could not be put back, which would be nobody's else: each may be old or new.
+        """
         size, content = self._size, self.begin(holds)
         self._append(files)
         try:
             yield
+        except NotPutBack:
+            for name, checksum in files.items():
+                known = (old for old in content.files.get(name, ()) if old != checksum)
+                content.files[name] = (*known, checksum)
+            raise
         except BaseException:
             self._cut(size)
             raise
@@ -331,6 +342,18 @@ def asides(folder: Path) -> Iterator[tuple[Path, Path]]:
         yield from ((aside, folder / aside.relative_to(above)) for aside in above.glob("/".join("*" * depth)))
 
 
+def kept(folder: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield what lies in the hidden folder of a folder, and is not to be removed, and its place."""
+    lines: list[bytes] = []
+    with suppress(OSError), open_regular(folder / HIDDEN / KEPT) as file:
+        lines = file.read(_LARGEST).splitlines()
+    for line in lines:
+        with suppress(ValueError, TypeError, AttributeError, RecursionError):
+            lies, place = (folder / inside(name) for name in json.loads(line))
+            if os.path.lexists(lies) and (folder / HIDDEN) in lies.parents and not place.parent.is_symlink():
+                yield lies, place
+
+
 def _is_own(name: str, path: str) -> bool:
     """Return whether a folder is a hidden one of a run, and does not only have such a name."""
     if name == f"{HIDDEN}.next":  # without a journal, if the run was killed before it wrote the first one
@@ -419,10 +442,7 @@ def verify(folder: str | Path) -> Verified:
     with read_errors(folder):
         inside = sorted(path for path in folder.iterdir() if path.is_dir() and not path.name.startswith("."))
         journals = {path: journal for path in (folder, *inside) if (journal := read_journal(path))}
-    for aside, place in asides(folder):
-        if not os.path.lexists(place):
-            problem = f"lies in {aside}, as a run that replaced it was killed"
-            raise FilesDamaged(f"{place}: {problem}; the next one that writes into {folder} puts it back")
+    _refuse_hidden(folder)
     if not journals:
         raise FileError(f"{folder}: no {JOURNAL} in it, nor in its folders, so its files cannot be compared")
     unlisted: list[Path] = []
@@ -438,3 +458,13 @@ def verify(folder: str | Path) -> Verified:
             unlisted += [home / name for name in comparison.foreign]
     files = sum(len(journal.files) for journal in journals.values())
     return Verified(folders=len(journals), files=files, unlisted=tuple(unlisted))
+
+
+def _refuse_hidden(folder: Path) -> None:
+    """Raise a FilesDamaged if something that belongs into a folder lies in its hidden folder."""
+    for aside, place in asides(folder):
+        if not os.path.lexists(place):
+            problem = f"lies in {aside}, as a run that replaced it did not get to its end"
+            raise FilesDamaged(f"{place}: {problem}; the next one that writes into {folder} puts it back")
+    for lies, place in kept(folder):
+        raise FilesDamaged(f"{place}: could not be put in its place by a run, and lies in {lies}")

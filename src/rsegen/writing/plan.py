@@ -19,7 +19,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, UserError, WriteError
+from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, Stuck, UserError, WriteError
 from rsegen.input_files import JOURNAL, Checksum
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
@@ -173,17 +173,18 @@ def _noted(noted: Notes, folder: Path, plan: RunPlan[Item, Made]) -> Iterator[Ma
 
 def _ended(error: BaseException, store: Store, plan: RunPlan[Item, Made], made: int) -> BaseException:
     """Return what ended a run as the error that also says what is left: exit code 2 means that nothing was changed."""
-    left = f"nothing was changed in {plan.folder}"
+    left, stuck = f"nothing was changed in {plan.folder}", store.swaps.words()
     if store.changed:
         complete, planned = made + len(plan.existing), len(plan.to_make) + len(plan.existing)
-        rest = "; the others are as they were" if plan.replaces else ""
+        rest = "; the others are as they were" if plan.replaces and not stuck else ""
         left = f"{complete} of {planned} {plan.what} are complete in {plan.folder}{rest}"
     if isinstance(error, KeyboardInterrupt):
         return Stopped(left, changed=store.changed)
     if not store.changed:
         return error
     if isinstance(error, OSError):
-        return WriteError(f"{store.folder}: cannot be written: {error.strerror or error}; {left}")
+        kind = Stuck if stuck else WriteError
+        return kind(f"{store.folder}: cannot be written: {error.strerror or error}; {left}{stuck}")
     return Incomplete(f"{error}; {left}")
 
 

@@ -14,19 +14,18 @@ a file that somebody changes in the milliseconds between check and swap, and a d
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import os
 import secrets
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, nullcontext
 from contextvars import ContextVar
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, WriteError, shown
+from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, Stuck, WriteError, shown
 from rsegen.gazebo import Bundle
 from rsegen.input_files import JOURNAL, Checksum
 from rsegen.params.sorts import Json
@@ -34,10 +33,10 @@ from rsegen.writing.journal import (
     HIDDEN,
     Journal,
     OpenJournal,
-    asides,
     is_empty,
     is_intact,
     journal_text,
+    kept,
     read_journal,
     refuse_link,
     refuse_loss,
@@ -45,7 +44,8 @@ from rsegen.writing.journal import (
 )
 from rsegen.writing.lock import Lock, refuse_locked
 from rsegen.writing.stop import held
-from rsegen.writing.swap import exchange, put, sync, sync_trees
+from rsegen.writing.swap import NotPutBack, sync, sync_trees
+from rsegen.writing.undo import Swaps, make_folder, remove_empty
 
 if TYPE_CHECKING:
     from rsegen.writing.dry import Notes
@@ -99,6 +99,7 @@ class Store:
         self.staging: Path = self.home / "new"
         self.sync: bool = sync
         self.changed: bool = False
+        self.swaps: Swaps = Swaps(folder)
         self._renamed_in: set[Path] = set()
 
     @cached_property
@@ -117,12 +118,10 @@ class Store:
                 raise taken(place)
             refuse_link(place)
             refuse_locked(place)
-        with held(), ExitStack() as undo:
-            self._put_unit(root, place, undo, replaces=replaces)
-            if replaces:  # the old one is looked at once more, as nobody else has it now
-                refuse_loss(root, holds, place)
-            undo.pop_all()
-            self.changed = True
+        with held(), self._changing(), self.swaps.all_or_none() as undo:
+            self.swaps.swap(root, place, undo, replaces=replaces)
+            if replaces:
+                self.swaps.refuse_loss(root, holds, place, undo)
         self._renamed_in.add(self.folder)
         _remove(root)  # where the old one is now
 
@@ -180,13 +179,10 @@ class Store:
         self.lock.check()
         if below:
             refuse_locked(folder)
-        is_listed = bool(holds or journal.content)
-        with held():
-            with journal.announced(files, holds) if is_listed else nullcontext(), ExitStack() as undo:
-                for name in units:
-                    self._put_unit(root / name, folder / name, undo, replaces=name in existing)
-                undo.pop_all()
-            self.changed = True
+        listed = journal.announced(files, holds) if holds or journal.content else nullcontext()
+        with held(), self._changing(), listed, self.swaps.all_or_none() as undo:
+            for name in units:
+                self.swaps.swap(root / name, folder / name, undo, replaces=name in existing)
         if gone:
             journal.drop(gone)
         if below:
@@ -194,19 +190,15 @@ class Store:
         self._renamed_in |= {(folder / name).parent for name in units}
         _remove(root)
 
-    def _put_unit(self, new: Path, place: Path, undo: ExitStack, *, replaces: bool) -> None:
-        """Give a file or folder its name, or exchange it for what has it, and let `undo` take that back."""
-        _make_folder(place.parent, undo)
-        if replaces:
-            self._exchange(new, place)
-            undo.callback(self._exchange, new, place)
-        else:
-            put(new, place)
-            undo.callback(os.rename, place, new)
-
-    def _exchange(self, new: Path, place: Path) -> None:
-        parts = place.relative_to(self.folder).parts
-        exchange(new, place, self.home.joinpath("old", str(len(parts)), *parts))
+    @contextmanager
+    def _changing(self) -> Iterator[None]:
+        """Note that something is changed: by what is done inside, or by what could not be taken back of it."""
+        try:
+            yield
+        except NotPutBack:
+            self.changed = True
+            raise
+        self.changed = True
 
     def announce_files(self, names: Iterable[str], kept: Iterable[str] = ()) -> None:
         """End a dry run here, whose work would be long, with the names of the files to put and to keep."""
@@ -224,10 +216,8 @@ class Store:
         self._renamed_in.clear()
 
     def clear(self) -> None:
-        """Empty the hidden folder: what lies aside and has no successor yet is put back, all else is removed."""
-        for aside, place in asides(self.folder):
-            if not os.path.lexists(place):
-                os.rename(aside, place)
+        """Empty the hidden folder: what belongs to a place is put back, all else is removed."""
+        self.swaps.put_back()
         for path in (self.staging, self.home / "old"):
             _remove(path)
 
@@ -272,20 +262,6 @@ def taken(place: Path) -> OutputError:
     return OutputError(f"{place}: exists already; give force=True to replace it, or {what}")
 
 
-def _make_folder(folder: Path, undo: ExitStack) -> None:
-    if not folder.is_dir():
-        if os.path.lexists(folder):
-            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
-        _make_folder(folder.parent, undo)
-        folder.mkdir()
-        undo.callback(_remove_empty, folder)
-
-
-def _remove_empty(folder: Path) -> None:
-    with suppress(OSError):  # somebody has put something into it
-        folder.rmdir()
-
-
 def _remove(folder: Path) -> None:
     """Remove a folder of the hidden folder; twice, as the first time an error may interrupt it."""
     for _ in range(2):
@@ -306,9 +282,10 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
             yield store
         return
     store = Store(folder, sync=sync)
+    is_hidden_new = not os.path.lexists(store.home)
     try:
         with ExitStack() as undo:  # removes the folder again if nothing was written into it
-            _make_folder(folder, undo)
+            make_folder(folder, undo)
             refuse_link(store.home)
             try:
                 store.lock.take(wait)
@@ -326,9 +303,19 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
         left = f"what is complete in {what} stays" if store.changed else f"nothing was changed in {what}"
         raise Stopped(left, changed=store.changed) from None
     except OSError as error:
-        refused = error.errno in REFUSED and not store.changed
-        kind, left = (OutputError if refused else WriteError), "" if store.changed else "; nothing was changed"
-        raise kind(f"{output or folder}: cannot be written: {error.strerror or error}{left}") from error
+        raise _write_error(store, output or folder, error, is_hidden_new=is_hidden_new) from error
+
+
+def _write_error(store: Store, what: Path, error: OSError, *, is_hidden_new: bool) -> RsegenError:
+    """Return the error of a system's error, which says what is left; an OutputError if nothing is."""
+    problem = f"{what}: cannot be written: {error.strerror or error}"
+    if words := store.swaps.words():
+        return Stuck(f"{problem}{words}")
+    if is_hidden_new and os.path.lexists(store.home):
+        return WriteError(f"{problem}; unfinished files lie in {store.home}, and the next run removes them")
+    if store.changed:
+        return WriteError(problem)
+    return (OutputError if error.errno in REFUSED else WriteError)(f"{problem}; nothing was changed")
 
 
 def _close(store: Store) -> None:
@@ -336,11 +323,11 @@ def _close(store: Store) -> None:
     try:
         if store.changed and "journal" in vars(store):
             store.journal.tidy()
-        if store.lock.is_taken:
+        if store.lock.is_taken and not store.swaps.stuck:
             store.clear()
     finally:
         store.lock.release()
-        _remove_empty(store.home)
+        remove_empty(store.home)
 
 
 @contextmanager
@@ -366,6 +353,10 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
         with noted.store(folder, is_whole=True) as store:
             yield store
         return
+    above = folder.resolve().parent
+    if any(place.name == NEXT for _, place in kept(above)):
+        with open_store(above, sync=sync, wait=PATIENCE):
+            pass  # it moves back what a run before has made, and could not put in place
     with open_store(folder, sync=sync):  # the old folder is locked too, so that no other run changes it meanwhile
         begun = folder / NEXT
         if not is_empty(begun):
@@ -378,6 +369,8 @@ def replacing(folder: Path, holds: str, of: Json, *, sync: bool = True) -> Itera
             yield store
     try:
         _replace_whole(folder, holds, sync=sync)
+    except Stuck:
+        raise
     except (OutputError, WriteError, OSError) as error:
         problem = f"not replaced yet: {error}; the new one is complete, and the same command puts it in place"
         raise WriteError(f"{folder}: {problem}") from error
@@ -393,8 +386,8 @@ def _replace_whole(folder: Path, holds: str, *, sync: bool) -> None:
         try:
             above.put_folder(root, real.name, holds, force=True)
         except BaseException:
-            if not begun.exists() and root.exists():
-                os.rename(root, begun)
+            if root.exists() and not (real in above.swaps.stuck and real.exists()):  # else the old one is there
+                above.swaps.move_back(root, begun)
             raise
         above.sync_names()
 

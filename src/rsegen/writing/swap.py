@@ -31,6 +31,10 @@ A map has three to six. With a smaller number, a few maps would wait for whateve
 """
 
 
+class NotPutBack(OSError):
+    """A rename failed, and one before it could not be taken back; the names of both are what they then were."""
+
+
 def put(new: Path, place: Path) -> None:
     """Give a staged file or folder its name; FileExistsError if that is taken."""
     if not _renamed(new, place, _NOREPLACE):
@@ -42,7 +46,7 @@ def put(new: Path, place: Path) -> None:
 def exchange(new: Path, place: Path, aside: Path) -> None:
     """Exchange the names of a staged file or folder and of the one at its place.
 
-    aside: the name of the old one meanwhile, if the system cannot exchange them
+    aside: the name of the old one meanwhile, if the system cannot exchange them, and for good if a NotPutBack is raised
     """
     if _renamed(new, place, _EXCHANGE):
         return
@@ -58,10 +62,13 @@ def exchange(new: Path, place: Path, aside: Path) -> None:
     try:
         os.replace(new, place)
         os.rename(aside, new)
-    except BaseException:
-        if is_folder and os.path.lexists(place):
-            os.rename(place, new)
-        os.replace(aside, place)
+    except OSError as error:
+        try:
+            if is_folder and os.path.lexists(place):
+                os.rename(place, new)
+            os.replace(aside, place)
+        except OSError:
+            raise NotPutBack(error.errno, error.strerror) from error
         raise
 
 
