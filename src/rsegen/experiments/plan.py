@@ -50,7 +50,7 @@ class _KindOrFile(Choice):
         return str(value) if is_robot_file(value) else super().check(where, value)
 
     def describe(self) -> str:
-        return f"{super().describe()}, or an SDF, URDF or Xacro file"
+        return f"{super().describe()}, or an SDF, URDF, Xacro or MJCF file"
 
 
 _SINGLE: Mapping[str, Mapping[str, Json]] = {

@@ -32,7 +32,7 @@ def add_robot(command: Parser) -> None:
         "and effort; what was assumed, and what is left out.",
         "rsegen drive, metrics, predict and all other commands take the same robot.",
     )
-    text = "a kind of robot, or an SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments"
+    text = "a kind of robot, or an SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments"
     command.add_argument("robot", metavar="KIND|FILE", help=text)
     group = command.group("robot")
     group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, in place of those that are found")

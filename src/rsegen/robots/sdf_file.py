@@ -1,12 +1,12 @@
-"""A robot from an SDF or URDF file of the user, which is parsed as untrusted input.
+"""A robot from a file of the user, in SDF, URDF, Xacro or MJCF, which is parsed as untrusted input.
 
-The model is kept as text, URDF as SDF. Its drive, size and limits are read once; for a world it gets a drive plug-in of
-the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the simulator has
-not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model has them at, as
-nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does one that turns
-without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is written elsewhere.
-What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not found, an arm that
-hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
+The model is kept as text, as SDF whatever it was. Its drive, size and limits are read once; for a world it gets a drive
+plug-in of the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the
+simulator has not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model
+has them at, as nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does
+one that turns without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is
+written elsewhere. What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not
+found, an arm that hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ from rsegen.robots.controllers import Controls, controls
 from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Tracks, Wheels, pose_publisher
 from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
+from rsegen.robots.meshes import INLINE
+from rsegen.robots.mjcf import of_mujoco
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
@@ -56,7 +58,7 @@ from rsegen.standing.spots import body_of_size
 MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
 
-SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml")
+SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml", ".mjcf")
 """Endings of files that are taken for a robot, in any letters; what is in them says which they are."""
 
 _LATEST_OF_CLASSIC = "1.7"
@@ -120,8 +122,9 @@ class SdfRobot(RobotOnField):
             joints = f" ({_some(self.joints)})" if self.joints else ""
             raise ParameterError(
                 self.kind,
-                "no wheels or tracks: no plug-in that rsegen knows has them, nor ros2_control or a file of a controller"
-                f", and no links look like wheels; name them with tracks='LEFT,RIGHT', or wheels='LEFT,RIGHT'{joints};"
+                "no wheels or tracks: no plug-in or actuator that rsegen knows has them, nor ros2_control or a file of"
+                " a controller, and no links look like wheels; name them with tracks='LEFT,RIGHT', or"
+                f" wheels='LEFT,RIGHT'{joints};"
                 " without them it only stands, with rsegen spawn",
             )
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
@@ -147,6 +150,7 @@ class SdfRobot(RobotOnField):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
+        self._refuse_inline_meshes(model)
         _make_drivable(model, self, name, simulator)
         return _outer(model)
 
@@ -166,6 +170,7 @@ class SdfRobot(RobotOnField):
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
+        self._refuse_inline_meshes(model)
         if self._is_undriven(simulator):
             _hold(model, None)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
@@ -211,6 +216,15 @@ class SdfRobot(RobotOnField):
         files = (plugin.get("filename", "") for plugin in self._model().iter("plugin"))
         return not any("control" in file.lower() and _is_loadable(file, simulator) for file in files)
 
+    def _refuse_inline_meshes(self, model: Element) -> None:
+        """Raise a FileError if a shape that touches has its mesh in the model itself; take out what is only seen."""
+        _take_out(model, "visual", lambda visual: visual.findtext("geometry/mesh/uri", "").startswith(INLINE))
+        if any(uri.startswith(INLINE) for uri in (mesh.findtext("uri", "") for mesh in model.iter("mesh"))):
+            raise FileError(
+                f"{self.kind}: the mesh of a collision shape has no STL, OBJ or COLLADA file, and Gazebo reads no"
+                " other; drive it in MuJoCo"
+            )
+
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
 
@@ -233,7 +247,7 @@ def is_robot_file(what: object) -> bool:
 
 
 def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: str | None = None) -> SdfRobot:
-    """Return the robot of the one model in an SDF, URDF or Xacro file; FileError if the file has anything else.
+    """Return the robot of the one model in an SDF, URDF, Xacro or MJCF file; FileError if the file has anything else.
 
     path: a text may have arguments of Xacro after it, as in "robot.urdf.xacro laser:=true". wheels: the joints of its
     wheels as LEFT,RIGHT; tracks: the links of its tracks; several of a side joined by +, the flippers of a track after
@@ -251,10 +265,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
-    ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
+    source, ros = _as_sdf(root, where, *(re.split(r"[,+]", named or "") for named in (wheels, tracks)))
     remarks += ros.remarks
-    separate = re.split(r"[,+]", tracks or "")
-    source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
     model, version = _model_and_version(source.sdf, where)
     includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
     includes.put_into(model, Path(where))
@@ -306,6 +318,15 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     )
 
 
+def _as_sdf(root: Element, where: str, wheels: Sequence[str], tracks: Sequence[str]) -> tuple[Converted, Controls]:
+    """Return a robot of any format as SDF, and what of it has motors by its format or by ROS."""
+    if root.tag == "mujoco":
+        return of_mujoco(root, where, wheels)
+    if root.tag == "robot":
+        return converted(root, where, tracks), controls(root, Path(where))
+    return Converted(root), Controls()
+
+
 def _sdf_root(file: Path) -> Element:
     return xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file))
 
@@ -317,8 +338,6 @@ def _some(names: Sequence[str]) -> str:
 def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
     """Return the model of an <sdf>, and its version; FileError if it has none, or others."""
     models = root.findall("model")
-    if root.tag == "mujoco":
-        raise FileError(f"{where}: a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro")
     parts = root.findall("include")
     if root.tag == "sdf" and not models and len(parts) == 1:  # a file that only names a model
         models = [SubElement(root, "model", name=(parts[0].findtext("name") or Path(where).stem).strip())]
