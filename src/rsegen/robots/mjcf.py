@@ -25,6 +25,7 @@ from rsegen.field.stepfield import Array
 from rsegen.robots.controllers import Controls
 from rsegen.robots.links import angles, pose_matrix, rotation
 from rsegen.robots.meshes import INLINE
+from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.mjcf_compile import Compiled, compiled, turn_of
 from rsegen.robots.mjcf_motors import motors
 from rsegen.robots.sdf_drives import is_wheel
@@ -44,6 +45,9 @@ _SEEN_GROUPS = 3
 _TURN = np.pi
 """Half of the range, radians, that a joint gets that has a motor and no limits, and is no wheel: it is held."""
 
+
+_CUBIC = 5
+"""Coefficients of the polynomial by which a joint follows another one."""
 
 _MOST_NAMES = 5
 """Names of other bodies in a sentence at most."""
@@ -150,10 +154,11 @@ class _Reader:
             yield f"left out what ties bodies together: {', '.join(f'<{name}>' for name in dict.fromkeys(loops))}"
 
     def _equality_names(self) -> list[str]:
+        """Return the element of each equality constraint, an empty text for one that is switched off."""
         import mujoco
 
-        kinds = [int(kind) for kind, on in zip(self._model.eq_type, self._model.eq_active0, strict=True) if on]
-        return [mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower() for kind in kinds]
+        kinds = zip(self._model.eq_type.tolist(), self._model.eq_active0, strict=True)
+        return [mujoco.mjtEq(kind).name.removeprefix("mjEQ_").lower() if on else "" for kind, on in kinds]
 
     def _placed(self, turn: float) -> dict[int, Array]:
         """Return the poses of bodies where the file has them; the origin is that of the first, with `turn` as its yaw.
@@ -368,8 +373,17 @@ class _Reader:
                 put(joint, "axis/limit/upper", numbers_text([_TURN]))
 
     def _followers(self) -> Iterator[str]:
-        """Yield the names of joints that follow another one (<equality><joint>)."""
+        """Have joints follow others (<equality><joint>); yield the names of those that follow by a curve."""
+        joints = {joint.get("name"): joint for joint in self._made.iter("joint")}
         for number, name in enumerate(self._equality_names()):
-            joint = int(self._model.eq_obj1id[number])
-            if name == "joint" and int(self._model.jnt_bodyid[joint]) in self._heads:
-                yield self._joint_names[joint]
+            pair = (int(self._model.eq_obj1id[number]), int(self._model.eq_obj2id[number]))
+            if name != "joint" or min(pair) < 0:
+                continue
+            follower, leader = (self._joint_names[joint] for joint in pair)
+            offset, multiplier, *curve = self._model.eq_data[number, :_CUBIC].tolist()
+            if follower not in joints or leader not in joints:
+                continue
+            if any(curve):
+                yield follower
+            else:
+                put_mimic(joints[follower], Mimic(leader, multiplier, offset))

@@ -127,6 +127,8 @@ def _remarks(robot: SdfRobot) -> Iterator[str]:
     yield from robot.remarks
     if light := robot.light_wheels:
         yield light
+    if followers := robot.followers:
+        yield f"follow another joint in MuJoCo, and in Gazebo move on their own, unless held: {', '.join(followers)}"
     if held := robot.held:
         yield f"held in a drive as its model has them, as nothing drives them: {', '.join(held)}"
 

@@ -28,10 +28,12 @@ from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Tracks, Wheels, pose_publisher
+from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels, pose_publisher
+from rsegen.robots.holding import hold, turn_to_the_left
 from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
 from rsegen.robots.meshes import INLINE
+from rsegen.robots.mimics import mimics
 from rsegen.robots.mjcf import of_mujoco
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
@@ -40,14 +42,13 @@ from rsegen.robots.sdf_drives import (
     TRACK_CONTROLLER,
     ReadDrive,
     find_drive,
-    is_endless,
     light_wheels,
     named_tracks,
     named_wheels,
     plugin_key,
     steered_wheels,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials, take_out_flat
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, impossible_inertias, inertials, take_out_flat
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -63,6 +64,11 @@ SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml", ".mjcf")
 
 _LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
+
+_FIRST_WITH_MIMIC = 11
+"""The first version of SDF, 1.11, that has <mimic>, which Gazebo Sim then keeps to."""
+
+NO_MIMIC = "<mimic> has no effect in Gazebo, so these joints move on their own, unless they are held"
 
 _MOST_NAMES = 12
 """Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
@@ -132,7 +138,13 @@ class SdfRobot(RobotOnField):
     @property
     def held(self) -> tuple[str, ...]:
         """The joints that are held in a drive, as nothing drives them."""
-        return _hold_and_turn(self._model(), self)
+        return _hold_and_turn(self._model(), self, follows=True)
+
+    @property
+    def followers(self) -> tuple[str, ...]:
+        """The joints that follow another one in a drive, in a simulator that keeps to <mimic>."""
+        held = self.held
+        return tuple(name for name in mimics(ModelFrames(self._model(), self.kind)) if name not in held)
 
     @property
     def light_wheels(self) -> str:
@@ -151,6 +163,7 @@ class SdfRobot(RobotOnField):
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
         self._refuse_inline_meshes(model)
+        self._take_out_mimics(model, simulator)
         _make_drivable(model, self, name, simulator)
         return _outer(model)
 
@@ -160,7 +173,7 @@ class SdfRobot(RobotOnField):
         It has no plug-ins and no sensors; joints that nothing drives are held, and wheels turn about the left.
         """
         model = self._placed(name, at)
-        _hold_and_turn(model, self)
+        _hold_and_turn(model, self, follows=True)
         for tag in ("plugin", "sensor"):
             _take_out(model, tag)
         return _outer(model)
@@ -171,8 +184,9 @@ class SdfRobot(RobotOnField):
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
         self._refuse_inline_meshes(model)
+        self._take_out_mimics(model, simulator)
         if self._is_undriven(simulator):
-            _hold(model, None)
+            hold(model, None, follows=False)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
@@ -187,18 +201,20 @@ class SdfRobot(RobotOnField):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
+        yield from self._unled(simulator)
         if simulator == "classic" and (light := self.light_wheels):
             yield f"{self.kind}: {light}"
         if simulator in BACKENDS:
             changes = _make_drivable(self._model(), self, self.kind, simulator)
         else:
-            changes = {_HELD: _some(_hold_and_turn(self._model(), self))}
+            changes = {_HELD: _some(_hold_and_turn(self._model(), self, follows=True))}
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if self._is_undriven(simulator) and (held := _hold(self._model(), None)):
+        yield from self._unled(simulator)
+        if self._is_undriven(simulator) and (held := hold(self._model(), None, follows=False)):
             yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
@@ -215,6 +231,19 @@ class SdfRobot(RobotOnField):
         # A plug-in that the simulator loads may move them, of ROS or its own.
         files = (plugin.get("filename", "") for plugin in self._model().iter("plugin"))
         return not any("control" in file.lower() and _is_loadable(file, simulator) for file in files)
+
+    def _take_out_mimics(self, model: Element, simulator: str) -> list[str]:
+        """Take <mimic> out of a model unless the simulator reads it there, and return the names of its joints."""
+        if simulator == "sim" and _minor(self.version) >= _FIRST_WITH_MIMIC:
+            return []
+        followers = list(mimics(ModelFrames(model, self.kind)))
+        _take_out(model, "mimic")
+        return followers
+
+    def _unled(self, simulator: str) -> Iterator[str]:
+        """Yield a sentence about joints that follow no other one in a simulator, although they should."""
+        if simulator in BACKENDS and (unled := self._take_out_mimics(self._model(), simulator)):
+            yield f"{self.kind}: {NO_MIMIC}: {_some(unled)}"
 
     def _refuse_inline_meshes(self, model: Element) -> None:
         """Raise a FileError if a shape that touches has its mesh in the model itself; take out what is only seen."""
@@ -282,6 +311,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     frames = ModelFrames(model, where)
     shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
+    mimics(frames)  # and for what is no number
     if wheels:
         drive: ReadDrive | None = named_wheels(wheels, frames, ros)
     else:
@@ -295,7 +325,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         problem.format(_some(names))
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or hang on such a link: {}"),
-            (source.mimics, "<mimic> has no effect, so these joints move on their own, unless they are held: {}"),
+            (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
         )
         if names
@@ -423,9 +453,6 @@ def _outer(model: Element) -> str:
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""
 
-_MOVING = ("revolute", "continuous", "prismatic")
-"""Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
-
 
 def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
     """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
@@ -437,7 +464,7 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
         SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     own = read.plugin if read else ""
-    held = _hold_and_turn(model, robot)
+    held = _hold_and_turn(model, robot, follows=False)
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
@@ -464,14 +491,11 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
 _HELD = "held as its model has them, as nothing drives them"
 
 
-def _hold_and_turn(model: Element, robot: SdfRobot) -> tuple[str, ...]:
+def _hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
     """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
     read = robot.read_drive
-    held = _hold(model, robot.drive if read else None)
-    joints = ModelFrames(model, robot.kind).joints
-    for joint in read.turned if read else ():
-        if (axis := joints[joint].find("axis/xyz")) is not None:
-            axis.text = numbers([-value for value in floats(axis.text, 3, robot.kind)])
+    held = hold(model, robot.drive if read else None, follows=follows)
+    turn_to_the_left(model, robot.kind, read.turned if read else ())
     return held
 
 
@@ -481,30 +505,6 @@ def _take_out(model: Element, tag: str, is_out: Callable[[Element], bool] = lamb
     for parent, element in out:
         parent.remove(element)
     return [element for _, element in out]
-
-
-def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
-    """Make the joints that nothing drives fixed, and return their names; without a drive, all that move."""
-    frames = ModelFrames(model, model.get("name", ""))
-    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
-    tracks = (*drive.left, *drive.right) if isinstance(drive, Tracks) else ()
-    held = []
-    for name, joint in frames.joints.items():
-        if joint.get("type") not in _MOVING or name in wheels:
-            continue
-        if drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint)):
-            joint.set("type", "fixed")
-            for element in [*joint.findall("axis"), *joint.findall("physics")]:
-                joint.remove(element)
-            held.append(name)
-    return tuple(held)
-
-
-def _has_spring(joint: Element) -> bool:
-    try:
-        return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
-    except ValueError:
-        return False
 
 
 def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:

@@ -5,8 +5,7 @@ first of them, which keeps its name, with their masses, shapes and sensors. So a
 physics engines make 1 kg, or an error, is one body with what hangs on it. preserveFixedJoint keeps a joint if both of
 its links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass,
 is left out, with all that hangs on it. Gazebo's elements go into their link, its shapes or their joint, or into the
-model. Cost: linear. What breaks it: SDF 1.7 has no mimic, so such joints move freely, which is said; planar joints are
-refused; names of links that are no more stay in plug-ins.
+model. Cost: linear. What breaks it: planar joints are refused; names of links that are no more stay in plug-ins.
 """
 
 from __future__ import annotations
@@ -24,6 +23,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
+from rsegen.robots.mimics import Mimic, put_mimic
 from rsegen.robots.sdf_elements import (
     MOMENTS,
     NO_MASS,
@@ -103,7 +103,7 @@ class Converted(NamedTuple):
     """The <sdf> element of a robot, and what of it is not as in its file.
 
     left_out: the names of its links that were left out, as they have no mass; mimics: those of its joints that should
-    follow another
+    follow another in a way that SDF does not have
     """
 
     sdf: Element
@@ -171,7 +171,6 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
 
     sdf = Element("sdf", version=_VERSION)
     model = SubElement(sdf, "model", name=robot.get("name", ""))
-    mimics: list[str] = []
     for head, parts in merged.items():
         if head in left_out or (head == _WORLD and head not in above):
             continue
@@ -183,11 +182,9 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
             _append_parts(link, name, place, counts, source)
         if head in above and _JOINTS[above[head].kind]:
             _append_joint(model, above[head], source)
-            if above[head].kind != "fixed" and above[head].element.find("mimic") is not None:
-                mimics.append(above[head].name)
     for elements in extensions.get("", {}).values():
         model.extend(map(deepcopy, elements))
-    return Converted(sdf, tuple(left_out), tuple(mimics))
+    return Converted(sdf, tuple(left_out))
 
 
 def _named(elements: Iterable[Element], what: str, where: str) -> Iterator[tuple[str, Element]]:
@@ -386,6 +383,10 @@ def _append_axis(made: Element, joint: _Joint, where: str) -> None:
         _put_number(made, f"axis/limit/{name}", _attribute(limit, name), where)
     for name in ("damping", "friction"):
         _put_number(made, f"axis/dynamics/{name}", _attribute(dynamics, name), where)
+    if (mimic := joint.element.find("mimic")) is not None:
+        defaults = {"multiplier": "1", "offset": "0"}
+        numbers = (floats(_attribute(mimic, name) or default, 1, where)[0] for name, default in defaults.items())
+        put_mimic(made, Mimic(_attribute(mimic, "joint"), *numbers))
 
 
 def _geometry(geometry: Element | None, where: str) -> Element:
