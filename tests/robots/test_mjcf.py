@@ -107,6 +107,7 @@ def test_axles_along_x_are_turned_across_and_that_is_said(tmp_path: Path) -> Non
     [
         ('<motor joint="{}" gear="3" ctrlrange="-0.1 0.1"/>', RADIUS * 3 * 0.1 / 0.01, 0.3),
         ('<velocity joint="{}" kv="0.5"/>', None, None),
+        ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4"/><!-- RUBS -->', RADIUS * (2 - 0.1) / 0.51, 2.0),
         ('<velocity joint="{}" kv="0.5" ctrlrange="-4 4" gear="2"/>', RADIUS * 2 * 0.5 * 4 / (0.01 + 0.5 * 4), 4.0),
         ('<position joint="{}" kp="5" ctrlrange="-100 100" forcerange="-7 7"/>', None, 7.0),
         ('<intvelocity joint="{}" kp="5" actrange="-100 100" ctrlrange="-6 6"/>', RADIUS * 6, None),
@@ -121,13 +122,30 @@ def test_speed_and_torque_are_those_of_the_motors(
     tmp_path: Path, motor: str, speed: float | None, effort: float | None
 ) -> None:
     file = two_wheels_mjcf(tmp_path, motors=motor.format("left_hub") + motor.format("right_hub"))
+    if "RUBS" in motor:
+        defaults = file.with_name("defaults.xml")
+        defaults.write_text(DEFAULTS.replace('damping="0.01"', 'damping="0.01" frictionloss="0.1"'))
     robot = from_file(file)
     assert robot.read_drive is not None
     assert robot.read_drive.origin == "its actuators"
+    if speed:
+        assert RADIUS * native_rate(file) == pytest.approx(speed, rel=1e-3)
     assert ("speed" in robot.derived) is (speed is not None)
     assert robot.speed == pytest.approx(speed or 0.2)
     found = frames_of(robot).joints["left_hub"].findtext("axis/limit/effort")
     assert (found and float(found)) == (effort and pytest.approx(effort))
+
+
+def native_rate(file: Path) -> float:
+    """Return the speed at which MuJoCo itself turns the left wheel in the end, rad/s, of a robot that is held."""
+    held = file.with_name("held.xml")
+    held.write_text(file.read_text().replace("<freejoint/>", "").replace('name="floor"', 'contype="0" conaffinity="0"'))
+    model = mujoco.MjModel.from_xml_path(str(held))
+    model.opt.gravity[:], model.opt.integrator = 0, int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
+    data = mujoco.MjData(model)
+    data.ctrl[:] = model.actuator_ctrlrange[:, 1]
+    mujoco.mj_step(model, data, 2500)
+    return float(data.joint("left_hub").qvel[0])
 
 
 def test_motors_pull_wheels_by_tendons_too(tmp_path: Path) -> None:

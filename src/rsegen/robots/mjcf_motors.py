@@ -1,10 +1,10 @@
 """The motors of joints in a compiled model of MuJoCo: how fast they turn them, and with which torque.
 
 An actuator gives a force f = gain u + bias_0 + bias_1 l + bias_2 l', of its control u and the length l that it moves,
-which is the joint's angle times a gear. Without a spring (bias_1) it so turns a joint with the damping d at most at
-gear gain u / (d - bias_2 gear^2): a motor runs until damping takes all of its torque, a velocity servo up to its
-control. The speed of a servo that pulls several joints is unknown. Cost: linear in the actuators. What breaks it:
-muscles and actuators of other programs, which give neither; tendons that wrap around shapes.
+which is the joint's angle times a gear. Without a spring (bias_1) it so turns a joint with the damping d and the
+friction c at most at (gear gain u - c) / (d - bias_2 gear^2): a motor runs until they take all of its torque, a
+velocity servo up to its control. The speed of a servo that pulls several joints is unknown. Cost: linear in the
+actuators. What breaks it: muscles and actuators of other programs, which give neither; tendons that wrap around shapes.
 """
 
 from __future__ import annotations
@@ -75,7 +75,9 @@ def _motor(model: Any, actuator: int, joint: int, gear: float, *, is_alone: bool
         if mujoco.mjtDyn(int(model.actuator_dyntype[actuator])) == mujoco.mjtDyn.mjDYN_INTEGRATOR:
             rate = most / gear
         elif not spring:
+            dof = int(model.jnt_dofadr[joint])
             torques.append(gear * abs(gain) * most)
-            slowing = float(model.dof_damping[model.jnt_dofadr[joint]]) - slope * gear**2
-            rate = gear * abs(gain) * most / slowing if slowing > 0 else None
+            left = torques[-1] - float(model.dof_frictionloss[dof])
+            slowing = float(model.dof_damping[dof]) - slope * gear**2
+            rate = left / slowing if slowing > 0 and left > 0 else None
     return Motor(rate if is_alone or not slope else None, min(torques, default=None))
