@@ -278,6 +278,24 @@ def test_what_touches_the_ground_of_the_file_touches(tmp_path: Path, geom: str, 
     assert ("bumper" in shapes) is touches
 
 
+@pytest.mark.parametrize(
+    ("geom", "touches"),
+    [
+        ('contype="4" conaffinity="0"', True),
+        ('contype="0" conaffinity="2"', True),
+        ("", True),
+        ('contype="0" conaffinity="0"', False),
+    ],
+)
+def test_without_a_ground_in_the_file_touches_what_may_touch_anything(tmp_path: Path, geom: str, touches: bool) -> None:
+    file = two_wheels_mjcf(tmp_path, more=f'<geom name="bumper" type="box" size="0.01 0.01 0.01" {geom}/>')
+    text = file.read_text()
+    file.write_text(text.replace('<geom name="floor" type="plane" size="5 5 0.1"/>', ""))
+    assert file.read_text() != text
+    shapes = {shape.get("name") for _, shape, _ in frames_of(from_file(file)).collisions()}
+    assert ("bumper" in shapes) is touches
+
+
 def test_a_shape_of_a_pair_touches(tmp_path: Path) -> None:
     more = '<geom name="toe" contype="0" conaffinity="0" type="sphere" size="0.01"/>'
     pair = '<contact><pair geom1="toe" geom2="floor"/></contact>'

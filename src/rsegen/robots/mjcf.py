@@ -3,11 +3,11 @@
 MuJoCo compiles the file (mjcf_compile.py). Bodies without a joint become part of the link of the body that holds them,
 as links on fixed joints of URDF do. A body on several joints hangs on the last of them, and on each other one a link
 with a thousandth of its mass. Angles count from where the file has the robot. A shape touches if it would touch the
-ground of its file, or MuJoCo's usual one. Of several trees of bodies the one with most motors is the robot; it moves
-freely and stands upright as in its file, its front that of its first body. The inertia of a wheel's rotor (armature)
-becomes that of the wheel. Wheels are what looks like one, on the ground, and has a motor. Cost: linear, after MuJoCo's.
-What breaks it: closed loops (<connect>), tendons but those that motors pull, flexible bodies, shapes of height fields
-and of plug-ins; a gravity that is compensated counts, as the motors that hold it are held here.
+ground of its file, or anything if there is no ground. Of several trees of bodies the one with most motors is the robot;
+it moves freely and stands upright as in its file, its front that of its first body. The inertia of a wheel's rotor
+(armature) becomes that of the wheel. Wheels are what looks like one, on the ground, and has a motor. Cost: linear,
+after MuJoCo's. What breaks it: closed loops (<connect>), tendons but those that motors pull, flexible bodies, shapes of
+height fields and of plug-ins; a gravity that is compensated counts, as the motors that hold it are held here.
 """
 
 from __future__ import annotations
@@ -254,11 +254,11 @@ class _Reader:
 
     @cached_property
     def _touching(self) -> set[int]:
-        """The shapes that touch the ground: that of the file, else MuJoCo's usual one."""
+        """The shapes that touch the ground of the file; if it has none, all that may touch anything."""
         model = self._model
         kinds, affinities = model.geom_contype, model.geom_conaffinity
         of_world = np.flatnonzero((model.geom_bodyid == 0) & ((kinds | affinities) != 0))
-        grounds = [(int(kinds[geom]), int(affinities[geom])) for geom in of_world] or [(1, 1)]
+        grounds = [(int(kinds[geom]), int(affinities[geom])) for geom in of_world] or [(-1, -1)]
         met = [(kinds & affinity) | (affinities & kind) for kind, affinity in grounds]
         touching = np.flatnonzero(np.any(met, axis=0)).tolist()
         return {*touching, *model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
