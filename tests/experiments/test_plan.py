@@ -210,9 +210,12 @@ def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
         (ROWS + "repeats: 0", "repeats: 0 is outside 1..1000"),
         (
             "rows: [{robot: burgr}]",
-            "rows[0].robot: 'burgr' is not one of burger, crawler, jackal, or an SDF, URDF or Xacro file",
+            "rows[0].robot: 'burgr' is not one of burger, crawler, jackal, or an SDF, URDF, Xacro or MJCF file",
         ),
-        ("rows: [{robot: 7}]", "rows[0].robot: 7 is not one of burger, crawler, jackal, or an SDF, URDF or Xacro file"),
+        (
+            "rows: [{robot: 7}]",
+            "rows[0].robot: 7 is not one of burger, crawler, jackal, or an SDF, URDF, Xacro or MJCF file",
+        ),
         ("rows: [{robot: a.sdf, speed: -1}]", "rows[0].speed: -1 is outside 0.001..100 m/s"),
         ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
         ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of such"),

@@ -308,6 +308,8 @@ def test_joints_that_should_follow_another_are_named_in_a_note(tmp_path: Path) -
     )
     (tmp_path / "hand.urdf").write_text(f'<robot name="hand">{links}{joints}</robot>')
     robot = from_file(tmp_path / "hand.urdf")
-    note = "<mimic> has no effect, so these joints move on their own, unless they are held: right"
-    assert robot.remarks == (note,)
+    note = "<mimic> has no effect in Gazebo, so these joints move on their own, unless they are held: right"
     assert f"hand: {note}" in list(robot.spawn_notes("classic"))
+    assert f"hand: {note}" in list(robot.notes("sim"))
+    assert not [said for said in robot.notes("mujoco") if "mimic" in said]
+    assert "<mimic" not in robot.file("hand", "sim") + robot.model("hand", "classic")

@@ -38,10 +38,11 @@ def experiment(  # noqa: PLR0913  # each is a flag
     simulator: Annotated[
         str | Sequence[str] | None,
         ListOf(
-            Reference("sim or classic"),
-            help="Gazebo Sim (sim), Gazebo Classic (classic), or both as sim,classic, which are compared",
+            Reference("sim, classic or mujoco"),
+            help="Gazebo Sim (sim), Gazebo Classic (classic), MuJoCo (mujoco), or several as classic,mujoco, which are "
+            "compared",
         ),
-        Shell(metavar="NAME[,NAME]", default="the newest that is installed"),
+        Shell(metavar="NAME[,NAME]", default="the newest Gazebo that is installed"),
     ] = None,
     force: Force = False,
     timeout: Timeout = 20.0,

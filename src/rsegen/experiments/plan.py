@@ -26,6 +26,7 @@ from rsegen.robots.base import ROBOTS
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.sdf_file import is_robot_file
 from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.embedded import EMBEDDED
 
 PACES = ("real", "free", "beside", "camera", "window")
 """Paces of a trial: in real time; as fast as the processor can, which shows what a map costs; so in turns, second by
@@ -50,7 +51,7 @@ class _KindOrFile(Choice):
         return str(value) if is_robot_file(value) else super().check(where, value)
 
     def describe(self) -> str:
-        return f"{super().describe()}, or an SDF, URDF or Xacro file"
+        return f"{super().describe()}, or an SDF, URDF, Xacro or MJCF file"
 
 
 _SINGLE: Mapping[str, Mapping[str, Json]] = {
@@ -91,7 +92,9 @@ class TableRow:
         float, Float(0.001, 1000, unit="cm", help="unit of height; each block is a whole number of units high")
     ] = 0.3
     recipe: Mapping[str, Json] | None = None
-    simulator: Annotated[str | None, Choice(tuple(SIMULATORS), help="default: the newest that is installed")] = None
+    simulator: Annotated[
+        str | None, Choice((*SIMULATORS, *EMBEDDED), help="default: the newest Gazebo that is installed")
+    ] = None
 
     def __post_init__(self) -> None:
         validate(self)

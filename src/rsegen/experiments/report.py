@@ -28,6 +28,7 @@ from rsegen.pictures.preview import encoded
 from rsegen.recipe.building import build
 from rsegen.robots.base import ROBOTS
 from rsegen.simulators.base import SIMULATORS
+from rsegen.simulators.embedded import EMBEDDED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +84,7 @@ def published_figures(row: TableRow) -> Mapping[int, PublishedFigures]:
     """
     design = {"frame_height_cm": 10, **(row.recipe or {})}
     if (
-        row.simulator == "sim"
+        row.simulator not in (None, "classic")
         or row.maps == "random"
         or design != {"boundary": "divided", "frame_height_cm": row.unit_cm}
     ):
@@ -239,7 +240,8 @@ def _has_incidents(results: Results) -> bool:
 
 
 def _title(row: TableRow) -> str:
-    return SIMULATORS[row.simulator].title if row.simulator else ""
+    here = SIMULATORS.get(row.simulator or "") or EMBEDDED.get(row.simulator or "")
+    return here.title if here else ""
 
 
 def _table(plan: ExperimentPlan, numbers: Sequence[int], results: Results) -> Iterator[str]:

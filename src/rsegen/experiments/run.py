@@ -22,13 +22,14 @@ from typing import Any
 
 from rsegen.driving.drive_metrics import COLUMNS
 from rsegen.driving.plots import trajectory_plot
-from rsegen.errors import FileError, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
+from rsegen.errors import FileError, NoSimulator, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
 from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.experiments.report import plot, report_page, trials_csv
 from rsegen.experiments.trial import (
     Outcome,
     Results,
     Trial,
+    TrialSimulator,
     refuse_undrivable,
     refuse_without_frames,
     run_trial,
@@ -38,6 +39,7 @@ from rsegen.params.sorts import Choice, Flag, Float, Integer, Json, Parameter, T
 from rsegen.recipe import recipe_file
 from rsegen.robots.sdf_file import is_robot_file
 from rsegen.robots.xacro_files import with_arguments
+from rsegen.simulators.embedded import embedded_simulator
 from rsegen.simulators.server import choose_installation
 from rsegen.writing.journal import Journal, is_intact, read_errors, read_journal
 from rsegen.writing.store import Store, open_store, refuse_busy, refuse_irreplaceable, replacing
@@ -94,7 +96,7 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
     plan = plan if isinstance(plan, ExperimentPlan) else load_plan(os.fspath(plan))
     plan = in_simulators(plan, simulators)
     names = dict.fromkeys(str(row.simulator) for row in plan.rows)
-    installed = {name: choose_installation("both", name, timeout) for name in names}
+    installed = {name: _chosen(name, timeout) for name in names}
     refuse_without_frames(plan, installed)
     refuse_undrivable(plan)
     machine = {"simulator": ", ".join(map(str, installed.values())), **_description()}
@@ -116,6 +118,16 @@ def run_trials(  # noqa: PLR0913  # as `rsegen.experiment`
         result = ExperimentResult(plan=plan, results=results_of(done), machine=machine, folder=folder, command=command)
         store.put({name: [content] for name, content in _files(result).items()}, force=True, holds=HOLDS)
     return result
+
+
+def _chosen(name: str, timeout: float) -> TrialSimulator:
+    """Return a simulator that is installed, by its name; NoSimulator if it is not."""
+    here = embedded_simulator(name)
+    if here is None:
+        return choose_installation("both", name, timeout)
+    if here.version() is None:
+        raise NoSimulator(f"{here.title} is not installed; to install it: {'; '.join(here.how_to_install)}")
+    return here
 
 
 def _description() -> dict[str, str]:

@@ -25,7 +25,7 @@ from functools import partial
 from math import ceil
 from pathlib import Path
 from statistics import fmean
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -41,7 +41,9 @@ from rsegen.gazebo import sdf
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.scene.scene import Scene, compose
 from rsegen.simulators.base import Installation
-from rsegen.simulators.live_world import LiveWorld
+from rsegen.simulators.embedded import EmbeddedSimulator, PlacedRobot
+from rsegen.simulators.embedded_process import Task, world_in_process
+from rsegen.simulators.live_world import RunningWorld
 from rsegen.simulators.process import usage
 from rsegen.simulators.server import attempted, running_server
 from rsegen.simulators.stepped_world import Record
@@ -108,11 +110,15 @@ _SLOWEST = 20
 """Times of a span within which it must end: a slower world is stuck, or the machine does something else."""
 
 
-def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, Installation]) -> None:
+TrialSimulator: TypeAlias = Installation | EmbeddedSimulator
+"""In what a trial is simulated: a Gazebo, or a simulator in the box, in a process of its own."""
+
+
+def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, TrialSimulator]) -> None:
     """Raise a UserError, before any trial, if a pace of the plan needs a screen or a window that there is not."""
     for source in (pace for pace in plan.paces if pace in SOURCES):
         for here in installed.values():
-            if source not in here.simulator.frames:
+            if isinstance(here, EmbeddedSimulator) or source not in here.simulator.frames:
                 raise ParameterError("paces", f"frames of {here} cannot be counted; leave {source} out, or use classic")
             if source == "window" and "gzclient" not in here.commands:
                 raise ParameterError("paces", f"the window of {here} is not installed; leave window out")
@@ -167,7 +173,7 @@ class TrialServer:
     may raise
     """
 
-    live: LiveWorld
+    live: RunningWorld
     pid: int
     load: float
     pace: str
@@ -237,13 +243,47 @@ class TrialServer:
 
 @contextmanager
 def trial_server(
-    plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]
+    plan: ExperimentPlan, cell: Cell, seed: int, here: TrialSimulator, watch: Callable[[], None]
 ) -> Iterator[TrialServer]:
     """Start a server of a trial, in which the robots have fallen to the ground and started to drive."""
     # Also an empty world has robots at the places of a map, so that both differ by the map alone.
-    row, source = plan.rows[cell.row], cell.pace if cell.pace in SOURCES else None
+    row = plan.rows[cell.row]
     scene = compose(row.map_of(cell.size, seed))
     runs = _runs(row, scene, seed)
+    start = _process if isinstance(here, EmbeddedSimulator) else _server
+    with start(cell, scene, runs, here, watch) as trial:  # type: ignore[arg-type]  # each has its own kind
+        yield trial
+
+
+@contextmanager
+def _process(
+    cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: EmbeddedSimulator, watch: Callable[[], None]
+) -> Iterator[TrialServer]:
+    """Start the process of a trial in an embedded simulator; loading is all that it does before it can simulate."""
+    placed = [PlacedRobot(name=run.name, robot=run.robot, start=run.start) for run in runs]
+    is_real, began = cell.pace in IN_REAL_TIME, time.monotonic()
+    with world_in_process(Task(simulator=here.name, recipe=scene.recipe, robots=placed, is_real=is_real)) as live:
+        trial = TrialServer(
+            live=live,
+            pid=live.pid,
+            load=time.monotonic() - began,
+            pace=cell.pace,
+            scene=scene,
+            runs=runs,
+            routes={run.name: run.route() for run in runs},
+            frames=lambda: 0,
+            watch=watch,
+        )
+        trial.run_robots("simulated", SETTLED)
+        yield trial
+
+
+@contextmanager
+def _server(
+    cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: Installation, watch: Callable[[], None]
+) -> Iterator[TrialServer]:
+    """Start the server of a trial in a Gazebo."""
+    source = cell.pace if cell.pace in SOURCES else None
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rsegen-")))
         file = _write_trial(cell, scene, runs, here, folder)
@@ -414,7 +454,7 @@ class Trial:
 
 
 def run_trial(
-    plan: ExperimentPlan, cell: Cell, repeat: int, here: Installation, watch: Callable[[], None] = lambda: None
+    plan: ExperimentPlan, cell: Cell, repeat: int, here: TrialSimulator, watch: Callable[[], None] = lambda: None
 ) -> Trial:
     """Run a trial; each repeat has its own map and start poses. A failed server is tried again.
 
@@ -439,7 +479,7 @@ def _runs(row: TableRow, scene: Scene, seed: int) -> Sequence[RobotRun]:
     return robot_runs(scene.field, row.model, Wandering.name, count=row.robots, seed=seed, evenest=True)
 
 
-def _trial(plan: ExperimentPlan, cell: Cell, seed: int, here: Installation, watch: Callable[[], None]) -> Trial:
+def _trial(plan: ExperimentPlan, cell: Cell, seed: int, here: TrialSimulator, watch: Callable[[], None]) -> Trial:
     """Run the trial of a cell, perhaps in turns with an empty world; round its figures for the journal."""
     cells = [cell, replace(cell, size=0)] if cell.pace == "beside" else [cell]
     with ExitStack() as stack:  # both servers run for the whole trial

@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 
     Measured = tuple[Scene, Metrics, Mapping[str, Any]]
 
-_KINDS = Reference("a kind of robot, or a file of one", help="kind of robot, or SDF, URDF or Xacro file of a model")
+_KINDS = Reference(
+    "a kind of robot, or a file of one", help="kind of robot, or SDF, URDF, Xacro or MJCF file of a model"
+)
 _NO_ROBOT = "give a robot, as in --robot burger, or limits of steps, as in --climb-cm 10"
 
 

@@ -68,6 +68,7 @@ def map_model(
     for robot in robots:
         for one, other in robot.excluded:
             SubElement(contact, "exclude", body1=one, body2=other)
+    SubElement(root, "equality").extend(joint for robot in robots for joint in robot.equalities)
     actuators = SubElement(root, "actuator")
     for robot in robots:
         actuators.extend(servo_elements(robot))

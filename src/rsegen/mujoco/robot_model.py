@@ -22,11 +22,12 @@ import numpy as np
 from rsegen.errors import FileError
 from rsegen.field.stepfield import Array
 from rsegen.mujoco.friction import LEAST, ROBOTS, MapFriction
-from rsegen.mujoco.settings import GRAVITY, ROLLING, TORSIONAL
+from rsegen.mujoco.settings import GRAVITY, MOTOR_SOLIMP, MOTOR_SOLREF, ROLLING, TORSIONAL
 from rsegen.robots.base import Robot
 from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import read_mesh
+from rsegen.robots.mimics import mimics
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
 from rsegen.simulators.embedded import PlacedRobot
 
@@ -86,7 +87,7 @@ class RobotModel:
     """A robot's parts of MJCF, and what its drive needs of them.
 
     links: their names, as in its file; bodies: of the world; assets: meshes; excluded: pairs of bodies that do not
-    touch; remarks: sentences about what is not as in its file
+    touch; equalities: joints that follow others; remarks: sentences about what is not as in its file
     """
 
     name: str
@@ -96,6 +97,7 @@ class RobotModel:
     bodies: list[Element] = field(default_factory=list)
     assets: list[Element] = field(default_factory=list)
     excluded: list[tuple[str, str]] = field(default_factory=list)
+    equalities: list[Element] = field(default_factory=list)
     shapes: list[Shape] = field(default_factory=list)
     wheels: list[WheelMotor] = field(default_factory=list)
     servos: list[tuple[str, Servo]] = field(default_factory=list)
@@ -141,6 +143,7 @@ class _Builder:
         self._massless: list[str] = []
         self._swollen_links: list[str] = []
         self._add_bodies(self._frames.local(element))
+        self._add_followers()
         self._add_motors(placed.robot.servos if isinstance(placed.robot, Robot) else ())
         self._add_remarks()
 
@@ -217,6 +220,17 @@ class _Builder:
             if value:
                 values[attribute] = numbers([value if path == "spring_reference" else max(value, 0.0)])
         SubElement(body, "joint", values)
+
+    def _add_followers(self) -> None:
+        """Add constraints by which joints follow others; what has a motor of the drive follows that."""
+        drive = self.model.drive
+        for name, mimic in mimics(self._frames).items():
+            if name in (*drive.left, *drive.right):
+                continue
+            joints = {"joint1": f"{self.model.name}/{name}", "joint2": f"{self.model.name}/{mimic.leader}"}
+            ratio = numbers((mimic.offset, mimic.multiplier, 0, 0, 0))
+            stiff = {"solref": numbers(MOTOR_SOLREF), "solimp": numbers(MOTOR_SOLIMP)}
+            self.model.equalities.append(Element("joint", joints | {"polycoef": ratio} | stiff))
 
     def _number(self, element: Element, path: str) -> float | None:
         """Return a number of a joint; None if there is none, or none that limits anything."""

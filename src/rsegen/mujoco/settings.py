@@ -32,7 +32,8 @@ the crawler is wedged at the frame of README's course at each of 7 starts, with 
 Classic, and in the same time."""
 
 MOTOR_SOLREF, MOTOR_SOLIMP = (0.004, 1), (0.9999, 0.9999, 0.001, 0.5, 2)
-"""Motors of wheels: half of a difference in speed is left after a step, and as good as nothing under a load."""
+"""Motors of wheels, and joints that follow others: half of a difference in speed is left after a step, and as good as
+nothing under a load."""
 
 TORSIONAL, ROLLING = 0.005, 0.0001
 """Friction coefficients about and along a contact, MuJoCo's defaults; contacts here have sliding friction alone."""

@@ -37,11 +37,13 @@ def rate(  # noqa: PLR0913  # each is a flag
         str | os.PathLike[str] | DrivableRobot | Crosses,
         Reference(
             "a kind of robot, or a file of one",
-            help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments; in Python also "
-            "a function of a StepField and a seed, which returns whether something gets across",
+            help="kind of robot, or SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments; in Python "
+            "also a function of a StepField and a seed, which returns whether something gets across",
             types=(object,),
         ),
-        Shell(("ROBOT",), "KIND|FILE", help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...'"),
+        Shell(
+            ("ROBOT",), "KIND|FILE", help="kind of robot, or SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...'"
+        ),
     ],
     recipe: Recipe | None = None,
     *,

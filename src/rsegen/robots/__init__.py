@@ -1,6 +1,6 @@
 """Robots that drive over maps; each of rsegen's own is one file of this folder, which is imported automatically.
 
-Those of users are read from SDF, URDF and Xacro files.
+Those of users are read from SDF, URDF, Xacro and MJCF files.
 """
 
 from rsegen.params.capabilities import Capability, Command
@@ -10,7 +10,7 @@ MESH = Extra("mesh", "trimesh", "other robots' meshes")
 XACRO = Extra("xacro", "xacro", "robots in Xacro files, as ROS has them")
 
 CAPABILITY = Capability(
-    summary="rsegen's robots, and those of SDF, URDF and Xacro files",
+    summary="rsegen's robots, and those of SDF, URDF, Xacro and MJCF files",
     needs=("pictures", "standing"),
     commands=(
         Command(

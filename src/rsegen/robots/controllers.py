@@ -60,15 +60,16 @@ class Controller(NamedTuple):
 
 
 class Controls(NamedTuple):
-    """The joints of a robot that ROS drives.
+    """The joints of a robot that ROS drives, or a file of MuJoCo.
 
     rates: joints that take a velocity, with its limit, rad/s; controllers: of wheels that are joints of the robot;
-    remarks: sentences about files that name wheels, and are not used
+    remarks: sentences about files that name wheels, and are not used; rated_by: what has the rates, in words
     """
 
     rates: Mapping[str, float | None] = {}
     controllers: tuple[Controller, ...] = ()
     remarks: tuple[str, ...] = ()
+    rated_by: str = "ros2_control"
 
 
 def controls(robot: Element, where: Path) -> Controls:

@@ -45,7 +45,8 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
     Parameters
     ----------
     what : str, path or robot
-        A kind, or an SDF, URDF or Xacro file, as `FILE NAME:=VALUE ...` with arguments; a robot is returned as it is.
+        A kind, or an SDF, URDF, Xacro or MJCF file, as `FILE NAME:=VALUE ...` with arguments; a robot is returned as
+        it is.
     where : str, default 'robot'
         By which errors name it.
 

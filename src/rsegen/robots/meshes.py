@@ -9,6 +9,7 @@ skins of controllers, strips and fans of triangles, and splines are left out.
 
 from __future__ import annotations
 
+from base64 import urlsafe_b64decode, urlsafe_b64encode
 from collections.abc import Callable, Iterator, Mapping
 from math import radians
 from pathlib import Path
@@ -43,8 +44,31 @@ class Triangles(NamedTuple):
     corners: Ints
 
 
+INLINE = "data:triangles;base64,"
+"""Begin of the URI of a mesh whose triangles stand in the model itself: in base64, how many points there are, then
+points and corners, numbers of four bytes."""
+
+
+def inline_uri(mesh: Triangles) -> str:
+    """Return the URI of a mesh that has no file."""
+    count, points, corners = np.uint32(len(mesh.points)), mesh.points.astype("<f4"), mesh.corners.astype("<u4")
+    return INLINE + urlsafe_b64encode(count.tobytes() + points.tobytes() + corners.tobytes()).decode()
+
+
+def _inline(uri: str) -> Triangles:
+    content = urlsafe_b64decode(uri.removeprefix(INLINE))
+    end = 4 + 12 * int.from_bytes(content[:4], "little")
+    points = np.frombuffer(content[4:end], "<f4").reshape(-1, 3).astype(np.float64)
+    corners = np.frombuffer(content[end:], "<u4").reshape(-1, 3).astype(np.int64)
+    if not (corners.size and corners.max() < len(points) and np.isfinite(points).all()):
+        raise ValueError("a corner of a triangle is no point")
+    return Triangles(points, corners)
+
+
 def read_mesh(path: Path) -> Triangles:
     """Return the triangles of a mesh, metres; FileError if it cannot be read, ImportError if trimesh is missing."""
+    if (uri := str(path)).startswith(INLINE):
+        return read_by_library(Path("a mesh in the model itself"), lambda: _inline(uri))
     if path.suffix.lower() == ".dae":
         return read_collada(path)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _ROBOT = Reference(
     "a kind of robot, or a file of one",
-    help="kind of robot, or SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments",
+    help="kind of robot, or SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments",
     types=(object,),
 )
 

@@ -32,7 +32,7 @@ def add_robot(command: Parser) -> None:
         "and effort; what was assumed, and what is left out.",
         "rsegen drive, metrics, predict and all other commands take the same robot.",
     )
-    text = "a kind of robot, or an SDF, URDF or Xacro file, as 'FILE NAME:=VALUE ...' with arguments"
+    text = "a kind of robot, or an SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments"
     command.add_argument("robot", metavar="KIND|FILE", help=text)
     group = command.group("robot")
     group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, in place of those that are found")
@@ -127,6 +127,8 @@ def _remarks(robot: SdfRobot) -> Iterator[str]:
     yield from robot.remarks
     if light := robot.light_wheels:
         yield light
+    if followers := robot.followers:
+        yield f"follow another joint in MuJoCo, and in Gazebo move on their own, unless held: {', '.join(followers)}"
     if held := robot.held:
         yield f"held in a drive as its model has them, as nothing drives them: {', '.join(held)}"
 

@@ -100,13 +100,13 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
     for controller in ros.controllers:
         joints = (*controller.left, *controller.right)  # of which some may be left out, as they have no mass
         if all(joint in frames.joints and abs(frames.axis(joint)[1]) >= _ALONG for joint in joints) and (
-            drive := _of_wheels(controller, frames, ros.rates)
+            drive := _of_wheels(controller, frames, ros)
         ):
             return drive
     if steered_wheels(frames):
         return None
     controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
-    return _paired(controlled, frames, "ros2_control", ros.rates) or _by_shapes(frames)
+    return _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
 
 
 def _plugged(model: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -146,7 +146,7 @@ def named_wheels(text: str, frames: ModelFrames, ros: Controls) -> ReadDrive:
         raise ParameterError("wheels", f"{shown(text)} is not LEFT,RIGHT or FRONT+REAR,FRONT+REAR, joints of wheels")
     if any(abs(frames.axis(joint)[1]) < _ALONG for joint in (*left, *right)):
         raise ParameterError("wheels", f"{text}: their axes are not all along y")
-    drive = _of_wheels(Controller("their names", left, right), frames, ros.rates)
+    drive = _of_wheels(Controller("their names", left, right), frames, ros)
     if drive is None:
         problem = "their places or shapes are unknown; a wheel needs a collision shape such as a cylinder or sphere"
         raise ParameterError("wheels", f"{text}: {problem}")
@@ -183,7 +183,7 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     radii = {joint: _wheel_radius(joint, frames) for joint in _rolling(frames.joints, frames)}
     largest = max(radii.values(), default=0.0)
     wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
-    return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", {})
+    return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", Controls())
 
 
 def steered_wheels(frames: ModelFrames) -> list[str]:
@@ -245,6 +245,11 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
     ]
 
 
+def is_wheel(joint: str, frames: ModelFrames) -> bool:
+    """Return whether a joint turns what is round about it and on the ground, without end, about an axis along y."""
+    return is_endless(frames.joints[joint]) and _is_along_y(joint, frames) and _wheel_radius(joint, frames) > 0
+
+
 def is_endless(joint: Element) -> bool:
     """Return whether a joint turns without end."""
     if joint.get("type") not in ("revolute", "continuous"):
@@ -269,9 +274,7 @@ def _wheel_radius(joint: str, frames: ModelFrames) -> float:
     return float(height / 2) if is_round and is_on_ground else 0.0
 
 
-def _paired(
-    wheels: Sequence[str], frames: ModelFrames, origin: str, rates: Mapping[str, float | None]
-) -> ReadDrive | None:
+def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Controls) -> ReadDrive | None:
     """Return the drive of wheels on two sides, as many on either; those in the middle are casters."""
     middles = {joint: _middle(frames.child(joint), frames) for joint in wheels}
     if not middles:
@@ -282,13 +285,13 @@ def _paired(
     left = [joint for joint in from_front if middles[joint][1] - centre > half / 2]
     right = [joint for joint in from_front if centre - middles[joint][1] > half / 2]
     paired = left and len(left) == len(right)
-    return _of_wheels(Controller(origin, left, right), frames, rates) if paired else None
+    return _of_wheels(Controller(origin, left, right), frames, ros) if paired else None
 
 
-def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, float | None]) -> ReadDrive | None:
+def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls) -> ReadDrive | None:
     """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
 
-    rates: the limits of joints in ROS, rad/s, for a speed that is not said; else those of the joints themselves
+    ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves
     """
     # Left is known by the places of the joints: Classic calls left what is right.
     first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
@@ -321,7 +324,7 @@ def _of_wheels(controller: Controller, frames: ModelFrames, rates: Mapping[str, 
     speed, turn = _limit(SPEED, controller.speed, frames), _limit(TURN, controller.turn, frames)
     limits_by = own_source = [controller.where] if speed or turn else []
     own = [_number(frames.joints[joint], frames, "axis/limit/velocity") for joint in joints]
-    for source, limits in (("ros2_control", map(rates.get, joints)), ("its joints", own)):
+    for source, limits in ((ros.rated_by, map(ros.rates.get, joints)), ("its joints", own)):
         if not speed:
             speed = _limit(SPEED, min(filter(None, limits), default=0) * radius, frames)
             limits_by = [source, *own_source]
@@ -338,7 +341,7 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, {})
+    read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, Controls())
     if read is None:
         return None
     sizes = "its plug-in" if separation and radius else "its wheels"

@@ -1,12 +1,12 @@
-"""A robot from an SDF or URDF file of the user, which is parsed as untrusted input.
+"""A robot from a file of the user, in SDF, URDF, Xacro or MJCF, which is parsed as untrusted input.
 
-The model is kept as text, URDF as SDF. Its drive, size and limits are read once; for a world it gets a drive plug-in of
-the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the simulator has
-not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model has them at, as
-nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does one that turns
-without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is written elsewhere.
-What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not found, an arm that
-hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
+The model is kept as text, as SDF whatever it was. Its drive, size and limits are read once; for a world it gets a drive
+plug-in of the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the
+simulator has not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model
+has them at, as nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does
+one that turns without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is
+written elsewhere. What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not
+found, an arm that hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
 """
 
 from __future__ import annotations
@@ -28,9 +28,13 @@ from rsegen.input_files import text_of, xml_root
 from rsegen.robots.base import WHEEL, refuse_outside
 from rsegen.robots.body import body_of_file
 from rsegen.robots.controllers import Controls, controls
-from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Tracks, Wheels, pose_publisher
+from rsegen.robots.drives import BACKENDS, Drive, PublishCommand, Wheels, pose_publisher
+from rsegen.robots.holding import hold, turn_to_the_left
 from rsegen.robots.includes import NOT_INCLUDED, Includes
 from rsegen.robots.links import ORIGIN, SdfPose, Vector
+from rsegen.robots.meshes import INLINE
+from rsegen.robots.mimics import mimics
+from rsegen.robots.mjcf import of_mujoco
 from rsegen.robots.sdf_drives import (
     DEFAULT_SPEED,
     DEFAULT_TURN,
@@ -38,14 +42,13 @@ from rsegen.robots.sdf_drives import (
     TRACK_CONTROLLER,
     ReadDrive,
     find_drive,
-    is_endless,
     light_wheels,
     named_tracks,
     named_wheels,
     plugin_key,
     steered_wheels,
 )
-from rsegen.robots.sdf_shapes import Extents, ModelFrames, floats, impossible_inertias, inertials, take_out_flat
+from rsegen.robots.sdf_shapes import Extents, ModelFrames, impossible_inertias, inertials, take_out_flat
 from rsegen.robots.urdf import Converted, converted
 from rsegen.robots.uris import resolve_uris
 from rsegen.robots.xacro_files import expanded, is_xacro, with_arguments
@@ -56,11 +59,16 @@ from rsegen.standing.spots import body_of_size
 MAX_ROBOT_MIB = 4
 """The largest file that is read, MiB: a second's work for the parser; robots' files have some tens of kilobytes."""
 
-SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml")
+SUFFIXES = (".sdf", ".urdf", ".xacro", ".xml", ".mjcf")
 """Endings of files that are taken for a robot, in any letters; what is in them says which they are."""
 
 _LATEST_OF_CLASSIC = "1.7"
 """The latest version of SDF that Gazebo Classic reads."""
+
+_FIRST_WITH_MIMIC = 11
+"""The first version of SDF, 1.11, that has <mimic>, which Gazebo Sim then keeps to."""
+
+NO_MIMIC = "<mimic> has no effect in Gazebo, so these joints move on their own, unless they are held"
 
 _MOST_NAMES = 12
 """Names of joints or links in a message at most: an arm has more, and the wheels come first in most files."""
@@ -120,8 +128,9 @@ class SdfRobot(RobotOnField):
             joints = f" ({_some(self.joints)})" if self.joints else ""
             raise ParameterError(
                 self.kind,
-                "no wheels or tracks: no plug-in that rsegen knows has them, nor ros2_control or a file of a controller"
-                f", and no links look like wheels; name them with tracks='LEFT,RIGHT', or wheels='LEFT,RIGHT'{joints};"
+                "no wheels or tracks: no plug-in or actuator that rsegen knows has them, nor ros2_control or a file of"
+                " a controller, and no links look like wheels; name them with tracks='LEFT,RIGHT', or"
+                f" wheels='LEFT,RIGHT'{joints};"
                 " without them it only stands, with rsegen spawn",
             )
         return replace(self.read_drive.drive, speed=self.speed, turn=self.turn)
@@ -129,7 +138,13 @@ class SdfRobot(RobotOnField):
     @property
     def held(self) -> tuple[str, ...]:
         """The joints that are held in a drive, as nothing drives them."""
-        return _hold_and_turn(self._model(), self)
+        return _hold_and_turn(self._model(), self, follows=True)
+
+    @property
+    def followers(self) -> tuple[str, ...]:
+        """The joints that follow another one in a drive, in a simulator that keeps to <mimic>."""
+        held = self.held
+        return tuple(name for name in mimics(ModelFrames(self._model(), self.kind)) if name not in held)
 
     @property
     def light_wheels(self) -> str:
@@ -147,6 +162,8 @@ class SdfRobot(RobotOnField):
     def model(self, name: str, simulator: str = "classic", at: SdfPose = ORIGIN) -> str:
         """Return its <model> with its lowest point at the height of a pose, driven by the simulator's own plug-in."""
         model = self._placed(name, at)
+        self._refuse_inline_meshes(model)
+        self._take_out_mimics(model, simulator)
         _make_drivable(model, self, name, simulator)
         return _outer(model)
 
@@ -156,7 +173,7 @@ class SdfRobot(RobotOnField):
         It has no plug-ins and no sensors; joints that nothing drives are held, and wheels turn about the left.
         """
         model = self._placed(name, at)
-        _hold_and_turn(model, self)
+        _hold_and_turn(model, self, follows=True)
         for tag in ("plugin", "sensor"):
             _take_out(model, tag)
         return _outer(model)
@@ -166,8 +183,10 @@ class SdfRobot(RobotOnField):
         is_newer = simulator == "classic" and _minor(self.version) > _minor(_LATEST_OF_CLASSIC)
         version = _LATEST_OF_CLASSIC if is_newer else self.version
         model = self._placed(name, ORIGIN)
+        self._refuse_inline_meshes(model)
+        self._take_out_mimics(model, simulator)
         if self._is_undriven(simulator):
-            _hold(model, None)
+            hold(model, None, follows=False)
         return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{_outer(model)}</sdf>\n'
 
     def command(self, name: str, v: float, w: float, simulator: str = "classic") -> PublishCommand:
@@ -182,18 +201,20 @@ class SdfRobot(RobotOnField):
         """Yield what was derived from its file, and what was left out of it for a drive, in a sentence each."""
         yield f"{self.kind}: {_derived(self)}"
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
+        yield from self._unled(simulator)
         if simulator == "classic" and (light := self.light_wheels):
             yield f"{self.kind}: {light}"
         if simulator in BACKENDS:
             changes = _make_drivable(self._model(), self, self.kind, simulator)
         else:
-            changes = {_HELD: _some(_hold_and_turn(self._model(), self))}
+            changes = {_HELD: _some(_hold_and_turn(self._model(), self, follows=True))}
         yield from (f"{self.kind}: {why}: {names}" for why, names in changes.items() if names)
 
     def spawn_notes(self, simulator: str) -> Iterator[str]:
         """Yield what was left out of its file, and whether its joints are held, in a sentence each."""
         yield from (f"{self.kind}: {remark}" for remark in self.remarks)
-        if self._is_undriven(simulator) and (held := _hold(self._model(), None)):
+        yield from self._unled(simulator)
+        if self._is_undriven(simulator) and (held := hold(self._model(), None, follows=False)):
             yield f"{self.kind}: has no wheels or tracks, so its joints are held as its model has them: {_some(held)}"
 
     def given(self, values: Mapping[str, Any]) -> SdfRobot:
@@ -210,6 +231,28 @@ class SdfRobot(RobotOnField):
         # A plug-in that the simulator loads may move them, of ROS or its own.
         files = (plugin.get("filename", "") for plugin in self._model().iter("plugin"))
         return not any("control" in file.lower() and _is_loadable(file, simulator) for file in files)
+
+    def _take_out_mimics(self, model: Element, simulator: str) -> list[str]:
+        """Take <mimic> out of a model unless the simulator reads it there, and return the names of its joints."""
+        if simulator == "sim" and _minor(self.version) >= _FIRST_WITH_MIMIC:
+            return []
+        followers = list(mimics(ModelFrames(model, self.kind)))
+        _take_out(model, "mimic")
+        return followers
+
+    def _unled(self, simulator: str) -> Iterator[str]:
+        """Yield a sentence about joints that follow no other one in a simulator, although they should."""
+        if simulator in BACKENDS and (unled := self._take_out_mimics(self._model(), simulator)):
+            yield f"{self.kind}: {NO_MIMIC}: {_some(unled)}"
+
+    def _refuse_inline_meshes(self, model: Element) -> None:
+        """Raise a FileError if a shape that touches has its mesh in the model itself; take out what is only seen."""
+        _take_out(model, "visual", lambda visual: visual.findtext("geometry/mesh/uri", "").startswith(INLINE))
+        if any(uri.startswith(INLINE) for uri in (mesh.findtext("uri", "") for mesh in model.iter("mesh"))):
+            raise FileError(
+                f"{self.kind}: the mesh of a collision shape has no STL, OBJ or COLLADA file, and Gazebo reads no"
+                " other; drive it in MuJoCo"
+            )
 
     def _model(self) -> Element:
         return fromstring(self.text)  # noqa: S314  # was found to be plain elements
@@ -233,7 +276,7 @@ def is_robot_file(what: object) -> bool:
 
 
 def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: str | None = None) -> SdfRobot:
-    """Return the robot of the one model in an SDF, URDF or Xacro file; FileError if the file has anything else.
+    """Return the robot of the one model in an SDF, URDF, Xacro or MJCF file; FileError if the file has anything else.
 
     path: a text may have arguments of Xacro after it, as in "robot.urdf.xacro laser:=true". wheels: the joints of its
     wheels as LEFT,RIGHT; tracks: the links of its tracks; several of a side joined by +, the flippers of a track after
@@ -251,10 +294,8 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
-    ros = controls(root, Path(where)) if root.tag == "robot" else Controls()
+    source, ros = _as_sdf(root, where, *(re.split(r"[,+]", named or "") for named in (wheels, tracks)))
     remarks += ros.remarks
-    separate = re.split(r"[,+]", tracks or "")
-    source = converted(root, where, separate) if root.tag == "robot" else Converted(root)
     model, version = _model_and_version(source.sdf, where)
     includes = Includes(lambda file: _model_and_version(_sdf_root(file), str(file))[0])
     includes.put_into(model, Path(where))
@@ -270,6 +311,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     frames = ModelFrames(model, where)
     shapes = frames.shapes
     inertials(frames)  # an error for a mass that no simulator takes
+    mimics(frames)  # and for what is no number
     if wheels:
         drive: ReadDrive | None = named_wheels(wheels, frames, ros)
     else:
@@ -283,7 +325,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         problem.format(_some(names))
         for names, problem in (
             (source.left_out, "left out, as they have no mass, or hang on such a link: {}"),
-            (source.mimics, "<mimic> has no effect, so these joints move on their own, unless they are held: {}"),
+            (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
         )
         if names
@@ -306,6 +348,15 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     )
 
 
+def _as_sdf(root: Element, where: str, wheels: Sequence[str], tracks: Sequence[str]) -> tuple[Converted, Controls]:
+    """Return a robot of any format as SDF, and what of it has motors by its format or by ROS."""
+    if root.tag == "mujoco":
+        return of_mujoco(root, where, wheels)
+    if root.tag == "robot":
+        return converted(root, where, tracks), controls(root, Path(where))
+    return Converted(root), Controls()
+
+
 def _sdf_root(file: Path) -> Element:
     return xml_root(text_of(file, MAX_ROBOT_MIB, "a model"), str(file))
 
@@ -317,8 +368,6 @@ def _some(names: Sequence[str]) -> str:
 def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
     """Return the model of an <sdf>, and its version; FileError if it has none, or others."""
     models = root.findall("model")
-    if root.tag == "mujoco":
-        raise FileError(f"{where}: a robot of MJCF, the format of MuJoCo; rsegen reads SDF, URDF and Xacro")
     parts = root.findall("include")
     if root.tag == "sdf" and not models and len(parts) == 1:  # a file that only names a model
         models = [SubElement(root, "model", name=(parts[0].findtext("name") or Path(where).stem).strip())]
@@ -404,9 +453,6 @@ def _outer(model: Element) -> str:
 _LIBRARIES = ("GAZEBO_PLUGIN_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "LD_LIBRARY_PATH")
 """Variables that list the folders of plug-ins."""
 
-_MOVING = ("revolute", "continuous", "prismatic")
-"""Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
-
 
 def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> dict[str, str]:
     """Give a model a drive of the simulator's own in place of all that it has; return what else was changed, and why.
@@ -418,7 +464,7 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
         SubElement(model, "allow_auto_disable").text = "false"  # it would sleep against a wall
     read, drive = robot.read_drive, robot.drive if robot.read_drive else None
     own = read.plugin if read else ""
-    held = _hold_and_turn(model, robot)
+    held = _hold_and_turn(model, robot, follows=False)
     # Fortress has no mecanum drive in all of its versions; there its wheels are driven as others are.
     missing = ("classic", "fortress") if own == "gz-sim-mecanum-drive-system" else ("classic",)
     keys = (own, TRACK_CONTROLLER) if own.startswith("gz-sim-") and backend not in missing else ()
@@ -445,14 +491,11 @@ def _make_drivable(model: Element, robot: SdfRobot, name: str, backend: str) -> 
 _HELD = "held as its model has them, as nothing drives them"
 
 
-def _hold_and_turn(model: Element, robot: SdfRobot) -> tuple[str, ...]:
+def _hold_and_turn(model: Element, robot: SdfRobot, *, follows: bool) -> tuple[str, ...]:
     """Hold the joints that nothing drives, and return their names; turn the axes of wheels to the left."""
     read = robot.read_drive
-    held = _hold(model, robot.drive if read else None)
-    joints = ModelFrames(model, robot.kind).joints
-    for joint in read.turned if read else ():
-        if (axis := joints[joint].find("axis/xyz")) is not None:
-            axis.text = numbers([-value for value in floats(axis.text, 3, robot.kind)])
+    held = hold(model, robot.drive if read else None, follows=follows)
+    turn_to_the_left(model, robot.kind, read.turned if read else ())
     return held
 
 
@@ -462,30 +505,6 @@ def _take_out(model: Element, tag: str, is_out: Callable[[Element], bool] = lamb
     for parent, element in out:
         parent.remove(element)
     return [element for _, element in out]
-
-
-def _hold(model: Element, drive: Drive | None) -> tuple[str, ...]:
-    """Make the joints that nothing drives fixed, and return their names; without a drive, all that move."""
-    frames = ModelFrames(model, model.get("name", ""))
-    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
-    tracks = (*drive.left, *drive.right) if isinstance(drive, Tracks) else ()
-    held = []
-    for name, joint in frames.joints.items():
-        if joint.get("type") not in _MOVING or name in wheels:
-            continue
-        if drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint)):
-            joint.set("type", "fixed")
-            for element in [*joint.findall("axis"), *joint.findall("physics")]:
-                joint.remove(element)
-            held.append(name)
-    return tuple(held)
-
-
-def _has_spring(joint: Element) -> bool:
-    try:
-        return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
-    except ValueError:
-        return False
 
 
 def _leave_out(model: Element, backend: str) -> tuple[tuple[str, ...], ...]:

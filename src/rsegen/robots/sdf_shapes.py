@@ -21,7 +21,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
-from rsegen.robots.meshes import SUFFIXES, read_mesh
+from rsegen.robots.meshes import INLINE, SUFFIXES, read_mesh
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -338,7 +338,7 @@ def swept_box(geometry: Element, where: str) -> SweptBox | None:
 def _mesh(mesh: Element, where: str) -> SweptBox | None:
     """Return the box of a mesh in a file; None for one that cannot be read here."""
     path, scale = file_and_scale(mesh, where)
-    if path.suffix.lower() not in SUFFIXES:
+    if path.suffix.lower() not in SUFFIXES and not str(path).startswith(INLINE):
         return None
     try:
         points, corners = read_mesh(path)

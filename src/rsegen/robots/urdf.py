@@ -5,8 +5,7 @@ first of them, which keeps its name, with their masses, shapes and sensors. So a
 physics engines make 1 kg, or an error, is one body with what hangs on it. preserveFixedJoint keeps a joint if both of
 its links have a mass. The root link is at the origin of the model. What hangs on a joint that moves, and has no mass,
 is left out, with all that hangs on it. Gazebo's elements go into their link, its shapes or their joint, or into the
-model. Cost: linear. What breaks it: SDF 1.7 has no mimic, so such joints move freely, which is said; planar joints are
-refused; names of links that are no more stay in plug-ins.
+model. Cost: linear. What breaks it: planar joints are refused; names of links that are no more stay in plug-ins.
 """
 
 from __future__ import annotations
@@ -23,7 +22,20 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
-from rsegen.robots.links import angles, pose_matrix, rotation
+from rsegen.robots.links import pose_matrix, rotation
+from rsegen.robots.mimics import Mimic, put_mimic
+from rsegen.robots.sdf_elements import (
+    MOMENTS,
+    NO_MASS,
+    Mass,
+    append_inertial,
+    moved,
+    numbers_text,
+    pose_text,
+    put,
+    put_all,
+    sum_of_masses,
+)
 from rsegen.robots.sdf_shapes import floats, refuse_inertia, tensor_of
 
 _VERSION = "1.7"
@@ -80,8 +92,6 @@ _PLACED = ("sensor", "light", "projector")
 _SCRIPTS = "file://media/materials/scripts/gazebo.material"
 """The file of Gazebo Classic's colours, such as Gazebo/Blue."""
 
-_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-
 _UNLIMITED = 1e16
 """The number that means no limit in SDF."""
 
@@ -93,7 +103,7 @@ class Converted(NamedTuple):
     """The <sdf> element of a robot, and what of it is not as in its file.
 
     left_out: the names of its links that were left out, as they have no mass; mimics: those of its joints that should
-    follow another
+    follow another in a way that SDF does not have
     """
 
     sdf: Element
@@ -110,14 +120,6 @@ class _Joint(NamedTuple):
     child: str
     element: Element
     place: Array
-
-
-class _Inertial(NamedTuple):
-    """A mass, kg, its centre, (3,), metres, and its tensor of inertia about it, (3, 3), kg m^2."""
-
-    mass: float
-    centre: Array
-    tensor: Array
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -137,9 +139,6 @@ class _Source:
         """Return the last element of a tag for a link or joint."""
         elements = self.extensions.get(name, {}).get(tag)
         return elements[-1] if elements else None
-
-
-_NOTHING = _Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Converted:
@@ -165,28 +164,27 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
         places[name] = places[above[name].parent] @ above[name].place if name in above else np.eye(4)
         inside = np.eye(4) if heads[name] == name else np.linalg.inv(places[heads[name]]) @ places[name]
         merged.setdefault(heads[name], {})[name] = inside
-    masses = {head: _sum((bodies[name], place) for name, place in parts.items()) for head, parts in merged.items()}
+    masses = {
+        head: sum_of_masses((bodies[name], place) for name, place in parts.items()) for head, parts in merged.items()
+    }
     left_out = _left_out(source, above, masses)
 
     sdf = Element("sdf", version=_VERSION)
     model = SubElement(sdf, "model", name=robot.get("name", ""))
-    mimics: list[str] = []
     for head, parts in merged.items():
         if head in left_out or (head == _WORLD and head not in above):
             continue
         link = SubElement(model, "link", name=head)
-        _put(link, "pose", _pose(places[head]))
-        _append_inertial(link, masses[head])
+        put(link, "pose", pose_text(places[head]))
+        append_inertial(link, masses[head])
         counts: Counter[str] = Counter()
         for name, place in parts.items():
             _append_parts(link, name, place, counts, source)
         if head in above and _JOINTS[above[head].kind]:
             _append_joint(model, above[head], source)
-            if above[head].kind != "fixed" and above[head].element.find("mimic") is not None:
-                mimics.append(above[head].name)
     for elements in extensions.get("", {}).values():
         model.extend(map(deepcopy, elements))
-    return Converted(sdf, tuple(left_out), tuple(mimics))
+    return Converted(sdf, tuple(left_out))
 
 
 def _named(elements: Iterable[Element], what: str, where: str) -> Iterator[tuple[str, Element]]:
@@ -250,7 +248,7 @@ def _from_the_root_on(above: Mapping[str, _Joint], links: Mapping[str, Element],
 def _heads(
     order: Sequence[str],
     above: Mapping[str, _Joint],
-    bodies: Mapping[str, _Inertial],
+    bodies: Mapping[str, Mass],
     extensions: Mapping[str, Mapping[str, Sequence[Element]]],
     separate: Collection[str],
 ) -> dict[str, str]:
@@ -268,7 +266,7 @@ def _heads(
     return heads
 
 
-def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, _Inertial]) -> dict[str, None]:
+def _left_out(source: _Source, above: Mapping[str, _Joint], masses: Mapping[str, Mass]) -> dict[str, None]:
     """Return the links that have no mass, and those below them; FileError if this is the root."""
     left_out: dict[str, None] = {}
     for head, body in masses.items():
@@ -289,44 +287,18 @@ def _extensions(robot: Element) -> dict[str, dict[str, list[Element]]]:
     return extensions
 
 
-def _body(link: Element, where: str) -> _Inertial:
+def _body(link: Element, where: str) -> Mass:
     """Return the inertial of a link in its frame; nothing if it has none, or no mass, as in sdformat."""
     inertial = link.find("inertial")
     if inertial is None:
-        return _NOTHING
+        return NO_MASS
     (mass,) = floats(_attribute(inertial.find("mass"), "value"), 1, f"{where}: mass")
     if mass == 0:
-        return _NOTHING
+        return NO_MASS
     inertia = inertial.find("inertia")
-    tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in _MOMENTS])
+    tensor = tensor_of([floats(_attribute(inertia, name), 1, f"{where}: {name}")[0] for name in MOMENTS])
     refuse_inertia(mass, tensor, where)
-    return _moved(_Inertial(mass, np.zeros(3), tensor), _origin(inertial, where))
-
-
-def _moved(body: _Inertial, place: Array) -> _Inertial:
-    turn = place[:3, :3]
-    return _Inertial(body.mass, turn @ body.centre + place[:3, 3], turn @ body.tensor @ turn.T)
-
-
-def _sum(parts: Iterable[tuple[_Inertial, Array]]) -> _Inertial:
-    """Return bodies at their places as one; Steiner's theorem moves their tensors to the common centre."""
-    bodies = [_moved(body, place) for body, place in parts if body.mass]
-    if not bodies:
-        return _NOTHING
-    mass = sum(body.mass for body in bodies)
-    centre = np.sum([body.mass * body.centre for body in bodies], axis=0) / mass
-    tensor = np.zeros((3, 3))
-    for body in bodies:
-        way = body.centre - centre
-        tensor += body.tensor + body.mass * (way @ way * np.eye(3) - np.outer(way, way))
-    return _Inertial(mass, centre, tensor)
-
-
-def _append_inertial(link: Element, body: _Inertial) -> None:
-    _put(link, "inertial/pose", f"{_text(body.centre)} 0 0 0")
-    _put(link, "inertial/mass", _text([body.mass]))
-    for name, value in zip(_MOMENTS, body.tensor[np.triu_indices(3)], strict=True):
-        _put(link, f"inertial/inertia/{name}", _text([value]))
+    return moved(Mass(mass, np.zeros(3), tensor), _origin(inertial, where))
 
 
 def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], source: _Source) -> None:
@@ -342,9 +314,9 @@ def _append_parts(link: Element, name: str, place: Array, counts: Counter[str], 
     for tag, elements in source.extensions.get(name, {}).items():
         text = _value(elements[-1])
         if tag == "turnGravityOff":
-            _put(link, "gravity", "false" if _is_true(text) else "true")
+            put(link, "gravity", "false" if _is_true(text) else "true")
         elif tag in _OF_LINK:
-            _put_all(link, _OF_LINK[tag], text)
+            put_all(link, _OF_LINK[tag], text)
         elif tag not in _ELSEWHERE:
             link.extend([_placed(element, place, source.where) for element in elements])
 
@@ -354,7 +326,7 @@ def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) 
     here = f"{source.where}: link {shown(name)}: a <{shape.tag}>"
     lump = f"{head}_fixed_joint_lump__" if name != head or shape.get("name") else ""
     made = Element(shape.tag, name=f"{lump}{shape.get('name') or name}_{shape.tag}")
-    _put(made, "pose", _pose(place @ _origin(shape, here)))
+    put(made, "pose", pose_text(place @ _origin(shape, here)))
     made.append(_geometry(shape.find("geometry"), here))
     more = source.last(name, shape.tag)
     if more is not None:
@@ -365,7 +337,7 @@ def _shape(shape: Element, head: str, name: str, place: Array, source: _Source) 
     for tag, path in _SURFACE.items():
         element = source.last(name, tag)
         if element is not None:
-            _put(made, path, _value(element))
+            put(made, path, _value(element))
     return made
 
 
@@ -375,24 +347,24 @@ def _append_material(visual: Element, material: Element | None, name: str, sourc
         return
     colour = _attribute(material, "rgba", "color") or source.colours.get(_attribute(material, "name"))
     if colour:
-        rgba = _text(floats(colour, 4, f"{source.where}: the colour of a material"))
-        _put_all(visual, ("material/ambient", "material/diffuse"), rgba)
+        rgba = numbers_text(floats(colour, 4, f"{source.where}: the colour of a material"))
+        put_all(visual, ("material/ambient", "material/diffuse"), rgba)
     script = source.last(name, "material")
     if script is not None and _value(script):
-        _put(visual, "material/script/uri", _SCRIPTS)
-        _put(visual, "material/script/name", _value(script))
+        put(visual, "material/script/uri", _SCRIPTS)
+        put(visual, "material/script/name", _value(script))
 
 
 def _append_joint(model: Element, joint: _Joint, source: _Source) -> None:
     """Append a joint, whose frame is that of its child, as in SDF."""
     made = SubElement(model, "joint", name=joint.name, type=_JOINTS[joint.kind])
-    _put(made, "parent", source.heads[joint.parent])
-    _put(made, "child", joint.child)
+    put(made, "parent", source.heads[joint.parent])
+    put(made, "child", joint.child)
     if joint.kind != "fixed":
         _append_axis(made, joint, f"{source.where}: joint {shown(joint.name)}")
     for tag, elements in source.extensions.get(joint.name, {}).items():
         if tag in _OF_JOINT:
-            _put_all(made, _OF_JOINT[tag], _value(elements[-1]))
+            put_all(made, _OF_JOINT[tag], _value(elements[-1]))
         elif tag not in _ELSEWHERE:
             made.extend(map(deepcopy, elements))
 
@@ -401,8 +373,8 @@ def _append_axis(made: Element, joint: _Joint, where: str) -> None:
     axis = np.array(floats(_attribute(joint.element.find("axis"), "xyz") or "1 0 0", 3, where))
     length = np.linalg.norm(axis)
     if length < _SHORTEST:
-        raise FileError(f"{where}: its axis {_text(axis)} has no direction")
-    _put(made, "axis/xyz", _text(axis / length))
+        raise FileError(f"{where}: its axis {numbers_text(axis)} has no direction")
+    put(made, "axis/xyz", numbers_text(axis / length))
     limit, dynamics = joint.element.find("limit"), joint.element.find("dynamics")
     if limit is not None and joint.kind != "continuous":
         for name in ("lower", "upper"):  # which are 0 by default
@@ -411,6 +383,10 @@ def _append_axis(made: Element, joint: _Joint, where: str) -> None:
         _put_number(made, f"axis/limit/{name}", _attribute(limit, name), where)
     for name in ("damping", "friction"):
         _put_number(made, f"axis/dynamics/{name}", _attribute(dynamics, name), where)
+    if (mimic := joint.element.find("mimic")) is not None:
+        defaults = {"multiplier": "1", "offset": "0"}
+        numbers = (floats(_attribute(mimic, name) or default, 1, where)[0] for name, default in defaults.items())
+        put_mimic(made, Mimic(_attribute(mimic, "joint"), *numbers))
 
 
 def _geometry(geometry: Element | None, where: str) -> Element:
@@ -421,11 +397,11 @@ def _geometry(geometry: Element | None, where: str) -> Element:
     made = Element("geometry")
     solid = SubElement(made, shape.tag)
     if shape.tag == "mesh":
-        _put(solid, "uri", _attribute(shape, "filename"))
+        put(solid, "uri", _attribute(shape, "filename"))
     for name, count in _GEOMETRIES[shape.tag].items():
         text = shape.get(name)
         if text is not None or shape.tag != "mesh":
-            _put(solid, name, _text(floats(text, count, where)))
+            put(solid, name, numbers_text(floats(text, count, where)))
     return made
 
 
@@ -435,7 +411,7 @@ def _placed(extension: Element, place: Array, where: str) -> Element:
     if made.tag in _PLACED and not np.array_equal(place, np.eye(4)):
         text = (made.findtext("pose") or "").strip() or "0 0 0 0 0 0"
         x, y, z, *turn = floats(text, 6, f"{where}: the pose of a <{made.tag}>")
-        _put(made, "pose", _pose(place @ pose_matrix((x, y, z), rotation(*turn))))
+        put(made, "pose", pose_text(place @ pose_matrix((x, y, z), rotation(*turn))))
     return made
 
 
@@ -444,16 +420,6 @@ def _origin(element: Element, where: str) -> Array:
     origin = element.find("origin")
     xyz, rpy = (floats(_attribute(origin, name) or "0 0 0", 3, where) for name in ("xyz", "rpy"))
     return pose_matrix(xyz, rotation(*rpy))
-
-
-def _pose(transform: Array) -> str:
-    """Return a transform, (4, 4), as x, y, z, metres, and roll, pitch, yaw, radians."""
-    return _text([*transform[:3, 3], *angles(transform[:3, :3])])
-
-
-def _text(values: Iterable[float]) -> str:
-    """Return numbers with twelve digits, more than files have: a small wheel has moments of 1e-7 kg m^2."""
-    return " ".join(f"{value + 0.0:.12g}" for value in values)
 
 
 def _attribute(element: Element | None, name: str, child: str = "") -> str:
@@ -471,20 +437,7 @@ def _put_number(element: Element, path: str, text: str, where: str) -> None:
     if isnan(value):
         raise FileError(f"{where}: {shown(text)} is not a number")
     if abs(value) < _UNLIMITED:
-        _put(element, path, _text([value]))
-
-
-def _put_all(element: Element, paths: Iterable[str], text: str) -> None:
-    for path in paths:
-        _put(element, path, text)
-
-
-def _put(element: Element, path: str, text: str) -> None:
-    """Set the text of the element at a path in another, which is made if there is none."""
-    for tag in path.split("/"):
-        inner = element.find(tag)
-        element = SubElement(element, tag) if inner is None else inner
-    element.text = text.strip()
+        put(element, path, numbers_text([value]))
 
 
 def _value(extension: Element) -> str:

@@ -19,6 +19,7 @@ from xml.etree.ElementTree import Element
 
 from rsegen.errors import FileError
 from rsegen.input_files import regular_content
+from rsegen.robots.meshes import INLINE
 
 _PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH", "ROS_PACKAGE_PATH")
 """Variables that list the folders of models and of packages."""
@@ -51,12 +52,13 @@ def resolve_uris(model: Element, file: Path) -> None:
     folders of models that the simulators know; FileError if the mesh of a collision shape is not found.
     """
     for uri in model.iter("uri"):
-        path = found_uri((uri.text or "").strip(), file)
+        text = (uri.text or "").strip()
+        path = None if text.startswith(INLINE) else found_uri(text, file)
         if path:
             uri.text = str(path)
     for mesh in model.iterfind(".//collision/geometry/mesh/uri"):
         text = (mesh.text or "").strip()
-        if not text.startswith("/") or not os.path.exists(text):
+        if not text.startswith(INLINE) and not (text.startswith("/") and os.path.exists(text)):
             raise FileError(f"{file}: the mesh {text} of a collision shape is not found; {_advice(text, file)}")
 
 

@@ -27,7 +27,30 @@ class Clock:
     paused: bool
 
 
-class LiveWorld(SteppedWorld):
+class RunningWorld(SteppedWorld):
+    """A world in another process, in which time runs until it is paused."""
+
+    @abstractmethod
+    def unpause(self) -> None:
+        """Let simulation time run, and wait until that is reported."""
+
+    @abstractmethod
+    def pause(self) -> None:
+        """Stop simulation time, and wait until that is reported."""
+
+    @abstractmethod
+    def clock(self) -> Clock:
+        """Return the clock now."""
+
+    def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
+        """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.
+
+        Empty until the first message; it costs a running server less than `poses`, and gives the very time.
+        """
+        return self.clock().simulated, self.poses()
+
+
+class LiveWorld(RunningWorld):
     """A world in a running simulator. SimulatorFailed if the simulator has ended or does not answer.
 
     between_looks: seconds between two looks whether something is done; client: its connection; name: of the world, as
@@ -77,17 +100,6 @@ class LiveWorld(SteppedWorld):
 
     def stop_recording(self) -> None:  # not every server keeps one
         """Stop the server's record, which takes up to half of its time."""
-
-    @abstractmethod
-    def clock(self) -> Clock:
-        """Return the clock now."""
-
-    def last_poses(self) -> tuple[float, Mapping[str, Pose]]:
-        """Simulated seconds, and the poses of the models that moved then; what is known already, without a request.
-
-        Empty until the first message; it costs a running server less than `poses`, and gives the very time.
-        """
-        return self.clock().simulated, self.poses()
 
     def frame_counter(self, source: str) -> Callable[[], int]:
         """Return a function that counts frames from now on; source: one of its simulator's `frames`."""

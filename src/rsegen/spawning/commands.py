@@ -199,7 +199,7 @@ def add_spawn(command: Parser) -> None:
         "GAZEBO_MASTER_URI or in GZ_PARTITION, or at the default addresses. "
     )
     command.explain(spawn.__doc__, epilog + robot_kinds())
-    where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF or Xacro file of a robot"
+    where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF, Xacro or MJCF file of a robot"
     add_input(command, where, name="target", metavar="DIR-or-RECIPE-or-ROBOT")
     add_flags(command.group("spawn"), spawn)
     add_target_recipe_flags(command, _OWN_OF_SPAWN)

@@ -1,0 +1,95 @@
+"""Which joints of a model are held in a drive, as nothing drives them, and which move.
+
+What has limits is held: nothing else keeps an arm, a flipper or a leg where it is. A joint with a spring is a
+suspension and moves, as does one that turns without end, such as that of a caster. A joint that follows another one
+(mimics.py) moves if that one does. Two that follow each other, and carry driven wheels both, about axes that are not
+upright, are the two sides of a differential: they move against each other. What breaks it: an arm that hangs on endless
+joints, and a rocker that has no spring and no partner, which becomes stiff.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from xml.etree.ElementTree import Element
+
+from rsegen.gazebo.sdf import numbers
+from rsegen.robots.drives import Drive, Tracks, Wheels
+from rsegen.robots.mimics import Mimic, first_leader, mimics
+from rsegen.robots.sdf_drives import is_endless
+from rsegen.robots.sdf_elements import put
+from rsegen.robots.sdf_shapes import ModelFrames, floats
+
+_MOVING = ("revolute", "continuous", "prismatic")
+"""Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
+
+_UPRIGHT = 0.7
+"""Vertical part of an axis from which on what it carries is steered, and is no rocker."""
+
+
+def hold(model: Element, drive: Drive | None, *, follows: bool) -> tuple[str, ...]:
+    """Make the joints that nothing drives fixed, and return their names; without a drive, all that move.
+
+    follows: whether the simulator keeps to <mimic>; if not, all joints are as if they had none
+    """
+    frames = ModelFrames(model, model.get("name", ""))
+    wheels = (*drive.left, *drive.right) if isinstance(drive, Wheels) else ()
+    tracks = (*drive.left, *drive.right) if isinstance(drive, Tracks) else ()
+    followed = mimics(frames) if follows and drive else {}
+    free = _differentials(frames, followed, {*tracks, *(frames.child(wheel) for wheel in wheels)})
+
+    def is_held(name: str) -> bool:
+        if name in free or name in wheels:
+            return False
+        joint = frames.joints[name]
+        return drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint))
+
+    leaders = {name: first_leader(name, followed) or name for name in frames.joints}
+    moving = [name for name, joint in frames.joints.items() if joint.get("type") in _MOVING and name not in wheels]
+    held = tuple(name for name in moving if is_held(leaders[name]))
+    for name in held:
+        joint = frames.joints[name]
+        joint.set("type", "fixed")
+        for element in [*joint.findall("axis"), *joint.findall("physics")]:
+            joint.remove(element)
+    return held
+
+
+def turn_to_the_left(model: Element, where: str, turned: Collection[str]) -> None:
+    """Turn the axes of wheels to the left, and the signs of the angles by which others follow them or they others."""
+    frames = ModelFrames(model, where)
+    for name in turned:
+        if (axis := frames.joints[name].find("axis/xyz")) is not None:
+            axis.text = numbers([-value for value in floats(axis.text, 3, where)])
+    for name, mimic in mimics(frames).items():
+        element = frames.joints[name].find("axis/mimic")
+        sign = -1 if name in turned else 1
+        ratio = sign * (-1 if mimic.leader in turned else 1)
+        if element is not None and (sign, ratio) != (1, 1):
+            values = {"multiplier": ratio * mimic.multiplier, "offset": sign * mimic.offset}
+            for child in list(element):
+                element.remove(child)
+            for tag, value in values.items():
+                put(element, tag, numbers([value]))
+
+
+def _has_spring(joint: Element) -> bool:
+    try:
+        return float(joint.findtext("axis/dynamics/spring_stiffness") or 0) > 0
+    except ValueError:
+        return False
+
+
+def _differentials(frames: ModelFrames, followed: Mapping[str, Mimic], driven: Collection[str]) -> set[str]:
+    """Return the joints of rockers that carry driven links and follow each other."""
+    above = {frames.child(name): name for name in frames.joints}
+    carrying: set[str] = set()
+    waiting = [above[link] for link in driven if link in above]
+    while waiting:
+        joint = waiting.pop()
+        if joint not in carrying:  # a file may have a circle
+            carrying.add(joint)
+            waiting += [above[link] for link in [frames.parent(joint)] if link in above]
+    wheels = {above[link] for link in driven if link in above}
+    rockers = {name for name in carrying - wheels if abs(frames.axis(name)[2]) < _UPRIGHT}
+    pairs = [(name, mimic.leader) for name, mimic in followed.items() if {name, mimic.leader} <= rockers]
+    return {name for pair in pairs for name in pair}

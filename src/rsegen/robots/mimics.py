@@ -1,0 +1,64 @@
+"""Joints that follow another one: <mimic> of URDF and of SDF since 1.11, and equality constraints of MJCF.
+
+The angle of a follower is multiplier * (that of its leader - reference) + offset, radians or metres. It stands in the
+<axis> of its joint, as in SDF 1.11, whatever the version of the model is; only a simulator that keeps to it gets it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement
+
+from rsegen.robots.sdf_elements import numbers_text, put
+from rsegen.robots.sdf_shapes import ModelFrames, floats
+
+_SCALAR = ("revolute", "continuous", "prismatic")
+"""Types of joints that have one angle or way, and so may follow and lead."""
+
+
+class Mimic(NamedTuple):
+    """What a joint follows: the joint `leader`, times a multiplier, and at which offset, radians or metres."""
+
+    leader: str
+    multiplier: float
+    offset: float
+
+
+def put_mimic(joint: Element, mimic: Mimic) -> None:
+    """Make a joint of SDF, which has an <axis>, follow another one."""
+    axis = joint.find("axis")
+    assert axis is not None  # noqa: S101  # of those that may follow each has one
+    element = SubElement(axis, "mimic", joint=mimic.leader)
+    put(element, "multiplier", numbers_text([mimic.multiplier]))
+    put(element, "offset", numbers_text([mimic.offset]))
+
+
+def mimics(frames: ModelFrames) -> dict[str, Mimic]:
+    """Return what each joint of a model follows; of those that move, and whose leader moves, and not round in a circle.
+
+    FileError for what is no number.
+    """
+    found: dict[str, Mimic] = {}
+    for name, joint in frames.joints.items():
+        element = joint.find("axis/mimic")
+        if element is None or joint.get("type") not in _SCALAR:
+            continue
+        scope, where = name.rpartition("::")[0], f"{frames.where}: <mimic> of joint {name}"
+        own = (element.get("joint") or "").strip()
+        leader = f"{scope}::{own}" if scope else own
+        if leader in frames.joints and frames.joints[leader].get("type") in _SCALAR:
+            (multiplier,) = floats(element.findtext("multiplier", "1"), 1, where)
+            (offset,) = floats(element.findtext("offset", "0"), 1, where)
+            (reference,) = floats(element.findtext("reference", "0"), 1, where)
+            found[name] = Mimic(leader, multiplier, offset - multiplier * reference)
+    return {name: mimic for name, mimic in found.items() if first_leader(name, found) is not None}
+
+
+def first_leader(joint: str, followed: Mapping[str, Mimic]) -> str | None:
+    """Return the joint that a joint follows in the end: itself if it follows none; None if they follow each other."""
+    for _ in range(len(followed) + 1):
+        if joint not in followed:
+            return joint
+        joint = followed[joint].leader
+    return None

@@ -1,0 +1,78 @@
+"""Elements of SDF for robots of other formats: numbers, poses, and masses of bodies that become one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from rsegen.field.stepfield import Array
+from rsegen.robots.links import angles
+
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+class Mass(NamedTuple):
+    """A mass, kg, its centre, (3,), metres, and its tensor of inertia about it, (3, 3), kg m^2."""
+
+    mass: float
+    centre: Array
+    tensor: Array
+
+
+NO_MASS = Mass(0.0, np.zeros(3), np.zeros((3, 3)))
+"""No mass."""
+
+
+def moved(body: Mass, place: Array) -> Mass:
+    """Return a body of a frame that is at a place, (4, 4), in the frame outside."""
+    turn = place[:3, :3]
+    return Mass(body.mass, turn @ body.centre + place[:3, 3], turn @ body.tensor @ turn.T)
+
+
+def sum_of_masses(parts: Iterable[tuple[Mass, Array]]) -> Mass:
+    """Return bodies at their places as one; Steiner's theorem moves their tensors to the common centre."""
+    bodies = [moved(body, place) for body, place in parts if body.mass]
+    if not bodies:
+        return NO_MASS
+    mass = sum(body.mass for body in bodies)
+    centre = np.sum([body.mass * body.centre for body in bodies], axis=0) / mass
+    tensor = np.zeros((3, 3))
+    for body in bodies:
+        way = body.centre - centre
+        tensor += body.tensor + body.mass * (way @ way * np.eye(3) - np.outer(way, way))
+    return Mass(mass, centre, tensor)
+
+
+def append_inertial(link: Element, body: Mass) -> None:
+    """Append the <inertial> of a body to its link."""
+    put(link, "inertial/pose", f"{numbers_text(body.centre)} 0 0 0")
+    put(link, "inertial/mass", numbers_text([body.mass]))
+    for name, value in zip(MOMENTS, body.tensor[np.triu_indices(3)], strict=True):
+        put(link, f"inertial/inertia/{name}", numbers_text([value]))
+
+
+def pose_text(transform: Array) -> str:
+    """Return a transform, (4, 4), as x, y, z, metres, and roll, pitch, yaw, radians."""
+    return numbers_text([*transform[:3, 3], *angles(transform[:3, :3])])
+
+
+def numbers_text(values: Iterable[float]) -> str:
+    """Return numbers with twelve digits, more than files have: a small wheel has moments of 1e-7 kg m^2."""
+    return " ".join(f"{value + 0.0:.12g}" for value in values)
+
+
+def put_all(element: Element, paths: Iterable[str], text: str) -> None:
+    """Set the text of the elements at several paths."""
+    for path in paths:
+        put(element, path, text)
+
+
+def put(element: Element, path: str, text: str) -> None:
+    """Set the text of the element at a path in another, which is made if there is none."""
+    for tag in path.split("/"):
+        inner = element.find(tag)
+        element = SubElement(element, tag) if inner is None else inner
+    element.text = text.strip()
