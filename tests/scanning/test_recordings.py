@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -111,6 +112,13 @@ def objects(path: Path) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
+def collada(path: Path, unit: str = "1", scale: float = 1.0) -> None:
+    """A COLLADA file of pycollada, whose numbers are in a unit of its own."""
+    content = slab(0.02).apply_scale(scale).export(file_type="dae").decode()
+    assert content.count("<asset>") == 1
+    path.write_text(re.sub(r"<unit [^>]*>", "", content).replace("<asset>", f'<asset><unit meter="{unit}"/>'))
+
+
 WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "one.e57": lambda path: scanner(path, (0, 0, 0)),
     "three.e57": lambda path: scanner(path, (0, 0, 0), (3, -1, 1), (-2, 4, 0.5)),
@@ -122,6 +130,8 @@ WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "parts.gltf": gltf,
     "parts.glb": lambda path: path.write_bytes(parts().export(file_type="glb")),
     "objects.obj": objects,
+    "metres.dae": collada,
+    "centimetres.DAE": lambda path: collada(path, "0.01", 100),
 }
 
 
@@ -185,6 +195,9 @@ def test_what_is_no_recording_is_refused_in_one_line(tmp_path: Path) -> None:
             read_clouds([tmp_path / name])
         assert said in str(refused.value)
         assert "\n" not in str(refused.value)
+    collada(tmp_path / "cm.dae", "0.01", 100)
+    with pytest.raises(ParameterError, match="says itself what its unit is"):
+        read_clouds([tmp_path / "cm.dae"], values="cm")
     with pytest.raises(ParameterError, match="is no bag, and has no topics"):
         read_clouds([tmp_path / "points.xyz"], topic="/points")
 

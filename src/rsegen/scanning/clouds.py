@@ -22,6 +22,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
 from rsegen.field.stepfield import Array
+from rsegen.geometry.collada import read_collada
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
 from rsegen.params.extras import Extra, pip_install
@@ -106,6 +107,8 @@ def _read(
     form = CLOUDS[path.suffix.lower()]
     if topic is not None and form != "bag":
         raise ParameterError("topic", f"{path} is no bag, and has no topics")
+    if values is not None and path.suffix.lower() == ".dae":
+        raise ParameterError("values", f"{path} says itself what its unit is; leave it out")
     if form == "bag":
         numbers, usual, direction = _bag(path, topic), "m", None
     elif form == "mesh":
@@ -199,11 +202,13 @@ def _columns(path: Path, titles: str, line: str) -> tuple[int, ...]:
 
 
 def _mesh(path: Path, up: Sequence[float] | None) -> Cloud:
-    """Return the points of a cloud, or what is seen of a mesh from above, which trimesh reads."""
+    """Return the points of a cloud, or what is seen of a mesh from above; metres if the file has a unit."""
 
     def read() -> Cloud:
         import trimesh
 
+        if path.suffix.lower() == ".dae":  # in metres, whatever its unit is
+            return seen_from_above(trimesh.Trimesh(*read_collada(path), process=False), up)
         with open_regular(path) as file:
             beside = trimesh.resolvers.FilePathResolver(str(path))  # a glTF has its numbers in another file
             loaded = trimesh.load(file, file_type=path.suffix[1:].lower(), resolver=beside)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 CLOUDS: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), "text"),
-        **dict.fromkeys((".ply", ".obj", ".stl", ".glb", ".gltf"), "mesh"),
+        **dict.fromkeys((".ply", ".obj", ".stl", ".glb", ".gltf", ".dae"), "mesh"),
         ".pcd": "pcd",
         **dict.fromkeys((".las", ".laz"), "las"),
         ".e57": "e57",
