@@ -165,6 +165,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = [_robot(row) for row in record["robots"]]
         for robot in () if options.simulated else (robot for robot in ROBOTS if robot not in known):
             record["robots"].append(_rated(robot))
+            record["robots"].sort(key=lambda row: ROBOTS.index(_robot(row)))
             _keep(record)
     print("\n".join(table(record)))
     return 0

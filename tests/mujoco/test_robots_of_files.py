@@ -165,9 +165,24 @@ def test_motors_that_are_too_weak_are_told_with_the_torque_that_wheels_take(tmp_
     assert speeds(world, robot, 0.2, 0.0)[0] == pytest.approx(0.0, abs=1e-4)
     (note,) = world.notes()
     assert note == (
-        "robot: the motors of its wheels are too weak for 75% of the time: its model has an effort of 0.02 Nm each, of"
+        "robot: the motors of its wheels are too weak for 75% of the time: its model has 0.02 Nm for each, of"
         " which their joints take 0.05 Nm; wheels slip on the ground from 0.589 Nm on"
     )
+
+
+@pytest.mark.parametrize(("tag", "torque", "drives"), [("max_wheel_torque", 0.02, False), ("wheelTorque", 3, True)])
+def test_the_torque_of_a_plug_in_is_that_of_the_motors(
+    tmp_path: Path, tag: str, torque: float, *, drives: bool
+) -> None:
+    joints = "".join(f"<{side}_joint>{side}_axle</{side}_joint>" for side in ("left", "right"))
+    plugin = f'<plugin name="d" filename="libgazebo_ros_diff_drive.so">{joints}<{tag}>{torque}</{tag}></plugin>'
+    rubs = "<dynamics><friction>0.05</friction></dynamics>"
+    robot = cart(tmp_path, pair(axle=rubs), more=plugin)
+    assert robot.read_drive is not None
+    assert robot.read_drive.origin == "gazebo_ros_diff_drive"
+    world = world_of(robot)
+    assert speeds(world, robot, 0.2, 0.0)[0] == pytest.approx(0.2 if drives else 0.0, abs=1e-3)
+    assert [f"its model has {torque} Nm for each" in note for note in world.notes()] == [True] * (not drives)
 
 
 @pytest.mark.parametrize("effort", ["0", "-1", "1e16", "inf", "5"])

@@ -96,7 +96,8 @@ def test_a_robot_is_known_by_what_is_in_its_file(tmp_path: Path, name: str) -> N
         ("a.sdf", "<sdf><world><model name='a'/></world></sdf>", "a world; give the SDF file of the robot alone"),
         ("a.sdf", "<sdf><model name='a'/><model name='b'/></sdf>", "nor URDF: there are 2 in <sdf>"),
         ("page.xml", "<html/>", "not an SDF file with one <model> in <sdf>, nor URDF: it begins with <html>"),
-        ("robot.proto", "", "robots are read from files named *.sdf, *.urdf, *.xacro, *.xml, *.mjcf"),
+        ("robot.proto", "", "a PROTO of Webots; export it as URDF there, and give that file"),
+        ("robot.wbt", "", "robots are read from files named *.sdf, *.urdf, *.xacro, *.xml, *.mjcf"),
     ],
 )
 def test_what_is_no_robot_is_one_line_that_says_what_it_is(tmp_path: Path, name: str, text: str, says: str) -> None:

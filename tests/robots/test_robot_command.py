@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rsegen.cli.edge import main
-from tests.robots.two_wheels import GZ, two_wheels
+from tests.robots.two_wheels import GZ, ROS_1, two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
 
 
@@ -28,7 +28,8 @@ def test_each_figure_has_its_origin(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert found["separation"][0] == "0.3 m"
     assert found["radius"][0] == "0.05 m"
     assert found["friction"][0] == "1"
-    assert found["effort"] == ("none", "<effort> of its wheels' joints")
+    assert found["motor"][0] == "no limit"
+    assert found["motor"][1].startswith("neither an <effort> of its joint nor the torque of a plug-in")
     assert found["shapes"] == ("4", "its <collision>: box 1, sphere 1, cylinder 2")
 
 
@@ -41,10 +42,32 @@ def test_what_is_assumed_is_said_and_effort_and_friction_are_the_joints(
     found = figures(capsys, str(file))
     assert found["drive"][1].startswith("the shapes of its links")
     assert found["speed"] == ("0.2 m/s", "assumed, as nothing says it")
-    assert found["effort"][0] == "7 Nm"
+    assert found["motor"] == ("7 Nm", "the <effort> of its joint")
     assert found["friction"][0] == "0.6 to 1"
     named = figures(capsys, str(file), "--wheels", "right_hub,left_hub")
     assert named["drive"] == ("left_hub and right_hub", "their names")
+
+
+@pytest.mark.parametrize(
+    ("said", "effort", "value", "origin"),
+    [
+        ("<torque>5</torque>", "", "5 Nm", "the torque of its plug-in"),
+        ("<wheelTorque>5</wheelTorque>", "100", "5 Nm", "the torque of its plug-in"),
+        ("<max_wheel_torque>20</max_wheel_torque>", "3", "3 Nm", "the <effort> of its joint"),
+        ("<torque>0</torque>", "0", "no limit", "neither an <effort>"),
+        ("", "-1", "no limit", "neither an <effort>"),
+    ],
+)
+def test_a_motor_is_the_weaker_of_the_joints_and_the_plug_ins(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], said: str, effort: str, value: str, origin: str
+) -> None:
+    file = tmp_path / "mine.sdf"
+    text = two_wheels(ROS_1.replace("<torque>5</torque>", said))
+    limit = f"<limit><effort>{effort}</effort></limit></axis>" if effort else "</axis>"
+    file.write_text(text.replace("</axis>", limit))
+    found = figures(capsys, str(file))
+    assert found["motor"][0] == value
+    assert found["motor"][1].startswith(origin)
 
 
 @pytest.mark.parametrize("kind", ["burger", "crawler"])

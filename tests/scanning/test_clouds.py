@@ -144,7 +144,7 @@ def damaged(content: bytes) -> Callable[[Path], Any]:
 
 PCD = b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n"
 NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
-    "a.e57": (damaged(b"ASTM-E57"), "clouds are read from files named"),
+    "a.fls": (damaged(b"laser"), "clouds are read from files named"),
     "a.las": (damaged(b"LASF"), "a.las: not a LAS file that can be read"),
     "a.laz": (damaged(b"LASF" + bytes(400)), "a.laz: "),
     "b.xyz": (damaged(b"no numbers\nat all"), "no line has three numbers"),

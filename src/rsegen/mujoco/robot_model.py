@@ -28,6 +28,7 @@ from rsegen.robots.drives import Drive, Servo, Tracks, Wheels
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import read_mesh
 from rsegen.robots.mimics import mimics
+from rsegen.robots.sdf_drives import motor
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertia_tensor
 from rsegen.simulators.embedded import PlacedRobot
 
@@ -467,14 +468,10 @@ class _Builder:
 
     def _add_motors(self, servos: Sequence[Servo]) -> None:
         drive = self.model.drive
-        for side, joints in enumerate((drive.left, drive.right)) if isinstance(drive, Wheels) else ():
-            for joint in joints:
-                effort, friction = (
-                    self._number(self._frames.joints[joint], f"axis/{path}") or 0.0
-                    for path in ("limit/effort", "dynamics/friction")
-                )
-                # No effort, and one below 0, is none that limits; wheels of files often have 0.
-                torque = effort if effort > 0 else None
+        if isinstance(drive, Wheels):
+            for side, joint in (*((0, joint) for joint in drive.left), *((1, joint) for joint in drive.right)):
+                friction = self._number(self._frames.joints[joint], "axis/dynamics/friction") or 0.0
+                torque = motor(drive, joint, self._frames).torque
                 name = f"{self.model.name}/{joint}"
                 sense = 1 if self._frames.axis(joint)[1] > 0 else -1
                 self.model.wheels.append(WheelMotor(side, name, torque, max(friction, 0.0), sense))

@@ -109,6 +109,6 @@ class WheelMotors:
             rubs = max(wheel.friction for wheel in robot.wheels)
             own_friction = f", of which their joints take {rubs:.3g} Nm" if rubs else ""
             yield (
-                f"{robot.name}: the motors of its wheels are too weak for {share:.0%} of the time: its model has an "
-                f"effort of {torque:.3g} Nm each{own_friction}; wheels slip on the ground from {slips:.3g} Nm on"
+                f"{robot.name}: the motors of its wheels are too weak for {share:.0%} of the time: its model has "
+                f"{torque:.3g} Nm for each{own_friction}; wheels slip on the ground from {slips:.3g} Nm on"
             )

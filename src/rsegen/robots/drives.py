@@ -117,11 +117,13 @@ class Wheels(Drive):
                  takes the distance between them for the separation, and no turn rate above pi
     acceleration of the wheels' rims in Gazebo Sim, m/s^2, whose drive else changes speed at once, so that light robots
                  tip over; Classic's has the limits of its motors
+    torque       the most that the motor of a wheel gives, Nm, as a plug-in has it; None if it says nothing
     """
 
     slip: float = 1
     spread: float = 1
     acceleration: float | None = None
+    torque: float | None = None
 
     def plugins(self, simulator: str, odometry: str = "") -> str:
         """Return DiffDrive in both; Classic's knows one pair of wheels, and calls left what is right."""

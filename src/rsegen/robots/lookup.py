@@ -68,6 +68,8 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
         if is_robot_file(what):
             return from_file(what)
         if what not in ROBOTS and os.path.isfile(what):
+            if os.fspath(what).lower().endswith(".proto"):
+                raise FileError(f"{os.fspath(what)}: a PROTO of Webots; export it as URDF there, and give that file")
             raise FileError(
                 f"{os.fspath(what)}: robots are read from files named {', '.join('*' + s for s in SUFFIXES)}"
             )

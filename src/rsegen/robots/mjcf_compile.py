@@ -17,9 +17,10 @@ import numpy as np
 
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
+from rsegen.geometry.collada import Triangles
 from rsegen.input_files import silent_libraries, text_of, xml_root
 from rsegen.robots.links import pose_matrix
-from rsegen.robots.meshes import SUFFIXES, Triangles, inline_uri
+from rsegen.robots.meshes import SUFFIXES, inline_uri
 
 _MAX_MIB = 4
 """The largest included file that is read, MiB."""

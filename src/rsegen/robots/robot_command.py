@@ -29,7 +29,7 @@ def add_robot(command: Parser) -> None:
     """Add the arguments of `rsegen robot`."""
     command.explain(
         "Print what was read of a robot's file, and where each figure is from: its mass, size, wheels, speed, friction "
-        "and effort; what was assumed, and what is left out.",
+        "and motors; what was assumed, and what is left out.",
         "rsegen drive, metrics, predict and all other commands take the same robot.",
     )
     text = "a kind of robot, or an SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments"
@@ -77,6 +77,7 @@ def _of_kind(robot: Robot) -> Iterator[Figure]:
 def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     """Yield the figures of a robot of a file, each with what it was read from, measured on, or assumed for."""
     from rsegen.robots.drives import Wheels
+    from rsegen.robots.sdf_drives import motor
     from rsegen.robots.sdf_shapes import ModelFrames, inertials
 
     frames = ModelFrames(fromstring(robot.text), robot.kind)  # noqa: S314  # was found to be plain elements
@@ -109,11 +110,11 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     yield Figure(name="speed", value=f"{robot.speed:.4g} m/s", origin=_assumed(robot, "speed") or read.limits_by)
     yield Figure(name="turn rate", value=f"{robot.turn:.4g} rad/s", origin=_assumed(robot, "turn") or read.limits_by)
     if isinstance(drive, Wheels):
-        efforts = [frames.joints[joint].findtext("axis/limit/effort") for joint in (*drive.left, *drive.right)]
-        value = " ".join(dict.fromkeys(effort or "none" for effort in efforts))
-        yield Figure(
-            name="effort", value=f"{value} Nm" if any(efforts) else "none", origin="<effort> of its wheels' joints"
-        )
+        motors = {motor(drive, joint, frames): None for joint in (*drive.left, *drive.right)}
+        value = ", ".join("no limit" if torque is None else f"{torque:.4g} Nm" for torque, _ in motors)
+        where = " and ".join(dict.fromkeys(origin for _, origin in motors))
+        uses = "" if all(torque for torque, _ in motors) else ": in MuJoCo only friction limits its push"
+        yield Figure(name="motor", value=value, origin=f"{where}{uses}")
     links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
     shapes_of = [collision for link, collision, _ in frames.collisions() if link in links]
     mu = sorted({float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes_of})

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import replace
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -49,6 +50,9 @@ _REAR = ("{}_rear", "{}RearJoint", "back_{}_joint", "{}_rear_joint")
 
 TRACK_CONTROLLER = "gz-sim-track-controller-system"
 """The plug-in of Gazebo Sim that moves a single track, for one that drives tracks."""
+
+_TORQUES = ("max_wheel_torque", "wheelTorque", "wheel_torque", "torque")
+"""What plug-ins of Gazebo Classic and of ROS call the torque of a wheel's motor, Nm."""
 
 _ALONG = 0.99
 """Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""
@@ -342,11 +346,12 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
     read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, Controls())
-    if read is None:
+    if read is None or not isinstance(read.drive, Wheels):
         return None
+    drive = replace(read.drive, torque=_number(plugin, frames, *_TORQUES))
     sizes = "its plug-in" if separation and radius else "its wheels"
     sizes += "".join(read.sizes.partition(",")[1:])  # what contradicts the wheels
-    return read._replace(sizes=sizes, limits_by="its model", turned=())
+    return read._replace(drive=drive, sizes=sizes, limits_by="its model", turned=())
 
 
 def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -419,6 +424,27 @@ def _limits(plugin: Element, frames: ModelFrames) -> tuple[float | None, float |
     speed = speed or _number(plugin, frames, "linear_velocity/max_velocity")
     turn = _number(plugin, frames, "max_angular_velocity", "max_angular_speed", "angular_velocity/max_velocity")
     return speed, turn
+
+
+class Motor(NamedTuple):
+    """The motor of a wheel: the most torque that it gives, Nm, None if nothing limits it; and what says so."""
+
+    torque: float | None
+    origin: str
+
+
+def motor(drive: Wheels, joint: str, frames: ModelFrames) -> Motor:
+    """Return the motor of a wheel: the lesser of its joint's effort and its plug-in's torque, of those that limit it.
+
+    No effort, and one of 0 or below, limits nothing: wheels of files often have 0.
+    """
+    effort = _number(frames.joints[joint], frames, "axis/limit/effort")
+    known = [
+        Motor(torque, origin)
+        for torque, origin in ((effort, "the <effort> of its joint"), (drive.torque, "the torque of its plug-in"))
+        if torque is not None
+    ]
+    return min(known, default=Motor(None, "neither an <effort> of its joint nor the torque of a plug-in"))
 
 
 _STEP = 0.001

@@ -13,6 +13,10 @@ SCAN = Extra(
     ("pypcd4", "laspy", "lazrs"),
 )
 
+E57 = Extra("e57", "pye57", "rsegen scan, compare: laser scans in E57 files")
+
+BAG = Extra("bag", "rosbags", "rsegen scan, compare: PointCloud2 in bags of ROS (mcap, db3, bag)")
+
 CAPABILITY = Capability(
     summary="fields found in point clouds and depth images",
     needs=("heights", "pictures"),
@@ -36,6 +40,6 @@ CAPABILITY = Capability(
         "rsegen.scanning.scan_options": ("ScanOptions",),
         "rsegen.scanning.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
     },
-    extras=(SCAN,),
+    extras=(SCAN, E57, BAG),
     manual="scan",
 )

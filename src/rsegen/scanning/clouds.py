@@ -1,4 +1,4 @@
-"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, LAS, LAZ, and depth images with their cameras.
+"""Read point clouds: text (XYZ, CSV), arrays, PLY and meshes, PCD, LAS, LAZ, E57, bags of ROS, and depth images.
 
 All become points (n, 3) in metres, in the frame of the file; a depth z at pixel (u, v) is the point
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
@@ -21,12 +22,14 @@ import numpy as np
 
 from rsegen.errors import FileError, ParameterError, UserError, library_message, shown
 from rsegen.field.stepfield import Array
+from rsegen.geometry.collada import read_collada
 from rsegen.input_files import open_regular, opened_image, read_by_library, text_of
 from rsegen.npy_files import mapped
-from rsegen.params.extras import pip_install
+from rsegen.params.extras import Extra, pip_install
 from rsegen.params.sorts import CENTIMETRES
-from rsegen.scanning import SCAN
+from rsegen.scanning import BAG, E57, SCAN
 from rsegen.scanning.meshes import Cloud, seen_from_above
+from rsegen.scanning.recordings import bag_points, e57_points
 from rsegen.scanning.scan_options import CLOUDS
 
 MOST_POINTS = 20_000_000
@@ -81,24 +84,34 @@ def read_clouds(
     values: str | None = None,
     intrinsics: Intrinsics | None = None,
     up: Sequence[float] | None = None,
+    topic: str | None = None,
 ) -> Cloud:
     """Return the points of all files together, metres, in the frame that they share.
 
     values: the unit of their numbers (m, cm, mm, in, ft); default: m, but mm for depth images with whole numbers.
     intrinsics: for depth images; x is right, y down and z away from the camera. up: nearly the direction up (3,), from
-    which meshes are seen; default: found. A FileError if a file has no points.
+    which meshes are seen; default: found. topic: of a bag, with clouds; default: the only one. A FileError if a file
+    has no points.
     """
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
-        clouds = [_read(path, values, intrinsics, up) for path in paths]
+        clouds = [_read(path, values, intrinsics, up, topic) for path in paths]
     known = next((cloud.up for cloud in clouds if cloud.up is not None), None)
     return Cloud(np.concatenate([cloud.points for cloud in clouds]), known)
 
 
-def _read(path: Path, values: str | None, intrinsics: Intrinsics | None, up: Sequence[float] | None) -> Cloud:
+def _read(
+    path: Path, values: str | None, intrinsics: Intrinsics | None, up: Sequence[float] | None, topic: str | None
+) -> Cloud:
     if not is_cloud(path):
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
     form = CLOUDS[path.suffix.lower()]
-    if form == "mesh":
+    if topic is not None and form != "bag":
+        raise ParameterError("topic", f"{path} is no bag, and has no topics")
+    if values is not None and path.suffix.lower() == ".dae":
+        raise ParameterError("values", f"{path} says itself what its unit is; leave it out")
+    if form == "bag":
+        numbers, usual, direction = _bag(path, topic), "m", None
+    elif form == "mesh":
         (numbers, direction), usual = _mesh(path, up), "m"
     else:
         (numbers, usual), direction = _READERS[form](path), None
@@ -189,13 +202,16 @@ def _columns(path: Path, titles: str, line: str) -> tuple[int, ...]:
 
 
 def _mesh(path: Path, up: Sequence[float] | None) -> Cloud:
-    """Return the points of a cloud, or what is seen of a mesh from above, which trimesh reads."""
+    """Return the points of a cloud, or what is seen of a mesh from above; metres if the file has a unit."""
 
     def read() -> Cloud:
         import trimesh
 
+        if path.suffix.lower() == ".dae":  # in metres, whatever its unit is
+            return seen_from_above(trimesh.Trimesh(*read_collada(path), process=False), up)
         with open_regular(path) as file:
-            loaded = trimesh.load(file, file_type=path.suffix[1:].lower())
+            beside = trimesh.resolvers.FilePathResolver(str(path))  # a glTF has its numbers in another file
+            loaded = trimesh.load(file, file_type=path.suffix[1:].lower(), resolver=beside)
         if isinstance(loaded, trimesh.Scene):
             loaded = loaded.to_geometry()
         if isinstance(loaded, trimesh.Trimesh) and len(loaded.faces):
@@ -241,6 +257,16 @@ def _las(path: Path) -> tuple[Array, str]:
     return _checked(path, _by_library(path, read)), "m"
 
 
+def _e57(path: Path) -> tuple[Array, str]:
+    """Return the points of all scans of a scanner's file, which pye57 reads."""
+    return _checked(path, _by_library(path, lambda: e57_points(path, partial(_refuse_many, path)), E57)), "m"
+
+
+def _bag(path: Path, topic: str | None) -> Array:
+    """Return the points of a cloud that was recorded, which rosbags reads."""
+    return _checked(path, _by_library(path, lambda: bag_points(path, topic, partial(_refuse_many, path)), BAG))
+
+
 def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
     """Yield the lines of a header as pypcd4 takes them: without comments, up to DATA or ten."""
     lines = (line.decode().strip() for line in file)
@@ -250,11 +276,11 @@ def _header_lines(file: Iterable[bytes]) -> Iterator[str]:
             return
 
 
-def _by_library(path: Path, read: Callable[[], _Content]) -> _Content:
+def _by_library(path: Path, read: Callable[[], _Content], extra: Extra = SCAN) -> _Content:
     try:
         return read_by_library(path, read)
     except ImportError as error:
-        raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([SCAN.name])}") from None
+        raise UserError(f"{path}: needs {error.name}, which is not installed; {pip_install([extra.name])}") from None
 
 
 def _checked(path: Path, points: Array) -> Array:
@@ -271,6 +297,6 @@ def _refuse_many(path: Path, points: int) -> None:
 
 
 _READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(
-    {"text": _text, "pcd": _pcd, "las": _las, "array": _array, "image": _image}
+    {"text": _text, "pcd": _pcd, "las": _las, "e57": _e57, "array": _array, "image": _image}
 )
 """Readers of files but meshes: of points (n, 3), or depths (rows, columns), and their usual unit."""

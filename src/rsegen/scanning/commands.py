@@ -116,6 +116,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
     if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
         yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
+    yield from _rim(scan, options, written)
     yield from _board(scan, options, written)
     if options.size is None:
         for side, (raised, cells) in scan.sparse_edges.items():
@@ -137,6 +138,36 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     unsure = scan.seen & (scan.confidence < SURE)
     if unsure.any():
         yield f"warning: less than {SURE:.0%} sure: {_cells(scanned, unsure)}"
+
+
+_DOUBTFUL = 0.5
+"""Share of the cells beside frames that are as high as these from which on they may be blocks."""
+
+
+def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
+    """Yield a line if frames may be blocks, or a rim of blocks may be frames: both look the same."""
+    import numpy as np
+
+    from rsegen.scanning.extent import share_as_high
+
+    if options.boundary is not None or options.size is not None or min(scan.levels.shape) < 3:
+        return
+    if not scan.frame.any():
+        inside = np.zeros([side - 2 for side in scan.levels.shape], dtype=bool)
+        rim = np.unique(scan.levels[np.pad(inside, 1, constant_values=True) & scan.seen])
+        if len(rim) == 1 and rim[0] > 0:
+            high = written.with_unit(float(rim[0]) * scan.unit, 3)
+            yield (
+                f"assumed: no frames, as most blocks beside the rim are {high} high too "
+                "(--boundary outer or divided if the rim is a frame)"
+            )
+        return
+    heights = np.where(scan.seen, scan.levels * scan.unit, np.nan)
+    if share_as_high(heights, scan.frame, scan.frame_height, scan.unit) >= _DOUBTFUL:
+        yield (
+            f"assumed: frames, though many blocks beside them are {written.with_unit(scan.frame_height, 3)} high too "
+            "(--boundary none if they are blocks)"
+        )
 
 
 def _board(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:

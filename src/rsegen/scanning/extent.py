@@ -11,6 +11,9 @@ have one height:
      # . . # . . #      several levels would be on the frames
      # # # # # # #
 
+A rim of blocks of one level looks like that too. Of a deck with holes the cells beside the rim are as high as it, so it
+is no frame then; blocks inside of a frame have all levels.
+
 Sums over rectangles come from one table of cumulative sums along both axes, so each place of a rectangle costs four
 look-ups; a known map is compared at the best places only. A rim at level 0 looks like floor: then the size has to be
 given.
@@ -150,6 +153,11 @@ A wrong chunk size puts blocks of all levels on frames, far more than 2 %. With 
 """
 
 
+_DECK = 0.9
+"""Share of the cells beside a rim that are as high as it from which on it is the rim of a deck, and no frame: of the
+examples with frames up to 0.4 are, of decks all but the holes at the rim."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class FrameLayout:
     """The arrangement of frames in a field.
@@ -192,7 +200,7 @@ def frames_of(
     """Return the frames of a field, all of whose cells are equally high; None if it has none.
 
     unit: of heights [m]; boundary, side: to look for, if they are known; else frames around every chunk are tried
-    first, from small chunks to large ones.
+    first, from small chunks to large ones, and the rim of a deck is none.
     """
     n_x, n_y = reading.heights.shape
     # A chunk with its frame is two cells wider than its blocks; one chunk alone has an outer frame.
@@ -206,9 +214,20 @@ def frames_of(
     tried = divided * (boundary != "outer") + outer * (boundary != "divided" and min(n_x, n_y) > 3)
     for frames in tried:
         height = _height(reading, unit, frames.cells)
-        if height is not None:
+        if height is not None and (boundary or share_as_high(reading.heights, frames.cells, height, unit) < _DECK):
             return replace(frames, height=height)
     return None
+
+
+def share_as_high(heights: Array, rim: Mask, height: float, unit: float) -> float:
+    """Return the share of the cells beside a rim that were seen and are as high as it; 0 if none was seen.
+
+    heights: (n_x, n_y) [m], nan where not seen; rim: (n_x, n_y), its cells; height: of the rim [m]
+    """
+    outer = np.pad(rim, 1)
+    beside = ~rim & (outer[:-2, 1:-1] | outer[2:, 1:-1] | outer[1:-1, :-2] | outer[1:-1, 2:])
+    own = heights[beside & np.isfinite(heights)]
+    return float((np.abs(own - height) < unit / 2).mean()) if len(own) else 0.0
 
 
 def _height(reading: Reading, unit: float, frame: Mask) -> float | None:

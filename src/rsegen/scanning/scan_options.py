@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated
 
-from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, ListOf, Size2D, parameters, validate
+from rsegen.params.sorts import CENTIMETRES, Cell, Choice, Flag, Float, ListOf, Size2D, Text, parameters, validate
 from rsegen.recipe.map_design import MapDesign
 
 if TYPE_CHECKING:
@@ -16,9 +16,11 @@ if TYPE_CHECKING:
 CLOUDS: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys((".xyz", ".txt", ".csv", ".asc", ".pts"), "text"),
-        **dict.fromkeys((".ply", ".obj", ".stl", ".glb"), "mesh"),
+        **dict.fromkeys((".ply", ".obj", ".stl", ".glb", ".gltf", ".dae"), "mesh"),
         ".pcd": "pcd",
         **dict.fromkeys((".las", ".laz"), "las"),
+        ".e57": "e57",
+        **dict.fromkeys((".mcap", ".db3", ".bag"), "bag"),
         ".npy": "array",
         **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), "image"),
     }
@@ -40,6 +42,10 @@ class ScanOptions:
     intrinsics: Annotated[
         tuple[float, float, float, float] | None,
         ListOf(Float(-1e6, 1e6), 4, help="fx,fy,cx,cy of a depth image's camera, in pixels"),
+    ] = None
+    topic: Annotated[
+        str | None,
+        Text(r"[^\s]{1,255}", "the name of a topic", help="topic of a bag with clouds; default: the only one with any"),
     ] = None
     up: Annotated[
         str | None, Choice(tuple(_UPWARDS), help="axis of the cloud that is nearly up, as --up=-y; default: found")

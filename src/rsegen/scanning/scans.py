@@ -169,7 +169,7 @@ def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, ScanSettings, 
     paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
     if not paths:
         raise FileError("no cloud is given")
-    cloud = read_clouds(paths, options.values, options.intrinsics, settings.up)
+    cloud = read_clouds(paths, options.values, options.intrinsics, settings.up, options.topic)
     up = settings.up if cloud.up is None else (float(cloud.up[0]), float(cloud.up[1]), float(cloud.up[2]))
     return cloud.points, replace(settings, up=up), paths[0].stem
 

@@ -52,6 +52,9 @@ _LEAST_STEP, _MOST_STEP = 0.0025, 0.01
 _LOOKS = 8
 """Steps between two poses that are looked at first: most lanes of a small robot end early, where it tips over."""
 
+_FEW = 1000
+"""Poses up to which all are looked at, at once: two calls for a few cost more than one."""
+
 _HIT = 0.001
 """Metres by which a block may be above the lower edge of an upright face: contacts give way by as much."""
 
@@ -159,7 +162,7 @@ def drive_lanes(  # noqa: PLR0913  # a place is three
     every_x = x[:, None] + np.cos(yaw)[:, None] * along
     every_y = y[:, None] + np.sin(yaw)[:, None] * along
     # A lane is looked at up to the first of some of its poses in which the robot tips over, and stays there.
-    some = np.append(np.arange(0, count - 1, _LOOKS), count - 1)
+    some = np.append(np.arange(0, count - 1, _LOOKS if lanes * count > _FEW else 1), count - 1)
     looked = settle(ground, body, every_x[:, some].ravel(), every_y[:, some].ravel(), np.repeat(yaw, len(some)))
     tipped = ~has_stood(looked).reshape(lanes, len(some))
     until = np.where(tipped.any(axis=1), some[tipped.argmax(axis=1)], count - 1)

@@ -190,6 +190,7 @@ class Lattice:
         self._tips_at = _margin_on_level(self.ground, body) if best == "safe" else np.inf
         self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
+        self._driven_on: dict[tuple[float, float, float], float] = {}  # metres that are surely driven from a place
         self._settled: list[tuple[Ints, Settled]] = []
 
     def _tell(self, share: float) -> None:
@@ -438,15 +439,23 @@ class Lattice:
         return None
 
     def _surely_driven(self, begin: Array, yaw: float, length: float) -> float:
-        """Return the share of a straight piece that is driven, and of lanes beside it; more aside where it drops."""
+        """Return the share of a straight piece that is driven, and of lanes beside it; more aside where it drops.
+
+        Ways that are tried one after the other are mostly the same: what is known to be driven is not driven again.
+        """
+        at = (float(begin[0]), float(begin[1]), yaw)
+        if length <= self._driven_on.get(at, 0.0):
+            return 1.0
         room = BESIDE
         while True:
             x, y = begin[:, None] + np.array([[-np.sin(yaw)], [np.cos(yaw)]]) * np.array([0.0, -room, room])
             lanes = drive_lanes(self.ground, self.body, x, y, np.full(3, yaw), length)
-            if not lanes.passed.all():
-                return float(lanes.last[~lanes.passed].min() / lanes.drops.shape[1])
+            share = 1.0 if lanes.passed.all() else float(lanes.last[~lanes.passed].min() / lanes.drops.shape[1])
             if room == FALL_ROOM or not lanes.drops.any():
-                return 1.0
+                self._driven_on[at] = share * length
+                return share
+            if share < 1:
+                return share
             room = FALL_ROOM
 
     def _line(self, axis: int, places: Sequence[_Place]) -> tuple[Array, Ints]:

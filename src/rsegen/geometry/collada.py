@@ -1,0 +1,165 @@
+"""Meshes in COLLADA files (.dae), which may come from anybody.
+
+Idea: a scene of COLLADA is a tree of nodes, each with transforms and instances of geometries, or of nodes of a library;
+every instance adds the triangles of its geometry, as Gazebo places them. Source: COLLADA 1.4.1, Khronos 2008; and
+Gazebo's ColladaLoader, which multiplies all lengths with the <unit>, and leaves <up_axis> alone. Cost: linear in the
+text and in what its instances add, which is limited, as a few lines can double themselves without end. What breaks it:
+skins of controllers, strips and fans of triangles, and splines are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from math import radians
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from rsegen.errors import FileError
+from rsegen.field.stepfield import Array, Ints
+from rsegen.input_files import read_by_library, text_of, xml_root
+
+_MAX_MESH_MIB = 64
+"""The largest file that is read, MiB: about a million triangles; makers' have some megabytes."""
+
+_MOST = 10_000
+"""Nodes in a scene at most; makers' models have up to some hundreds."""
+
+_MOST_TRIANGLES = 5_000_000
+"""Triangles in a scene at most, and points: five times those of the largest file that has each but once."""
+
+
+class Triangles(NamedTuple):
+    """The triangles of a mesh: points (n, 3), metres; corners (m, 3), indices of points."""
+
+    points: Array
+    corners: Ints
+
+
+def read_collada(path: Path) -> Triangles:
+    """Return the triangles of a file; FileError if it has none, or is no COLLADA."""
+    root = xml_root(text_of(path, _MAX_MESH_MIB, "a mesh"), str(path))
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]  # without the name space, of which there are two
+    parts = read_by_library(path, lambda: list(_Scene(root).triangles()))
+    if not parts:
+        raise FileError(f"{path}: has no triangles")
+    starts = np.cumsum([0, *(len(part.points) for part in parts)])
+    corners = [part.corners + start for part, start in zip(parts, starts[:-1], strict=True)]
+    points = np.concatenate([part.points for part in parts])
+    if not np.isfinite(points).all():
+        raise FileError(f"{path}: has a point whose place is no number")
+    return Triangles(points, np.concatenate(corners))
+
+
+class _Scene:
+    """A document: its elements by their ids, the geometries that were read, and how much more may come."""
+
+    def __init__(self, root: Element) -> None:
+        self._root = root
+        self._ids = {f"#{element.get('id')}": element for element in root.iter() if element.get("id")}
+        self._geometries: dict[str, list[Triangles]] = {}
+        self._nodes, self._triangles = _MOST, _MOST_TRIANGLES
+
+    def triangles(self) -> Iterator[Triangles]:
+        """Yield the triangles of each instance of a geometry in the scene."""
+        unit = self._root.find("asset/unit")
+        scale = np.diag([*[float(unit.get("meter", "1")) if unit is not None else 1.0] * 3, 1.0])
+        scene = self._root.find("scene/instance_visual_scene")
+        if scene is not None:
+            for node in self._ids[scene.get("url", "")].findall("node"):
+                yield from self._of_node(node, scale)
+
+    def _of_node(self, node: Element, above: Array) -> Iterator[Triangles]:
+        self._nodes -= 1
+        if self._nodes < 0:
+            raise ValueError(f"more than {_MOST} nodes")
+        place = above
+        for element in node:
+            if element.tag in _TRANSFORMS:
+                place = place @ _TRANSFORMS[element.tag](_numbers(element))
+            elif element.tag == "node":
+                yield from self._of_node(element, place)
+            elif element.tag == "instance_node":
+                yield from self._of_node(self._ids[element.get("url", "")], place)
+            elif element.tag == "instance_geometry":
+                yield from self._of_instance(element.get("url", ""), place)
+
+    def _of_instance(self, url: str, place: Array) -> Iterator[Triangles]:
+        if url not in self._geometries:
+            self._geometries[url] = list(self._of_geometry(self._ids[url]))
+        for points, corners in self._geometries[url]:
+            self._triangles -= max(len(points), len(corners))
+            if self._triangles < 0:
+                raise ValueError(f"more than {_MOST_TRIANGLES} triangles or points")
+            yield Triangles(points @ place[:3, :3].T + place[:3, 3], corners)
+
+    def _of_geometry(self, geometry: Element) -> Iterator[Triangles]:
+        """Yield the triangles of a geometry, those of each list of faces on their own."""
+        for faces in geometry.iterfind("mesh/*"):
+            if faces.tag not in ("triangles", "polylist", "polygons"):
+                continue
+            inputs = {source.get("semantic"): source for source in faces.findall("input")}
+            columns = 1 + max(int(source.get("offset", "0")) for source in faces.findall("input"))
+            column = int(inputs["VERTEX"].get("offset", "0"))
+            rings = [_numbers(ring).astype(np.int64).reshape(-1, columns)[:, column] for ring in faces.findall("p")]
+            if faces.tag == "polylist" and rings:
+                counts = _numbers(faces.find("vcount")).astype(np.int64)
+                rings = np.split(rings[0], np.cumsum(counts)[:-1])
+            corners = [ring.reshape(-1, 3) if faces.tag == "triangles" else _fan(ring) for ring in rings]
+            joined = np.concatenate(corners) if corners else np.zeros((0, 3), dtype=np.int64)
+            if joined.size:
+                points = self._points(inputs["VERTEX"])
+                if not 0 <= joined.min() <= joined.max() < len(points):
+                    raise ValueError("a corner of a triangle is no point")
+                yield Triangles(points, joined)
+
+    def _points(self, vertex: Element) -> Array:
+        """Return the points, (n, 3), of an input VERTEX, in the unit of the file."""
+        vertices = self._ids[vertex.get("source", "")]
+        (position,) = vertices.findall("input[@semantic='POSITION']")
+        accessor = next(self._ids[position.get("source", "")].iterfind("technique_common/accessor"))
+        values = _numbers(self._ids[accessor.get("source", "")])[int(accessor.get("offset", "0")) :]
+        stride = int(accessor.get("stride", "1"))
+        return values[: len(values) // stride * stride].reshape(-1, stride)[:, :3]
+
+
+def _fan(ring: Ints) -> Ints:
+    """Return the triangles (m, 3) of a polygon, all with its first corner."""
+    return np.stack([np.repeat(ring[:1], max(len(ring) - 2, 0)), ring[1:-1], ring[2:]], axis=1)
+
+
+def _numbers(element: Element | None) -> Array:
+    """Return the numbers in an element, none for no element."""
+    return np.array(((element.text if element is not None else "") or "").split(), dtype=np.float64)
+
+
+def _turned(numbers: Array) -> Array:
+    """Return the rotation, (4, 4), about an axis x, y, z by an angle in degrees."""
+    *axis, angle = numbers
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    pose = np.eye(4)
+    pose[:3, :3] += np.sin(radians(angle)) * cross + (1 - np.cos(radians(angle))) * cross @ cross  # Rodrigues
+    return pose
+
+
+def _moved(numbers: Array) -> Array:
+    """Return the pose, (4, 4), of a frame at x, y, z."""
+    pose = np.eye(4)
+    pose[:3, 3] = numbers
+    return pose
+
+
+_TRANSFORMS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
+    {
+        "matrix": lambda numbers: numbers.reshape(4, 4),
+        "translate": _moved,
+        "rotate": _turned,
+        "scale": lambda numbers: np.diag([*numbers, 1.0]),
+    }
+)
+"""Transforms of nodes, (4, 4), by their elements; each is in the frame of those before it."""
