@@ -17,6 +17,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
+from rsegen.gazebo.map_summary import Costs, costs
 from rsegen.page import browser as page_files
 from rsegen.page import scenes
 from rsegen.page.host import Host
@@ -25,7 +26,7 @@ from rsegen.page.shown_map import ShownMap
 from rsegen.page.shown_map import page as frozen_page
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
-from rsegen.scene.scene import compose
+from rsegen.scene.scene import Scene, compose
 from rsegen.writing.recipe_files import save
 from tests.page.test_files import drive as recorded
 from tests.support.browser import BLURRED, chromium, complaints, resize
@@ -453,6 +454,30 @@ def test_a_parameter_is_found_by_a_word_of_its_help(page: Page) -> None:
     assert not [each for each in page.chrome.find_elements(By.CSS_SELECTOR, "[data-field=Collision]") if each.text]
     page.chrome.find_element(By.CSS_SELECTOR, ".filter").send_keys("merged boxes")
     assert page.chrome.find_element(By.CSS_SELECTOR, "[data-field=Collision] .note").text.startswith("collision shape")
+
+
+def test_the_map_is_measured_where_that_is_shown(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    counted: list[Scene] = []
+
+    def counting(made: Scene) -> Costs:
+        counted.append(made)
+        return costs(made)
+
+    monkeypatch.setattr(scenes, "costs", counting)
+    paint = "state.edit({ do: 'paint', row: arguments[0], cells: [[2, 2]], level: arguments[1] })"
+    page.js(paint, -1, 4)
+    page.settled()
+    assert counted == []
+    page.js("state.tab.value = 'results'")
+    cost = "return document.querySelector('[aria-label=Results]').innerText.match(/in Gazebo\\s+(.*)/)?.[1] ?? ''"
+    until(lambda: page.js(cost))
+    (made,) = counted
+    assert page.js(cost).startswith(f"1 model, {costs(made).faces} faces, ")
+    metrics = "return document.querySelector('table.metrics').innerText"
+    before = page.js(metrics)
+    page.js(paint, 0, 9)
+    until(lambda: page.js(metrics) != before)
+    assert len(counted) == 2
 
 
 def test_formats_are_chosen_by_their_names(page: Page) -> None:

@@ -33,6 +33,7 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
     "edit": {"actions": [{"do": "add", "entry": {"kind": "peak", "levels": 3}}]},
     "ghost": {"entry": {"kind": "pit", "levels": 2}},
     "scene": {},
+    "results": {},
     "texts": {},
     "variants": {"count": 2},
     "maps": {"first": 0, "count": 2, "by": "steps.rms"},

@@ -25,7 +25,7 @@ from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.actions import Ends, ends_of
 from rsegen.page.model.session import Entry, is_enabled, short_seed
-from rsegen.page.shown_map import Drawing, MapData, ShownMap, base64_of, drawn, shown_content
+from rsegen.page.shown_map import Drawing, ShownMap, base64_of, drawn, figures
 from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
@@ -46,13 +46,22 @@ _KEPT = 16
 """Maps of a document that are kept: those of the last undos, and of pages that show others."""
 
 
-class JudgedMap(MapData):
-    """A map as it is drawn, with what is said of it."""
+class MapResults(TypedDict):
+    """What is measured of a map, and what it costs, which is more work than to draw it.
+
+    A page asks for it where it shows it.
+    """
+
+    metrics: list[tuple[str, str, str]]  # name, value, meaning
+    cost: str  # "1 model, 1,024 faces, 34 kB"; of a large map, empty
+    constraints: list[str]  # lines of the constraint report
+
+
+class WarnedMap(Drawing):
+    """A map as it is drawn, with its warnings."""
 
     factor: int  # a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
     warnings: list[str]
-    cost: str  # "1 model, 1,024 faces, 34 kB"
-    constraints: list[str]  # lines of the constraint report
 
 
 class Handle(Ends):
@@ -61,7 +70,7 @@ class Handle(Ends):
     row: int
 
 
-class DocumentMap(JudgedMap):
+class DocumentMap(WarnedMap):
     """A map of a document as it is drawn, with what only an editor needs."""
 
     revision: int
@@ -87,6 +96,29 @@ def ghost(opened: Opened, *, entry: Entry, index: int | None = None, page: str =
         draft, revision = opened.session.with_row(entry), opened.session.revision
         index = opened.index_of(page, index, or_first=True)
     return _shown(opened, draft.recipe(), draft.rows, revision, index)
+
+
+@call_at_once
+def results(opened: Opened, *, index: int | None = None, page: str = "") -> MapResults:
+    """Return what is measured of a map of a document, and what it costs; of a draft that is invalid, as `scene`."""
+    with opened.lock:
+        recipe = opened.session.recipe
+        index = opened.index_of(page, index, or_first=True)
+    return cached(opened, ("results", recipe, index), lambda: _results(scene_of_map(opened, recipe, index)))
+
+
+def _results(made: Scene) -> MapResults:
+    n_x, n_y = made.field.shape
+    return {
+        "metrics": list(figures(made.field, lengths_in(made.recipe.units))),
+        "cost": _cost(made) if n_x * n_y <= COUNTED else "",
+        "constraints": list(describe_constraints(made)),
+    }
+
+
+def _cost(made: Scene) -> str:
+    models, _, faces, size = costs(made)
+    return f"{models:,} model{'s'[: models != 1]}, {faces:,} faces, {format_bytes(size)}"
 
 
 def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int, index: int) -> DocumentMap:
@@ -133,29 +165,21 @@ def cached(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
 class _Drawn(NamedTuple):
     """A map as it is drawn, and the rows of the recipe that made its cells."""
 
-    content: JudgedMap
+    content: WarnedMap
     owners: Ints
 
 
 def _drawn(made: Scene) -> _Drawn:
     """Return what is drawn of a map, and the rows of the recipe that made its cells."""
     factor = coarseness(made.field, SHOWN_SIDE)
-    n_x, n_y = made.field.shape
     rows = np.full(made.field.shape, -1, dtype=np.int32)
     rows[np.ix_(made.field.inside(0), made.field.inside(1))] = owners(made.recipe, made.index)
-    shown: JudgedMap = {
-        **shown_content(ShownMap.of(made, "", ".yaml"), factor),
+    shown: WarnedMap = {
+        **drawn(ShownMap.of(made, "", ".yaml"), factor),
         "factor": factor,
         "warnings": list(warnings(made)) if made.recipe.obstacles else [],
-        "cost": _cost(made) if n_x * n_y <= COUNTED else "",
-        "constraints": list(describe_constraints(made)),
     }
     return _Drawn(shown, rows[coarse_indices(made.field, factor)])
-
-
-def _cost(made: Scene) -> str:
-    models, _, faces, size = costs(made)
-    return f"{models:,} model{'s'[: models != 1]}, {faces:,} faces, {format_bytes(size)}"
 
 
 def _owners(cells: Ints, recipe: Recipe, rows: Sequence[Entry]) -> str:
@@ -188,7 +212,7 @@ class Variant(TypedDict):
 
     seed: Annotated[int, "number | bigint"]
     index: int
-    scene: MapData
+    scene: Drawing
     difficulty: list[tuple[str, str]]
 
 
@@ -266,8 +290,7 @@ def _variant(recipe: Recipe, index: int, metric: Metric | None = None) -> Varian
     return {
         "seed": recipe.seed,
         "index": index,
-        # The metrics of a map that is drawn coarser are not its own.
-        "scene": {**shown, "metrics": []},
+        "scene": shown,
         "difficulty": list(_difficulty(scene.field, recipe.units, metric)),
     }
 

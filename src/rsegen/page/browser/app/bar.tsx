@@ -122,7 +122,7 @@ export function Status({ note }: { note?: string }) {
   const size = map?.facts.find(([name]) => name === "size")?.[1];
   return (
     <footer class="status">
-      <span class="hover">{at ? <>{at.cell ? `cell ${at.cell.join(", ")}` : "frame"} <b>{at.label}</b>{owner ? ` ${at.row + 1} ${String(owner).replaceAll("_", " ")}` : ""}</> : map && <>{size} <small>{map.cost}</small></>}</span>
+      <span class="hover">{at ? <>{at.cell ? `cell ${at.cell.join(", ")}` : "frame"} <b>{at.label}</b>{owner ? ` ${at.row + 1} ${String(owner).replaceAll("_", " ")}` : ""}</> : size}</span>
       <MapChooser />
       {!frozen && now && <span class="seed">seed <code>{String(now.values.seed ?? "–")}</code><Button icon="dice" class="quiet" title="Draw another seed (Ctrl+Alt+R)" onClick={() => void edit({ do: "reroll" })} /></span>}
       {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}

@@ -131,7 +131,7 @@ function Editor() {
 function Viewer() {
   const { maps, version } = frozen!;
   const map = scene.value;
-  const at = map ? maps.indexOf(map) : 0;
+  const at = Math.max(0, maps.findIndex((each) => each === map));
   return (
     <div class={`page frozen ${layout.value}`}>
       <header class="top">

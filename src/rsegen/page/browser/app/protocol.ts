@@ -12,7 +12,7 @@
 export type Json = null | boolean | number | bigint | string | Json[] | { [key: string]: Json };
 export type Entry = { kind: string; [parameter: string]: Json }; // an obstacle as a recipe file has it
 export type Cell = [number, number]; // of blocks, frames not counted: x, y
-export type SceneData = MapData & Partial<DocumentMap>; // a map of a document, or of a page that is a file
+export type SceneData = Drawing & Partial<MapData & DocumentMap>; // a map of a document, or of a page that is a file
 
 /* A command that waits, runs, or has ended. */
 export interface Job {
@@ -140,11 +140,8 @@ export interface DocumentMap {
   file: string;
   look: string;
   step: number; // metres of a unit
-  metrics: [string, string, string][]; // name, value, meaning
   factor: number; // a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
   warnings: string[];
-  cost: string; // "1 model, 1,024 faces, 34 kB"
-  constraints: string[]; // lines of the constraint report
   revision: number;
   index: number;
   owners: string; // base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
@@ -257,12 +254,12 @@ export interface DescribedCommand {
 export interface Variant {
   seed: number | bigint;
   index: number;
-  scene: MapData;
+  scene: Drawing;
   difficulty: [string, string][];
 }
 
-/* A map as it is drawn, with its metrics: all that a page has of it that is a file. */
-export interface MapData {
+/* A map as it is drawn, without its metrics. */
+export interface Drawing {
   name: string;
   description: string;
   cells: [number, number]; // of the field, frames included
@@ -277,7 +274,6 @@ export interface MapData {
   file: string;
   look: string;
   step: number; // metres of a unit
-  metrics: [string, string, string][]; // name, value, meaning
 }
 
 /* All metrics of a map, also those of a robot. */
@@ -356,6 +352,13 @@ export interface State {
   recovered: string | null; // changes of a session that ended without saving were brought back: when
   journal: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
   pages: number; // that have it open
+}
+
+/* What is measured of a map, and what it costs, which is more work than to draw it. */
+export interface MapResults {
+  metrics: [string, string, string][]; // name, value, meaning
+  cost: string; // "1 model, 1,024 faces, 34 kB"; of a large map, empty
+  constraints: string[]; // lines of the constraint report
 }
 
 /* A robot as it is drawn. */
@@ -467,6 +470,25 @@ export interface Frozen {
   version: string;
 }
 
+/* A map as it is drawn, with its metrics: all that a page has of it that is a file. */
+export interface MapData {
+  name: string;
+  description: string;
+  cells: [number, number]; // of the field, frames included
+  block_width: number;
+  block: string; // the same in words: "10 cm"
+  unit: string; // of labels: "cm"
+  palette: Material[];
+  bytes: 1 | 2; // of each number of content
+  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
+  facts: [string, string][];
+  recipe: string;
+  file: string;
+  look: string;
+  step: number; // metres of a unit
+  metrics: [string, string, string][]; // name, value, meaning
+}
+
 export type Search = "tilt" | "reach" | "crossing" | "way" | "measure" | "variants";
 
 export type Event = StateChanged | JobChanged | FileChanged | SearchProgress | Alive;
@@ -536,6 +558,8 @@ export interface Calls {
   reach: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Take over what is in the file. */
   reload: { args: { doc: string; page?: string }; result: State };
+  /* Return what is measured of a map of a document, and what it costs; of a draft that is invalid, as `scene`. */
+  results: { args: { doc: string; index?: number | null; page?: string }; result: MapResults };
   /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
   robot: { args: { robot: string }; result: RobotShapes };
   /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */
