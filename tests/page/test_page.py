@@ -589,6 +589,32 @@ def test_the_form_of_an_obstacle_is_in_sight_below_a_list_of_hundreds(
         assert 0 <= box["y"] <= 768 - box["height"]
 
 
+def test_examples_have_pictures_and_one_is_opened_by_its_own(page: Page) -> None:
+    page.js("state.dialog.value = { name: 'open' }")
+    pictures = (
+        "return [...document.querySelectorAll('dialog .pictured')].filter(each => each.querySelector('img')).length"
+    )
+    until(lambda: page.js(pictures) == len(EXAMPLES))
+    sizes = "return [...document.querySelectorAll('dialog .pictured img')].map(each => each.naturalWidth)"
+    until(lambda: page.js(sizes) == [256] * len(EXAMPLES))
+    page.chrome.find_element(By.XPATH, "//dialog//button[.//b='peak']//img").click()
+    until(lambda: page.state()["title"] == "copy of peak")
+
+
+def test_the_manual_of_a_command_is_one_click_from_its_form(page: Page) -> None:
+    here = page.chrome.current_window_handle
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    page.chrome.find_element(By.LINK_TEXT, "Manual").click()
+    until(lambda: len(page.chrome.window_handles) == 2)
+    page.chrome.switch_to.window(next(name for name in page.chrome.window_handles if name != here))
+    until(lambda: "rsegen drive" in page.chrome.find_element(By.CSS_SELECTOR, "section:target h2").text)
+    assert "--robot KIND|FILE" in page.chrome.find_element(By.CSS_SELECTOR, "section:target pre").text
+    page.chrome.close()
+    page.chrome.switch_to.window(here)
+    page.js("state.dialog.value = { name: 'help' }")
+    assert page.chrome.find_element(By.PARTIAL_LINK_TEXT, "Manual").is_displayed()
+
+
 def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
     here, first = page.chrome.current_url, page.chrome.current_window_handle
     page.chrome.switch_to.new_window("tab")
@@ -775,6 +801,40 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     assert not page.chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
     said = [each for each in complaints(page.chrome) if "frame-ancestors" not in each]
     assert all("api/reach" in each for each in said), "the answer to the search that was stopped"
+
+
+@pytest.mark.parametrize(("size", "is_small"), [((390, 844), True), ((844, 390), True), ((1366, 768), False)])
+def test_nothing_lies_over_a_drive_or_its_time_line(
+    chrome: Chrome, address: str, folder: Path, size: tuple[int, int], is_small: bool
+) -> None:
+    name = f"on-{size[0]}"
+    recorded(folder / name, [[0.1 * at, 0.1 * at, 0, 0.1, 0, 0, 0] for at in range(20)], crossed=1.5)
+    save(load(EXAMPLES["peak"]), folder / name / "recipe.json")
+    page = Page(chrome, f"{address}&play={name}", name, size)
+    until(lambda: page.js("return state.playbacks.value.length === 1"))
+    assert len(chrome.find_elements(By.CSS_SELECTOR, ".stage .plan")) == (not is_small)
+    for plan in ("inset", "hidden", "half"):
+        page.js("state.plan.value = arguments[0]", plan)
+        page.settled()
+        assert page.js(_COVERED, ".timeline :is(button:not(.event), input, select)") == []
+    assert page.js("return document.querySelector('.timeline .track').clientWidth") > 150
+    assert page.js("return document.querySelector('.stage .plan').clientWidth") > 200
+    if is_small:
+        page.button("Hide the plan").click()
+        page.button("Show the plan").click()
+        assert page.js("return state.plan.value") == "half"
+    page.js("state.playbacks.value = []; state.plan.value = 'inset'")
+    assert len(chrome.find_elements(By.CSS_SELECTOR, ".stage .plan")) == 1
+
+
+_COVERED = """return [...document.querySelectorAll(arguments[0])].filter(each => {
+  const { left, top, width, height } = each.getBoundingClientRect();
+  return [0.1, 0.5, 0.9].some(part => {
+    const above = document.elementFromPoint(left + part * width, top + height / 2);
+    return !above?.closest('.timeline');
+  });
+}).map(each => each.title || each.getAttribute('aria-label'));"""
+"""Controls over which something else lies that does not belong to the time line."""
 
 
 @pytest.mark.long(reason="one drive is played in make test")

@@ -50,6 +50,7 @@ ASKED: Mapping[str, Mapping[str, Any]] = {
     "jobs": {},
     "cancel": {"job": 1},
     "shell_target": {"command": "metrics"},
+    "example_maps": {},
     "made_maps": {"paths": ["field.yaml"]},
     "show_folder": {"path": "field.yaml"},
     "reload": {},

@@ -29,6 +29,7 @@ from rsegen.page.shown_map import Drawing, ShownMap, base64_of, drawn, figures
 from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
+from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
 from rsegen.scene.scene import Scene, compose
@@ -258,6 +259,13 @@ def made_maps(host: Host, *, paths: list[str]) -> list[Variant]:
     return [_variant(recipe, recipe.first_map) for recipe in recipes]
 
 
+@call_of_host
+def example_maps(_: Host) -> dict[str, Drawing]:
+    """Return the first map of each example as a small picture is drawn of it, by its name."""
+    recipes = {name: load(path) for name, path in EXAMPLES.items()}
+    return {name: _small(compose(recipe, recipe.first_map)) for name, recipe in recipes.items()}
+
+
 _MOST_SORTED = 200
 """Maps that are measured to be sorted: some milliseconds each."""
 
@@ -282,17 +290,21 @@ def _sorted(opened: Opened, recipe: Recipe, metric: Metric, check: Callable[[], 
 
 
 def _variant(recipe: Recipe, index: int, metric: Metric | None = None) -> Variant:
-    """Return a map with its seed, index and difficulty, and a metric if it is asked for; large maps coarser."""
+    """Return a map with its seed, index and difficulty, and a metric if it is asked for."""
     refuse_too_large(recipe)
     scene = compose(recipe, index)
-    small = replace(scene, field=coarse(scene.field, coarseness(scene.field, _SIDE)))
-    shown: Drawing = {**drawn(ShownMap.of(small, "", ".yaml")), "step": scene.field.unit, "look": recipe.look}
     return {
         "seed": recipe.seed,
         "index": index,
-        "scene": shown,
+        "scene": _small(scene),
         "difficulty": list(_difficulty(scene.field, recipe.units, metric)),
     }
+
+
+def _small(scene: Scene) -> Drawing:
+    """Return a map as a small picture is drawn of it; a large one coarser."""
+    small = replace(scene, field=coarse(scene.field, coarseness(scene.field, _SIDE)))
+    return {**drawn(ShownMap.of(small, "", ".yaml")), "step": scene.field.unit, "look": scene.recipe.look}
 
 
 def _difficulty(field: StepField, units: str, metric: Metric | None) -> Iterator[tuple[str, str]]:

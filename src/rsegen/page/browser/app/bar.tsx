@@ -6,6 +6,7 @@ import type { DescribedCommand } from "./protocol";
 import { leaveFor, offer, Progress, titleOf } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
+import { manual } from "./server";
 import {
   busy, chooseRobot, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, tab, tool,
 } from "./state";
@@ -100,6 +101,7 @@ export function Bar() {
         <button type="button" disabled={!scene.value} onClick={() => void savePicture()}>Download a picture of the view</button>
         <button type="button" onClick={() => void copy(location.href)}>Copy the address of this page</button>
         <button type="button" onClick={() => (dialog.value = { name: "help" })}>Help <kbd>?</kbd></button>
+        <a class="button" href={manual()} target="_blank">Manual of all commands</a>
       </Menu>
       <div class="row quick">
         <Button icon="undo" class="quiet" title="Undo (Ctrl+Z)" disabled={!now?.can_undo} onClick={() => void edit({ do: "undo" })} />

@@ -111,6 +111,34 @@ export interface PlaceInDataSet {
   maps: number;
 }
 
+/* A map as it is drawn, without its metrics. */
+export interface Drawing {
+  name: string;
+  description: string;
+  cells: [number, number]; // of the field, frames included
+  block_width: number;
+  block: string; // the same in words: "10 cm"
+  unit: string; // of labels: "cm"
+  palette: Material[];
+  bytes: 1 | 2; // of each number of content
+  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
+  facts: [string, string][];
+  recipe: string;
+  file: string;
+  look: string;
+  step: number; // metres of a unit
+}
+
+/* A material of cells: a level of blocks, or the frames. */
+export interface Material {
+  level: number | null; // null: a frame
+  height: number;
+  label: string; // the height in `unit`
+  colour: string; // "#rrggbb" on the plan and in the height look
+  surface: string; // in the look of the recipe: the same, but for wood and friction
+  count: number;
+}
+
 /* What a folder holds. */
 export interface Listing {
   folder: string;
@@ -146,16 +174,6 @@ export interface DocumentMap {
   index: number;
   owners: string; // base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
   handles: Handle[];
-}
-
-/* A material of cells: a level of blocks, or the frames. */
-export interface Material {
-  level: number | null; // null: a frame
-  height: number;
-  label: string; // the height in `unit`
-  colour: string; // "#rrggbb" on the plan and in the height look
-  surface: string; // in the look of the recipe: the same, but for wood and friction
-  count: number;
 }
 
 /* Where the obstacle of a row lies. */
@@ -256,24 +274,6 @@ export interface Variant {
   index: number;
   scene: Drawing;
   difficulty: [string, string][];
-}
-
-/* A map as it is drawn, without its metrics. */
-export interface Drawing {
-  name: string;
-  description: string;
-  cells: [number, number]; // of the field, frames included
-  block_width: number;
-  block: string; // the same in words: "10 cm"
-  unit: string; // of labels: "cm"
-  palette: Material[];
-  bytes: 1 | 2; // of each number of content
-  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
-  facts: [string, string][];
-  recipe: string;
-  file: string;
-  look: string;
-  step: number; // metres of a unit
 }
 
 /* All metrics of a map, also those of a robot. */
@@ -534,6 +534,8 @@ export interface Calls {
   crossing: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */
   edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
+  /* Return the first map of each example as a small picture is drawn of it, by its name. */
+  example_maps: { args: {}; result: { [name: string]: Drawing } };
   /* List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files. */
   files: { args: { folder?: string }; result: Listing };
   /* Return a map of a document as it would be with another obstacle at the end of the list, drawn as it will be. */

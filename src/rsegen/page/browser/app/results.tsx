@@ -136,10 +136,10 @@ export function Difficulty() {
   );
 }
 
-/* A small picture of a map in 3D. */
+/* A small picture of a map in 3D; one without a label stands beside its name. */
 export function Picture({ map, label }: { map: SceneData; label: string }) {
   const source = useAddress(() => thumbnail(map, 256, 176, dark.value), [map, dark.value]);
-  return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
+  return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role={label ? "img" : undefined} aria-label={label || undefined} />;
 }
 
 const MOST_SORTED = 200; // maps, by the server

@@ -57,6 +57,8 @@ export const layout = computed(() => {
   const [width, height] = size.value;
   return width < 760 && !(width > 560 && height < 480) ? "phone" : width < 1180 ? "narrow" : "wide";
 });
+/* Whether the plan in a corner would lie over the drive that is played. */
+export const isCramped = computed(() => size.value[0] < 760 || size.value[1] < 480);
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 export const dark = signal(darkness.matches);
 darkness.addEventListener("change", () => (dark.value = darkness.matches));
