@@ -14,7 +14,7 @@ from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.errors import UnknownName
-from rsegen.params.capabilities import commands
+from rsegen.params.capabilities import commands, unknown_command
 from rsegen.params.command import Shell, add_flags
 from rsegen.params.sorts import FilePath
 
@@ -104,7 +104,7 @@ def run_schema(arguments: argparse.Namespace) -> Report:
     elif arguments.command in functions:
         content = command_schema(getattr(rsegen, functions[arguments.command]))
     else:
-        raise UnknownName.among("", "command", arguments.command, functions)
+        raise unknown_command(arguments.command, functions)
     return Report(lines=[json.dumps(content, indent=2)], content=content)
 
 

@@ -27,6 +27,7 @@ CAPABILITY = Capability(
             "list the robots, or print what was read of one",
             "rsegen.robots.robot_command",
             title="The robots, and what was read of one",
+            also=("robots", "urdf", "kinds"),
         ),
     ),
     public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
