@@ -117,7 +117,7 @@ def add_completion(command: Parser) -> None:
         'For good: eval "$(rsegen completion bash)" in ~/.bashrc, the same with zsh in ~/.zshrc after compinit, or '
         "rsegen completion fish > ~/.config/fish/completions/rsegen.fish."
     )
-    command.explain("Print what makes a shell complete commands, flags and their words when Tab is pressed.", epilog)
+    command.explain("Print a shell completion script: Tab then completes commands, flags and their values.", epilog)
     text = f"{', '.join(_SHELLS)} (default: that of $SHELL)"
     command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
 

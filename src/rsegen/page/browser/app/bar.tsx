@@ -130,7 +130,7 @@ export function Status({ note }: { note?: string }) {
       {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}
       <span class="gap" />
       {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{titleOf(running[0].command)} {running[0].step} <Progress job={running[0]} /></button>}
-      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="What was run, and what came of it" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
+      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="Commands that were run, and their results" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
       {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
         <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
       <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>

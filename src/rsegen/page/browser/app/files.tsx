@@ -110,7 +110,7 @@ export function Banners() {
           <button type="button" onClick={() => void reload()}>Take theirs</button>
           <Button icon="close" class="quiet" title="Decide later" onClick={() => { keep(now.revision); problem.value = null; }} /></div>)}
       {now.recovered && seen !== now.doc && (
-        <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back: they are of {when(now.recovered)}.</p>
+        <div class="banner"><Icon name="warn" /><p>Unsaved changes of an earlier session were restored. They are from {when(now.recovered)}.</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>
           <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
     </div>
