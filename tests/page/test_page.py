@@ -507,6 +507,10 @@ def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrom
         assert "burger: like a TurtleBot3 Burger, 14 × 18 × 19 cm" in texts  # noqa: RUF001  # a page has the sign
         assert "mine.urdf" in texts
         page.js("state.dialog.value = null")
+    page.js("state.tab.value = 'robot'")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "[aria-label=Robot] select"))
+    options = Select(chrome.find_element(By.CSS_SELECTOR, "[aria-label=Robot] select")).options
+    assert [option.text for option in options][1:4] == texts[1:4]
     page.js("state.dialog.value = { name: 'run', command: 'drive' }")
     until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
     robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
