@@ -46,7 +46,7 @@ HEAD = """\
 export type Json = null | boolean | number | bigint | string | Json[] | { [key: string]: Json };
 export type Entry = { kind: string; [parameter: string]: Json }; // an obstacle as a recipe file has it
 export type Cell = [number, number]; // of blocks, frames not counted: x, y
-export type SceneData = MapData & Partial<DocumentMap>; // a map of a document, or of a page that is a file
+export type SceneData = Drawing & Partial<MapData & DocumentMap>; // a map of a document, or of a page that is a file
 """
 
 _PLAIN: Mapping[Any, str] = {

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import errno
 import reprlib
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 REFUSED = frozenset(
@@ -155,18 +155,63 @@ class UnknownName(ParameterError):
     """A name that is not among the known ones; the message gives the nearest and lists them all."""
 
     @classmethod
-    def among(cls, where: str, what: str, name: object, known: Iterable[str]) -> UnknownName:
-        """Return the error for `name`, which should have been one of `known`."""
+    def among(
+        cls, where: str, what: str, name: object, known: Iterable[str], meant: Iterable[str] = (), instead: str = ""
+    ) -> UnknownName:
+        """Return the error for `name`, which should have been one of `known`.
+
+        meant: those that are also called so; instead: what people who want this do, in words
+        """
         names = sorted(known)
-        return cls(where, f"unknown {what} {shown(name)}{did_you_mean(name, names)} (known: {', '.join(names)})")
+        hint = f"; {instead}" if instead else did_you_mean(name, names, meant)
+        return cls(where, f"unknown {what} {shown(name)}{hint} (known: {', '.join(names)})")
 
 
-def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """Return `; did you mean 'wood'?` for a misspelt name; an empty text if no known one is near."""
+def did_you_mean(name: object, known: Iterable[str], meant: Iterable[str] = ()) -> str:
+    """Return `; did you mean 'wood'?` for another word or a misspelt name; an empty text if no known one is near."""
     import difflib
 
-    near = difflib.get_close_matches(name[:100], list(known), n=1) if isinstance(name, str) else []
-    return f"; did you mean '{near[0]}'?" if near else ""
+    if not isinstance(name, str):
+        return ""
+    names = list(known)
+    near = [*meant] or _meant(name, names) or difflib.get_close_matches(name[:100], names, n=1)
+    return f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+
+
+def _meant(name: str, known: Collection[str]) -> list[str]:
+    """Return the known parameter, or flag, that another word for it means, if there is one."""
+    words = _PARAMETERS.get(name.strip("-").replace("-", "_").lower(), ())
+    flags = [f"--{word.replace('_', '-')}" for word in words] if name.startswith("-") else words
+    return [word for word in flags if word in known][:1]
+
+
+_PARAMETERS: Mapping[str, tuple[str, ...]] = {
+    word: tuple(names.split())
+    for words, names in {
+        "height heights max_height number_of_levels steps": "levels",
+        "start begin from position center centre": "first",
+        "end stop goal": "last",
+        "smoothness smooth hardness": "softness",
+        "probability probabilities": "weights",
+        "sigma std deviation": "spread",
+        "size": "chunk_size",
+        "width length": "chunks duration",
+        "resolution height_step step": "unit_cm",
+        "cell_size block_size": "block_width_cm",
+        "frame frames border edge": "boundary",
+        "count number n n_maps num_maps number_of_maps": "maps",
+        "out dir directory folder": "output",
+        "overwrite replace": "force",
+        "threads jobs cores parallel processes": "workers",
+        "format type": "to formats",
+        "model": "robot",
+        "time": "duration",
+        "random_seed": "seed",
+    }.items()
+    for word in words.split()
+}
+"""Words of other programs for parameters and flags that are called otherwise here; of several names the first that is
+known where the word was given is meant. Commands, and things in registries, say themselves what they are `also`."""
 
 
 def refuse_unknown(what: str, names: Iterable[str], known: Collection[str]) -> None:

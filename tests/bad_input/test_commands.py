@@ -184,7 +184,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "metrics of a map beyond": (["metrics", "two.yaml", "--map", "2"], ["--map", "'2'", "rse_0000..rse_0001"]),
     "metrics of no map": (["metrics", "folder"], ["folder: no map in it"]),
     "metrics for a robot of another name": (["metrics", "two.yaml", "--robot", "burgr"], ["--robot", "'burger'"]),
-    "metrics for a width alone": (["metrics", "two.yaml", "--width-cm", "5"], ["--climb-cm: is missing", "--robot"]),
+    "metrics for a width alone": (["metrics", "two.yaml", "--width-cm", "5"], ["--climb-cm: give a robot", "--robot"]),
     "metrics of a climb in a word": (["metrics", "two.yaml", "--climb-cm", "high"], ["climb_cm: 'high'", "100000 cm"]),
     "metrics of a climb below": (["metrics", "two.yaml", "--climb-cm=-1"], ["climb_cm: -1.0 is outside 0..100000 cm"]),
     "metrics of a climb of no number": (["metrics", "two.yaml", "--climb-cm", "nan"], ["climb_cm: nan"]),

@@ -19,7 +19,7 @@ CM = nanometres(1)
 SAWS = st.builds(
     CutSettings,
     kerf_mm=st.sampled_from([0, 1.5, 3, 40]),
-    stock_cm=st.sampled_from([64, 100, 240.5]),
+    stock_cm=st.sampled_from([65, 100, 240.5]),
     trim_cm=st.sampled_from([0, 0.5, 2]),
     tolerance_mm=st.sampled_from([0, 0.5]),
 )

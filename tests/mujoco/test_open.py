@@ -108,6 +108,7 @@ def test_a_model_with_looks_moves_as_one_without() -> None:
         (("--headless", "--shared"), "--shared: is for Gazebo; MuJoCo has no server"),
         (("--print",), "--print: is for Gazebo; MuJoCo is no command"),
         (("--robot", "crawlr"), "--robot: unknown robot 'crawlr'; did you mean 'crawler'"),
+        (("--robot", "turtlebot3"), "--robot: unknown robot 'turtlebot3'; did you mean 'burger'"),
     ],
 )
 def test_what_cannot_be_is_said_in_a_line(

@@ -231,7 +231,7 @@ def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> N
 def test_an_error_is_its_one_line(host: Host, start: Start) -> None:
     job = ended(host, start("metrics", climb_cm=None, drop_cm=5))
     assert (job["state"], len(job["lines"])) == ("failed", 1)
-    assert job["lines"][0].startswith("--climb-cm: is missing")
+    assert job["lines"][0].startswith("--climb-cm: give a robot")
 
 
 def test_modules_in_the_folder_are_not_run(host: Host, start: Start) -> None:

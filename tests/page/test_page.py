@@ -17,6 +17,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
+from rsegen.gazebo.map_summary import Costs, costs
 from rsegen.page import browser as page_files
 from rsegen.page import scenes
 from rsegen.page.host import Host
@@ -25,7 +26,7 @@ from rsegen.page.shown_map import ShownMap
 from rsegen.page.shown_map import page as frozen_page
 from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe_file import load
-from rsegen.scene.scene import compose
+from rsegen.scene.scene import Scene, compose
 from rsegen.writing.recipe_files import save
 from tests.page.test_files import drive as recorded
 from tests.support.browser import BLURRED, chromium, complaints, resize
@@ -455,6 +456,30 @@ def test_a_parameter_is_found_by_a_word_of_its_help(page: Page) -> None:
     assert page.chrome.find_element(By.CSS_SELECTOR, "[data-field=Collision] .note").text.startswith("collision shape")
 
 
+def test_the_map_is_measured_where_that_is_shown(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    counted: list[Scene] = []
+
+    def counting(made: Scene) -> Costs:
+        counted.append(made)
+        return costs(made)
+
+    monkeypatch.setattr(scenes, "costs", counting)
+    paint = "state.edit({ do: 'paint', row: arguments[0], cells: [[2, 2]], level: arguments[1] })"
+    page.js(paint, -1, 4)
+    page.settled()
+    assert counted == []
+    page.js("state.tab.value = 'results'")
+    cost = "return document.querySelector('[aria-label=Results]').innerText.match(/in Gazebo\\s+(.*)/)?.[1] ?? ''"
+    until(lambda: page.js(cost))
+    (made,) = counted
+    assert page.js(cost).startswith(f"1 model, {costs(made).faces} faces, ")
+    metrics = "return document.querySelector('table.metrics').innerText"
+    before = page.js(metrics)
+    page.js(paint, 0, 9)
+    until(lambda: page.js(metrics) != before)
+    assert len(counted) == 2
+
+
 def test_formats_are_chosen_by_their_names(page: Page) -> None:
     page.js("state.dialog.value = { name: 'run', command: 'export' }")
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .words button"))
@@ -482,6 +507,10 @@ def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrom
         assert "burger: like a TurtleBot3 Burger, 14 × 18 × 19 cm" in texts  # noqa: RUF001  # a page has the sign
         assert "mine.urdf" in texts
         page.js("state.dialog.value = null")
+    page.js("state.tab.value = 'robot'")
+    until(lambda: chrome.find_elements(By.CSS_SELECTOR, "[aria-label=Robot] select"))
+    options = Select(chrome.find_element(By.CSS_SELECTOR, "[aria-label=Robot] select")).options
+    assert [option.text for option in options][1:4] == texts[1:4]
     page.js("state.dialog.value = { name: 'run', command: 'drive' }")
     until(lambda: chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
     robots = Select(chrome.find_element(By.CSS_SELECTOR, 'dialog [data-field="Robot"] select'))
@@ -507,7 +536,7 @@ def test_a_rating_grows_and_a_click_on_a_trial_plays_it(chrome: Chrome, address:
     until(lambda: len(trials()) >= 8)
     assert len(trials()) < 24, "the curve came when all trials were made"
     until(lambda: len(trials()) == 24)
-    crossed = [each for each in trials() if each.get_attribute("aria-label").endswith(", crossed")]
+    crossed = [each for each in trials() if (each.get_attribute("aria-label") or "").endswith(", crossed")]
     assert 0 < len(crossed) < 24
     assert all(
         each.location["y"] < chrome.find_element(By.CSS_SELECTOR, ".rating .curve").location["y"] for each in crossed
@@ -587,6 +616,32 @@ def test_the_form_of_an_obstacle_is_in_sight_below_a_list_of_hundreds(
     for selector in (".rows .selected", ".form.obstacle [data-field=Height]"):
         box = chrome.find_element(By.CSS_SELECTOR, selector).rect
         assert 0 <= box["y"] <= 768 - box["height"]
+
+
+def test_examples_have_pictures_and_one_is_opened_by_its_own(page: Page) -> None:
+    page.js("state.dialog.value = { name: 'open' }")
+    pictures = (
+        "return [...document.querySelectorAll('dialog .pictured')].filter(each => each.querySelector('img')).length"
+    )
+    until(lambda: page.js(pictures) == len(EXAMPLES))
+    sizes = "return [...document.querySelectorAll('dialog .pictured img')].map(each => each.naturalWidth)"
+    until(lambda: page.js(sizes) == [256] * len(EXAMPLES))
+    page.chrome.find_element(By.XPATH, "//dialog//button[.//b='peak']//img").click()
+    until(lambda: page.state()["title"] == "copy of peak")
+
+
+def test_the_manual_of_a_command_is_one_click_from_its_form(page: Page) -> None:
+    here = page.chrome.current_window_handle
+    page.js("state.dialog.value = { name: 'run', command: 'drive' }")
+    page.chrome.find_element(By.LINK_TEXT, "Manual").click()
+    until(lambda: len(page.chrome.window_handles) == 2)
+    page.chrome.switch_to.window(next(name for name in page.chrome.window_handles if name != here))
+    until(lambda: "rsegen drive" in page.chrome.find_element(By.CSS_SELECTOR, "section:target h2").text)
+    assert "--robot KIND|FILE" in page.chrome.find_element(By.CSS_SELECTOR, "section:target pre").text
+    page.chrome.close()
+    page.chrome.switch_to.window(here)
+    page.js("state.dialog.value = { name: 'help' }")
+    assert page.chrome.find_element(By.PARTIAL_LINK_TEXT, "Manual").is_displayed()
 
 
 def test_two_pages_of_one_document_see_each_others_changes(page: Page) -> None:
@@ -775,6 +830,40 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     assert not page.chrome.find_elements(By.CSS_SELECTOR, ".status .problem")
     said = [each for each in complaints(page.chrome) if "frame-ancestors" not in each]
     assert all("api/reach" in each for each in said), "the answer to the search that was stopped"
+
+
+@pytest.mark.parametrize(("size", "is_small"), [((390, 844), True), ((844, 390), True), ((1366, 768), False)])
+def test_nothing_lies_over_a_drive_or_its_time_line(
+    chrome: Chrome, address: str, folder: Path, size: tuple[int, int], is_small: bool
+) -> None:
+    name = f"on-{size[0]}"
+    recorded(folder / name, [[0.1 * at, 0.1 * at, 0, 0.1, 0, 0, 0] for at in range(20)], crossed=1.5)
+    save(load(EXAMPLES["peak"]), folder / name / "recipe.json")
+    page = Page(chrome, f"{address}&play={name}", name, size)
+    until(lambda: page.js("return state.playbacks.value.length === 1"))
+    assert len(chrome.find_elements(By.CSS_SELECTOR, ".stage .plan")) == (not is_small)
+    for plan in ("inset", "hidden", "half"):
+        page.js("state.plan.value = arguments[0]", plan)
+        page.settled()
+        assert page.js(_COVERED, ".timeline :is(button:not(.event), input, select)") == []
+    assert page.js("return document.querySelector('.timeline .track').clientWidth") > 150
+    assert page.js("return document.querySelector('.stage .plan').clientWidth") > 200
+    if is_small:
+        page.button("Hide the plan").click()
+        page.button("Show the plan").click()
+        assert page.js("return state.plan.value") == "half"
+    page.js("state.playbacks.value = []; state.plan.value = 'inset'")
+    assert len(chrome.find_elements(By.CSS_SELECTOR, ".stage .plan")) == 1
+
+
+_COVERED = """return [...document.querySelectorAll(arguments[0])].filter(each => {
+  const { left, top, width, height } = each.getBoundingClientRect();
+  return [0.1, 0.5, 0.9].some(part => {
+    const above = document.elementFromPoint(left + part * width, top + height / 2);
+    return !above?.closest('.timeline');
+  });
+}).map(each => each.title || each.getAttribute('aria-label'));"""
+"""Controls over which something else lies that does not belong to the time line."""
 
 
 @pytest.mark.long(reason="one drive is played in make test")

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from html import escape
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -21,10 +22,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rsegen
+from rsegen.cli.parser import parser_of
+from rsegen.obstacles import KINDS
 from rsegen.page import calls
 from rsegen.page.host import Host
 from rsegen.page.server import MOST_CALL, MOST_UPLOAD, file_name
 from rsegen.page.service import Service
+from rsegen.params.capabilities import commands
 from tests.page.client import TOKEN, Client
 
 
@@ -107,6 +111,18 @@ def test_browsers_may_do_nothing_that_is_not_needed(client: Client) -> None:
         assert "frame-ancestors 'self' http://localhost:*" in policy
         assert answer.headers["referrer-policy"] == "no-referrer"
         assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_the_manual_has_every_command_and_kind_and_needs_the_token(client: Client) -> None:
+    assert client.get("/manual").status == client.get("/manual?token=wrong").status == 403
+    answer = client.get(f"/manual?token={TOKEN}")
+    assert answer.status == 200
+    text = answer.content.decode()
+    for name in commands():
+        assert f'<section id="{name}">' in text
+        assert escape(parser_of(name).format_help().splitlines()[-1]) in text
+    assert all(f"\n{kind}\n" in text for kind in KINDS)
+    assert "<script" not in text
 
 
 # What is sent.

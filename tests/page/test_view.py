@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rsegen
 from rsegen.cli.edge import main
+from rsegen.page import browser
+from rsegen.pictures.plan import ramp
 from rsegen.recipe.examples import EXAMPLES
 from tests.page.browser.pages import maps_of
 from tests.support.complaints import OBSTACLE, exit_code, the_line
@@ -72,3 +76,10 @@ def test_the_largest_map_is_written(tmp_path: Path) -> None:
     flags = ["--chunk-size", "100", "--chunks", "10", "--boundary", "outer", "-o", str(path)]
     assert main(["view", *OBSTACLE, *flags]) == 0
     assert maps_of(path.read_bytes())[0]["cells"] == [1002, 1002]
+
+
+def test_tilt_has_the_colours_of_pictures() -> None:
+    source = (Path(browser.__file__).parent / "app" / "overlay.ts").read_text()
+    (colours,) = re.findall(r"RAMP = (\[\[.*?\]\])", source)
+    stops = np.array(re.findall(r"\d+", colours), dtype=float).reshape(-1, 3) / 255
+    assert ramp()(np.linspace(0, 1, len(stops)))[:, :3] == pytest.approx(stops, abs=0.01)

@@ -1,16 +1,24 @@
-"""`rsegen robot`: a user sees what of his robot was read, and from where."""
+"""`rsegen robot`: a user sees which robots there are, or what of his own was read, and from where."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rsegen.cli.edge import main
+from rsegen.robots.base import ROBOTS
 from tests.robots.two_wheels import GZ, ROS_1, two_wheels
 from tests.robots.urdf_robots import two_wheels_urdf
+
+
+def listed(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    assert main(["robot", "--json"]) == 0
+    robots: list[dict[str, Any]] = json.loads(capsys.readouterr().out)["robots"]
+    return robots
 
 
 def figures(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, tuple[str, str]]:
@@ -86,3 +94,45 @@ def test_a_robot_that_is_not_driven_says_why(tmp_path: Path, capsys: pytest.Capt
     assert found["drive"] == ("none", "nothing says it, and no links look like wheels")
     assert found["mass"] == ("1 kg", "the <inertial> of 1 links; 1 kg each, as SDF has it, for 1 without a mass")
     assert main(["robot", str(tmp_path / "nothing.sdf")]) == 2
+
+
+def test_without_a_file_every_robot_is_listed_with_what_it_climbs(capsys: pytest.CaptureFixture[str]) -> None:
+    robots = listed(capsys)
+    assert [each["kind"] for each in robots] == list(ROBOTS)
+    for each, robot in zip(robots, ROBOTS.values(), strict=True):
+        assert (tuple(each["size"]), each["climbs"], each["title"]) == (robot.size, robot.climbs, robot.title)
+        assert each["mass"] == pytest.approx(robot.mass)
+    assert [each["drive"] for each in robots if each["kind"] in ("burger", "crawler", "jackal")] == [
+        "2 wheels",
+        "2 tracks, 2 flippers",
+        "4 wheels",
+    ]
+    assert main(["robot"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[1 : len(ROBOTS) + 1]] == list(ROBOTS)
+    assert "97.5 x 53 x 32 cm      22.6 kg  2 tracks, 2 flippers  20 cm" in lines[list(ROBOTS).index("crawler") + 1]
+    assert main(["robot", "--wheels", "a,b"]) == 2
+    assert "--wheels: is for the robot of a file" in capsys.readouterr().err
+
+
+def test_pictures_are_where_the_list_says(capsys: pytest.CaptureFixture[str]) -> None:
+    robots = listed(capsys)
+    assert len(robots) >= 3
+    root = Path(__file__).parents[2]
+    assert all((root / each["picture"]).is_file() for each in robots)
+
+
+def test_a_robot_of_a_plug_in_is_listed_without_a_picture(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = replace(ROBOTS["jackal"], kind="loader", climbs=0.07)
+    monkeypatch.setattr(ROBOTS, "_things", {**ROBOTS._things, "loader": other})
+    monkeypatch.setattr(ROBOTS, "_sources", {**ROBOTS._sources, "loader": "loader.py"})
+    (loader,) = (each for each in listed(capsys) if each["kind"] == "loader")
+    assert (loader["climbs"], loader["picture"]) == (0.07, None)
+
+
+def test_the_plural_is_answered_with_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["robots"])
+    assert "did you mean 'robot'?" in capsys.readouterr().err

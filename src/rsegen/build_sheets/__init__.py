@@ -12,6 +12,7 @@ CAPABILITY = Capability(
             "write a build sheet (PDF, CSV) for building a map in wood",
             "rsegen.build_sheets.commands",
             title="Build sheet",
+            also=("pdf", "print", "plan", "cut"),
         ),
     ),
     public={"rsegen.build_sheets.cut_settings": ("CutSettings",), "rsegen.build_sheets.document": ("sheet",)},

@@ -26,7 +26,7 @@ class CutSettings:
             100,
             unit="mm",
             usual=(0, 10),
-            help="width of material that the saw removes with every cut; 1/8 in with units in",
+            help="width that the saw removes with every cut; 1/8 in with units in",
         ),
     ] = 3.0
     stock_cm: Annotated[
@@ -38,7 +38,7 @@ class CutSettings:
     ] = 1.0
     tolerance_mm: Annotated[
         float,
-        Float(0, 100, unit="mm", usual=(0, 5), help="by how much a part may be cut too long; 1/32 in with units in"),
+        Float(0, 100, unit="mm", usual=(0, 5), help="how much too long a part may be cut; 1/32 in with units in"),
     ] = 0.5
     play_mm: Annotated[
         float, Float(0, 1000, unit="mm", usual=(0, 10), help="clearance of a row of blocks in its frame")

@@ -51,12 +51,12 @@ def add_recipe_flags(command: Parser, over: str = "RECIPE") -> None:
         shown_parameter = parameter if over == "RECIPE" and name != "seed" else parameter._replace(default=None)
         shown_parameter = shown_parameter._replace(shell=Shell(metavar=_METAVARS.get(name, "")))
         helps[shown_parameter] = shown_parameter.help
-    _add_recipe_group(command, f"each overrides what {over} says", helps)
+    _add_recipe_group(command, f"each flag overrides the value in {over}", helps)
 
 
 def add_target_recipe_flags(command: Parser, without: Collection[str] = ()) -> None:
     """Add these flags to a command that looks at maps; the help shows two, and says where the others are."""
-    text = "each overrides what RECIPE-or-DIR says; rsegen generate --help lists all the others of a recipe"
+    text = "each flag overrides the value in RECIPE-or-DIR; rsegen generate --help lists all parameters of a recipe"
     known = [parameter for name, parameter in declared(Recipe).items() if name not in without]
     helps = {parameter: parameter.sort.help if parameter.name == "seed" else argparse.SUPPRESS for parameter in known}
     _add_recipe_group(command, text, helps)
@@ -157,7 +157,7 @@ _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a 
 def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.group("input")
-    add_input(group, f"{_WHERE}; or none, but --obstacle", name="target", metavar="RECIPE-or-DIR")
+    add_input(group, f"{_WHERE}; leave it out if you give --obstacle", name="target", metavar="RECIPE-or-DIR")
     group.add_argument("--map", metavar="INDEX", help=f"index or name of the map (default: {default})")
 
 

@@ -10,8 +10,7 @@ from typing import Any
 from rsegen import __version__
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
-from rsegen.errors import UnknownName
-from rsegen.params.capabilities import commands
+from rsegen.params.capabilities import commands, unknown_command
 
 
 def add_man(command: Parser) -> None:
@@ -28,7 +27,7 @@ def run_man(arguments: argparse.Namespace) -> Report:
 
     name = arguments.command
     if name is not None and name not in commands():
-        raise UnknownName.among("", "command", name, commands())
+        raise unknown_command(name)
     of = parser_of(name) if name else parser()
     of.formatter_class = _Roff
     program, about = (

@@ -32,8 +32,8 @@ Scheduler = Annotated[
     str | None,
     Reference(
         "tcp://HOST:PORT, or local",
-        help="make it on a Dask cluster whose workers see the same folder, as tcp://HOST:PORT, or local for one of "
-        "--workers processes; needs rsegen[cluster]",
+        help="run on a Dask cluster, whose workers must share this folder: tcp://HOST:PORT, or local for --workers "
+        "processes here; needs rsegen[cluster]",
     ),
     Shell(metavar="ADDRESS"),
 ]

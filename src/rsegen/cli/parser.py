@@ -18,8 +18,8 @@ from itertools import takewhile
 from typing import Any, NoReturn
 
 from rsegen import __version__
-from rsegen.errors import UnknownName, did_you_mean, line_of, shown
-from rsegen.params.capabilities import commands
+from rsegen.errors import did_you_mean, line_of, shown
+from rsegen.params.capabilities import commands, unknown_command
 
 
 def parser() -> Parser:
@@ -57,11 +57,13 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
     """Return what a command line says; its `run` runs the command, if one is named."""
     if words and words[0] == "help":  # as in git, docker and pip
         words = [*words[1:2], "--help"]
+    if words and words[0] == "version":
+        words = ["--version"]
     if not words or words[0].startswith("-"):
         return parser().parse_args(words)
     command, *others = words
     if command not in commands():
-        parser().error(str(UnknownName.among("", "command", command, commands())))
+        parser().error(str(unknown_command(command)))
     return parser_of(command).parse_args(others)
 
 

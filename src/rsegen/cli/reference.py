@@ -14,7 +14,7 @@ from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.errors import UnknownName
-from rsegen.params.capabilities import commands
+from rsegen.params.capabilities import commands, unknown_command
 from rsegen.params.command import Shell, add_flags
 from rsegen.params.sorts import FilePath
 
@@ -104,7 +104,7 @@ def run_schema(arguments: argparse.Namespace) -> Report:
     elif arguments.command in functions:
         content = command_schema(getattr(rsegen, functions[arguments.command]))
     else:
-        raise UnknownName.among("", "command", arguments.command, functions)
+        raise unknown_command(arguments.command, functions)
     return Report(lines=[json.dumps(content, indent=2)], content=content)
 
 
@@ -117,7 +117,7 @@ def add_completion(command: Parser) -> None:
         'For good: eval "$(rsegen completion bash)" in ~/.bashrc, the same with zsh in ~/.zshrc after compinit, or '
         "rsegen completion fish > ~/.config/fish/completions/rsegen.fish."
     )
-    command.explain("Print what makes a shell complete commands, flags and their words when Tab is pressed.", epilog)
+    command.explain("Print a shell completion script: Tab then completes commands, flags and their values.", epilog)
     text = f"{', '.join(_SHELLS)} (default: that of $SHELL)"
     command.add_argument("shell", nargs="?", metavar="SHELL", help=text)
 

@@ -19,6 +19,7 @@ CAPABILITY = Capability(
             "rsegen.datasets.commands",
             "series",
             title="Series of rising difficulty",
+            also=("curriculum", "difficulty"),
         ),
         Command(
             "dataset",
@@ -27,6 +28,7 @@ CAPABILITY = Capability(
             "rsegen.datasets.commands",
             "make_dataset",
             title="Data set of very many maps",
+            also=("data", "samples"),
         ),
     ),
     public={

@@ -45,7 +45,7 @@ def series(  # noqa: PLR0913  # each is a flag
     maps: int | None = None,
     from_: Annotated[float, Float(0, 1, help="difficulty of the first map"), Shell(("--from",), "D")] = 0.1,
     to: Annotated[float, Float(0, 1, help="difficulty of the last map"), Shell(metavar="D")] = 1.0,
-    same_field: Annotated[bool, Flag(help="one field at rising difficulty; else every map is another field")] = False,
+    same_field: Annotated[bool, Flag(help="one field at rising difficulty, not a new field for each map")] = False,
     by: By = "steps.rms",
     robot: ByRobot = None,
     force: Force = False,

@@ -46,7 +46,7 @@ class SeriesPlan:
     recipe: Recipe
     from_: Annotated[float, Float(0, 1, help="difficulty of the first map")] = 0.1
     to: Annotated[float, Float(0, 1, help="difficulty of the last map")] = 1.0
-    same_field: Annotated[bool, Flag(help="one field at rising difficulty; else every map is another field")] = False
+    same_field: Annotated[bool, Flag(help="one field at rising difficulty, not a new field for each map")] = False
     by: By = RMS
     robot: CrossingModel | None = None
 

@@ -13,6 +13,7 @@ CAPABILITY = Capability(
             "rsegen.driving.commands",
             "drive",
             title="Drive over a map",
+            also=("simulate", "run", "go", "cross"),
         ),
         Command(
             "predict",
@@ -21,6 +22,7 @@ CAPABILITY = Capability(
             "rsegen.driving.commands",
             "predict",
             title="Predict a crossing",
+            also=("crossable", "certainty"),
         ),
         Command(
             "drives",
@@ -29,6 +31,7 @@ CAPABILITY = Capability(
             "rsegen.driving.commands",
             "drive_many",
             title="Drive over many maps",
+            also=("batch", "benchmark"),
         ),
     ),
     public={

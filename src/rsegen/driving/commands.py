@@ -53,7 +53,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     predict: Annotated[
         bool,
         Flag(help="first predict how surely the robot gets across, by drives in MuJoCo"),
-        Shell(help="do not tell before how surely the robot gets across; ways are then planned by poses alone"),
+        Shell(help="skip the prediction before the drive; ways are then planned from poses alone"),
     ] = True,
     output: Annotated[
         str | Path | None,
@@ -298,7 +298,7 @@ def predict(  # noqa: PLR0913  # each is a flag
 class _Picture:
     """The picture that the shell can ask for."""
 
-    output: Annotated[PictureName, Shell(help="draw the way and all drives on the plan, by the ending of its name")] = (
+    output: Annotated[PictureName, Shell(help="draw the way and all drives on the plan; its ending is the format")] = (
         None
     )
     force: Force = False
@@ -333,7 +333,7 @@ def run_predict(arguments: argparse.Namespace) -> Report:
 def add_drive(command: Parser) -> None:
     """Add the flags of `rsegen drive`."""
     epilog = (
-        "The burger, which drives by default, gets over no frame; the crawler does; --boundary none leaves them out. "
+        "The burger, the default robot, cannot cross frames; the crawler can. --boundary none makes maps without them. "
         "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
     )
     command.explain(drive.__doc__, epilog + robot_kinds())

@@ -67,7 +67,7 @@ Drives = Annotated[
         1,
         10_000,
         usual=(5, 100),
-        help="number of drives at most, each with its own errors of start, friction, heights and steering",
+        help="maximum number of drives, each with its own errors of start, friction, heights and steering",
     ),
     Shell(metavar="N"),
 ]

@@ -13,6 +13,7 @@ CAPABILITY = Capability(
             "rsegen.experiments.commands",
             "experiment",
             title="Experiment with a simulator",
+            also=("experiments", "paper", "table"),
         ),
     ),
     public={"rsegen.experiments.commands": ("experiment",), "rsegen.experiments.run": ("ExperimentResult",)},

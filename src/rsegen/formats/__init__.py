@@ -17,6 +17,7 @@ CAPABILITY = Capability(
             "rsegen.formats.commands",
             "export_maps",
             title="Export maps",
+            also=("convert", "save", "mesh", "formats"),
         ),
     ),
     public={

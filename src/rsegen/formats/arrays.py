@@ -29,6 +29,7 @@ class Arrays(Format):
     """Levels, heights and frame mask as arrays for numpy (NPY) and MATLAB (MAT), levels as CSV, metadata as JSON."""
 
     name: ClassVar[str] = "arrays"
+    also: ClassVar[tuple[str, ...]] = ("numpy", "npy", "npz", "mat", "matlab", "csv")
     mat_file: ClassVar[str] = "levels.mat"
     step: ClassVar[Step] = "build"
 

@@ -35,6 +35,7 @@ class Format(ABC):
     """A way to write a map, with its options. Its docstring says in one line what it is."""
 
     name: ClassVar[str]
+    also: ClassVar[tuple[str, ...]] = ()
     extra: ClassVar[Extra | None] = None
     """The extra without which none of its files can be written."""
 
@@ -95,6 +96,12 @@ FORMATS: Registry[type[Format]] = Registry(
     package="rsegen.formats",
     group="rsegen.formats",
     contract=Contract(base=Format, names=lambda cls: (cls.name,), check=_problem),
+    elsewhere={
+        "obj": "rsegen generate writes meshes as OBJ",
+        "sdf": "rsegen generate writes worlds and models in SDF",
+        "world": "rsegen generate writes worlds and models in SDF",
+        "gazebo": "rsegen generate writes worlds and models for Gazebo",
+    },
 )
 """Every format by its name."""
 

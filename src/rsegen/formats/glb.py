@@ -28,6 +28,7 @@ class Glb(Format):
     """A watertight mesh with a material per level and frame (glTF 2.0, binary), in metres, y up as in glTF."""
 
     name: ClassVar[str] = "glb"
+    also: ClassVar[tuple[str, ...]] = ("gltf", "dae", "collada", "fbx", "blender")
     extra: ClassVar[Extra | None] = MESH
     step: ClassVar[Step] = "mesh"
 

@@ -31,6 +31,7 @@ class Heightmap(Format):
     """A greyscale image of the heights (PNG, 16 bits), exact to the level, north up, with its metadata as JSON."""
 
     name: ClassVar[str] = "heightmap"
+    also: ClassVar[tuple[str, ...]] = ("png", "image", "tif", "tiff", "heightfield", "hfield", "dem")
     step: ClassVar[Step] = "build"
 
     pixels: Annotated[int, Integer(1, 100, help="pixels along each side of a cell")] = 1

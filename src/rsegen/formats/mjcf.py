@@ -33,6 +33,7 @@ class Mjcf(Format):
     """A static body for MuJoCo (MJCF), of boxes, a height field, or a mesh with boxes, and a scene that includes it."""
 
     name: ClassVar[str] = "mjcf"
+    also: ClassVar[tuple[str, ...]] = ("mujoco", "xml")
     step: ClassVar[Step] = "surface"
 
     shape: Annotated[

@@ -34,6 +34,7 @@ class Occupancy(Format):
     """An occupancy grid for ROS map_server and Nav2 (map.yaml, map.pgm): cells too high to climb are occupied."""
 
     name: ClassVar[str] = "occupancy"
+    also: ClassVar[tuple[str, ...]] = ("pgm", "costmap", "nav2", "map_server")
     step: ClassVar[Step] = "build"
 
     climb_cm: Climb = None

@@ -20,6 +20,7 @@ class Ply(Format):
     """A watertight mesh with vertex colours by level and frame (PLY, binary), in metres, z up."""
 
     name: ClassVar[str] = "ply"
+    also: ClassVar[tuple[str, ...]] = ("pointcloud", "cloud", "pcd")
     extra: ClassVar[Extra | None] = MESH
     step: ClassVar[Step] = "mesh"
 

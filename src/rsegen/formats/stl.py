@@ -19,6 +19,7 @@ class Stl(Format):
     """A watertight mesh without colours (STL, binary), in metres, z up."""
 
     name: ClassVar[str] = "stl"
+    also: ClassVar[tuple[str, ...]] = ("mesh",)
     extra: ClassVar[Extra | None] = MESH
     step: ClassVar[Step] = "mesh"
 

@@ -26,6 +26,7 @@ class Urdf(Format):
     """A static link (URDF) for PyBullet, Isaac Lab and RViz, with a visual mesh per colour and collision boxes."""
 
     name: ClassVar[str] = "urdf"
+    also: ClassVar[tuple[str, ...]] = ("pybullet",)
     step: ClassVar[Step] = "surface"
 
     world: Annotated[

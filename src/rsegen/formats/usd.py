@@ -87,6 +87,7 @@ class Usd(Format):
     """A watertight mesh with colours, friction and a static collider (USD) for Isaac Sim and usdview, metres, z up."""
 
     name: ClassVar[str] = "usd"
+    also: ClassVar[tuple[str, ...]] = ("usda", "isaac", "isaacsim", "omniverse")
     extra: ClassVar[Extra | None] = USD
     step: ClassVar[Step] = "mesh"
 

@@ -15,6 +15,7 @@ CAPABILITY = Capability(
             "write a world from measured heights, an image or an occupancy grid of ROS",
             "rsegen.heights.commands",
             title="World from measured heights",
+            also=("read", "heightmap", "from"),
         ),
     ),
     public={"rsegen.heights.base": ("imported",)},

@@ -33,7 +33,7 @@ class _Errors:
 
     errors: Annotated[
         str | None,
-        FilePath("a picture", help="draw by how much each height was rounded"),
+        FilePath("a picture", help="draw the rounding error of each height"),
         Shell(metavar="PICTURE"),
     ] = None
 

@@ -30,6 +30,7 @@ CAPABILITY = Capability(
             "write one field of many maps, in rows of rising difficulty, for learning",
             "rsegen.learning.commands",
             title="Terrain of many maps",
+            also=("train", "isaac", "gym", "curriculum"),
         ),
     ),
     public={

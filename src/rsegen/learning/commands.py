@@ -30,7 +30,7 @@ class _Tiles:
     seed: Annotated[int | None, Integer(0, SEEDS - 1, help="seed of all recipes"), Shell(default="that of each")] = None
     spots: Annotated[
         tuple[float, float] | None,
-        ListOf(SIDE, 2, help="add a spot for a start to each tile: a robot's length and width"),
+        ListOf(SIDE, 2, help="add a start spot to each tile, for a robot of this length and width"),
         Shell(metavar="L,W"),
     ] = None
     by: By = "steps.rms"

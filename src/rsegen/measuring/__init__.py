@@ -15,6 +15,7 @@ CAPABILITY = Capability(
             "measure how rough maps are, and what a robot can do on them",
             "rsegen.measuring.commands",
             title="Measure maps",
+            also=("measure", "analyse", "analyze", "evaluate", "roughness", "statistics", "stats"),
         ),
     ),
     public={"rsegen.measuring.catalogue": ("Metric", "Metrics", "metric", "metrics")},

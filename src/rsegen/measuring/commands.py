@@ -122,7 +122,7 @@ def _crosser(arguments: argparse.Namespace) -> CrossingModel | None:
             raise ParameterError("--climb-cm", "limits of steps are measured without --robot, which knows its own")
         return robot_that_crosses(arguments.robot, "--robot")
     if given_limits and "climb_cm" not in given_limits:
-        raise ParameterError("--climb-cm", f"is missing; {_NO_ROBOT}")
+        raise ParameterError("--climb-cm", _NO_ROBOT)
     return StepLimits(**given_limits) if given_limits else None
 
 

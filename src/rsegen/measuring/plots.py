@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rsegen.pictures.plan import GROUND_GREY, boundary, draw_plan, show_cells
+from rsegen.pictures.plan import GROUND_GREY, boundary, draw_plan, ramp, show_cells
 from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 
@@ -68,14 +68,14 @@ def _draw_costs(axes: Axes, scene: Scene, reach: Any) -> None:
     outlined = f"outlined: {reach.coverage:.0%} of the blocks in one region"
     if not hasattr(reach.west_east, "costs"):
         shown = np.ma.masked_array(np.ones(reach.region.shape), ~reach.region)
-        show_cells(axes, scene.field, shown, cmap="summer", vmin=0, vmax=2)
+        show_cells(axes, scene.field, shown, cmap=ramp(), vmin=0, vmax=4)
         axes.set(aspect="equal", xlabel="x [m]", title=outlined)
     else:
         costs = np.ma.masked_invalid(reach.west_east.costs)
         if costs.count():
-            image = show_cells(axes, scene.field, costs, cmap="viridis")
+            image = show_cells(axes, scene.field, costs, cmap=ramp())
             axes.figure.colorbar(image, ax=axes, shrink=0.8, label="cost of the way there [m]; grey: none")
         axes.set(aspect="equal", xlabel="x [m]", title=f"in reach from the west; {outlined}")
     lines = boundary(reach.region, *scene.field.edges())
     width = float(np.clip(200 / max(reach.region.shape), 0.1, 2.5))
-    axes.add_collection(LineCollection(list(lines), colors="#ff2d95", linewidths=width))
+    axes.add_collection(LineCollection(list(lines), colors="black", linewidths=width))

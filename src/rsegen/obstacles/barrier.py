@@ -45,6 +45,7 @@ class HorizontalBarrier(Barrier):
     """A straight ridge along x or y. Without `first` and `last`, it runs from one map edge to the opposite one."""
 
     kind: ClassVar[str] = "horizontal_barrier"
+    also: ClassVar[tuple[str, ...]] = ("barrier", "wall", "ridge", "bar")
 
     def __post_init__(self) -> None:
         Obstacle.__post_init__(self)
@@ -82,6 +83,7 @@ class DiagonalBarrier(Barrier):
     """A straight ridge in any direction. Without `first` and `last`, its ends are drawn on two opposite map edges."""
 
     kind: ClassVar[str] = "diagonal_barrier"
+    also: ClassVar[tuple[str, ...]] = ("barrier", "diagonal")
 
     @elementwise
     def ends(self, grid: Grid, first: Place, last: Place, rng: np.random.Generator) -> tuple[Cell, Cell]:

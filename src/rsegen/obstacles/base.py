@@ -102,6 +102,7 @@ class Obstacle(ABC):
     """
 
     kind: ClassVar[str]
+    also: ClassVar[tuple[str, ...]] = ()
     default_place: ClassVar[str] = "at a random position"
     """Where the obstacle lies if the recipe gives no position."""
 

@@ -78,6 +78,7 @@ class Matrix(Obstacle):
     """Given levels, one per cell, or stretched over the rectangle first..last; softness scales them down."""
 
     kind: ClassVar[str] = "matrix"
+    also: ClassVar[tuple[str, ...]] = ("custom", "table", "grid", "array")
     default_place: ClassVar[str] = "in its own size, from cell (0, 0)"
 
     levels: Annotated[

@@ -55,6 +55,7 @@ class Pallet(Filling):
     """Pallets of posts in one of NIST's patterns (flat, hill or diagonal), one per chunk."""
 
     kind: ClassVar[str] = "pallet"
+    also: ClassVar[tuple[str, ...]] = ("nist", "stepfield", "step_field")
     default_place: ClassVar[str] = "on every chunk"
 
     pattern: Annotated[

@@ -28,6 +28,7 @@ class Peak(Shaped):
     """
 
     kind: ClassVar[str] = "peak"
+    also: ClassVar[tuple[str, ...]] = ("hill", "pyramid", "cone", "mountain")
 
     def overhang(self, grid: Grid) -> float:
         """Return 0: the peak stays inside its rectangle."""

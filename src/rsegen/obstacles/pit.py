@@ -23,6 +23,7 @@ class Pit(Layout):
     """A hole in the ground: a whole rectangle, a gap around an island, or with a beam across."""
 
     kind: ClassVar[str] = "pit"
+    also: ClassVar[tuple[str, ...]] = ("hole", "gap", "ditch", "trench")
     default_place: ClassVar[str] = Obstacle.default_place
 
     gap_width: Annotated[

@@ -25,6 +25,7 @@ class Platform(Sloped):
     """An even rectangle for the start or the goal of a robot; with softness, slopes lead up to it on all sides."""
 
     kind: ClassVar[str] = "platform"
+    also: ClassVar[tuple[str, ...]] = ("box", "block", "plateau")
 
     size: Annotated[
         Cell, Size2D(help="cells along x and y if first and last do not give them, at most those of the map")

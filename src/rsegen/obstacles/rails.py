@@ -25,6 +25,7 @@ class Rails(Layout):
     """Thin raised lines at equal distances, across x or y, or as closed rings; all as high as the highest level."""
 
     kind: ClassVar[str] = "rails"
+    also: ClassVar[tuple[str, ...]] = ("pipe", "pipes")
 
     shape: Annotated[
         str, Choice(("rings", "x", "y"), help="rings: around the middle; x, y: one after the other along x or y")

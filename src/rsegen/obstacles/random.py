@@ -71,6 +71,7 @@ class Random(Region):
     """Random blocks, each cell independent, with equally likely levels or by `weights`; softness scales them down."""
 
     kind: ClassVar[str] = "random"
+    also: ClassVar[tuple[str, ...]] = ("noise", "rough", "uniform")
 
     weights: Annotated[
         tuple[float, ...] | None, Weights(help="relative frequency of each level, lowest first; default: all equal")
@@ -162,6 +163,7 @@ class NormalRandom(Region):
     """Random blocks with normally distributed heights, each cell independent; softness scales them down."""
 
     kind: ClassVar[str] = "normal_random"
+    also: ClassVar[tuple[str, ...]] = ("normal", "gaussian", "gauss")
 
     spread: Annotated[
         float, Float(0.001, 100, usual=(0.05, 1), help="standard deviation, as a share of the full height")

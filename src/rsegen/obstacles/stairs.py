@@ -27,6 +27,7 @@ class Stairs(Layout):
     """Stairs of equal steps, up or down: a pyramid with a platform in its middle, or a straight flight along x or y."""
 
     kind: ClassVar[str] = "stairs"
+    also: ClassVar[tuple[str, ...]] = ("staircase", "steps")
 
     shape: Annotated[
         str,

@@ -28,6 +28,7 @@ class Stones(Layout):
     """Stepping stones with gaps down into the ground between them, all alike or with tops at random levels."""
 
     kind: ClassVar[str] = "stones"
+    also: ClassVar[tuple[str, ...]] = ("stepping_stones", "poles", "pillars")
 
     stone_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="side of a stone")] = 2
     stone_distance: Annotated[

@@ -39,14 +39,14 @@ class _Serving:
 
     host: Annotated[
         str,
-        Text(r"[^\x00-\x20]{1,255}", "an address", help="address to listen at; others than this machine may reach it"),
+        Text(r"[^\x00-\x20]{1,255}", "an address", help="address to listen on; others let other machines in"),
         Shell(("--host",), "ADDRESS"),
     ] = "127.0.0.1"
     port: Annotated[
-        int | None, Integer(0, 65535, help="port to listen at; 0: any free one"), Shell(("--port",), "N")
+        int | None, Integer(0, 65535, help="port to listen on; 0: any free one"), Shell(("--port",), "N")
     ] = None
-    no_browser: Annotated[bool, Flag(help="open no browser")] = False
-    keep: Annotated[bool, Flag(help="go on when the last page is closed")] = False
+    no_browser: Annotated[bool, Flag(help="do not open a browser")] = False
+    keep: Annotated[bool, Flag(help="keep the server running after the last page is closed")] = False
 
 
 def add_gui(command: Parser) -> None:

@@ -25,10 +25,11 @@ from rsegen.page.forms import metric_title
 from rsegen.page.host import Host, Opened
 from rsegen.page.model.actions import Ends, ends_of
 from rsegen.page.model.session import Entry, is_enabled, short_seed
-from rsegen.page.shown_map import Drawing, MapData, ShownMap, base64_of, drawn, shown_content
+from rsegen.page.shown_map import Drawing, ShownMap, base64_of, drawn, figures
 from rsegen.params.numbers import lengths_in
 from rsegen.params.sorts import Integer
 from rsegen.recipe.building import build, owners
+from rsegen.recipe.examples import EXAMPLES
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import load
 from rsegen.scene.scene import Scene, compose
@@ -46,13 +47,22 @@ _KEPT = 16
 """Maps of a document that are kept: those of the last undos, and of pages that show others."""
 
 
-class JudgedMap(MapData):
-    """A map as it is drawn, with what is said of it."""
+class MapResults(TypedDict):
+    """What is measured of a map, and what it costs, which is more work than to draw it.
+
+    A page asks for it where it shows it.
+    """
+
+    metrics: list[tuple[str, str, str]]  # name, value, meaning
+    cost: str  # "1 model, 1,024 faces, 34 kB"; of a large map, empty
+    constraints: list[str]  # lines of the constraint report
+
+
+class WarnedMap(Drawing):
+    """A map as it is drawn, with its warnings."""
 
     factor: int  # a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
     warnings: list[str]
-    cost: str  # "1 model, 1,024 faces, 34 kB"
-    constraints: list[str]  # lines of the constraint report
 
 
 class Handle(Ends):
@@ -61,7 +71,7 @@ class Handle(Ends):
     row: int
 
 
-class DocumentMap(JudgedMap):
+class DocumentMap(WarnedMap):
     """A map of a document as it is drawn, with what only an editor needs."""
 
     revision: int
@@ -87,6 +97,29 @@ def ghost(opened: Opened, *, entry: Entry, index: int | None = None, page: str =
         draft, revision = opened.session.with_row(entry), opened.session.revision
         index = opened.index_of(page, index, or_first=True)
     return _shown(opened, draft.recipe(), draft.rows, revision, index)
+
+
+@call_at_once
+def results(opened: Opened, *, index: int | None = None, page: str = "") -> MapResults:
+    """Return what is measured of a map of a document, and what it costs; of a draft that is invalid, as `scene`."""
+    with opened.lock:
+        recipe = opened.session.recipe
+        index = opened.index_of(page, index, or_first=True)
+    return cached(opened, ("results", recipe, index), lambda: _results(scene_of_map(opened, recipe, index)))
+
+
+def _results(made: Scene) -> MapResults:
+    n_x, n_y = made.field.shape
+    return {
+        "metrics": list(figures(made.field, lengths_in(made.recipe.units))),
+        "cost": _cost(made) if n_x * n_y <= COUNTED else "",
+        "constraints": list(describe_constraints(made)),
+    }
+
+
+def _cost(made: Scene) -> str:
+    models, _, faces, size = costs(made)
+    return f"{models:,} model{'s'[: models != 1]}, {faces:,} faces, {format_bytes(size)}"
 
 
 def _shown(opened: Opened, recipe: Recipe, rows: Sequence[Entry], revision: int, index: int) -> DocumentMap:
@@ -133,29 +166,21 @@ def cached(opened: Opened, key: object, make: Callable[[], _Made]) -> _Made:
 class _Drawn(NamedTuple):
     """A map as it is drawn, and the rows of the recipe that made its cells."""
 
-    content: JudgedMap
+    content: WarnedMap
     owners: Ints
 
 
 def _drawn(made: Scene) -> _Drawn:
     """Return what is drawn of a map, and the rows of the recipe that made its cells."""
     factor = coarseness(made.field, SHOWN_SIDE)
-    n_x, n_y = made.field.shape
     rows = np.full(made.field.shape, -1, dtype=np.int32)
     rows[np.ix_(made.field.inside(0), made.field.inside(1))] = owners(made.recipe, made.index)
-    shown: JudgedMap = {
-        **shown_content(ShownMap.of(made, "", ".yaml"), factor),
+    shown: WarnedMap = {
+        **drawn(ShownMap.of(made, "", ".yaml"), factor),
         "factor": factor,
         "warnings": list(warnings(made)) if made.recipe.obstacles else [],
-        "cost": _cost(made) if n_x * n_y <= COUNTED else "",
-        "constraints": list(describe_constraints(made)),
     }
     return _Drawn(shown, rows[coarse_indices(made.field, factor)])
-
-
-def _cost(made: Scene) -> str:
-    models, _, faces, size = costs(made)
-    return f"{models:,} model{'s'[: models != 1]}, {faces:,} faces, {format_bytes(size)}"
 
 
 def _owners(cells: Ints, recipe: Recipe, rows: Sequence[Entry]) -> str:
@@ -188,7 +213,7 @@ class Variant(TypedDict):
 
     seed: Annotated[int, "number | bigint"]
     index: int
-    scene: MapData
+    scene: Drawing
     difficulty: list[tuple[str, str]]
 
 
@@ -234,6 +259,13 @@ def made_maps(host: Host, *, paths: list[str]) -> list[Variant]:
     return [_variant(recipe, recipe.first_map) for recipe in recipes]
 
 
+@call_of_host
+def example_maps(_: Host) -> dict[str, Drawing]:
+    """Return the first map of each example as a small picture is drawn of it, by its name."""
+    recipes = {name: load(path) for name, path in EXAMPLES.items()}
+    return {name: _small(compose(recipe, recipe.first_map)) for name, recipe in recipes.items()}
+
+
 _MOST_SORTED = 200
 """Maps that are measured to be sorted: some milliseconds each."""
 
@@ -258,18 +290,21 @@ def _sorted(opened: Opened, recipe: Recipe, metric: Metric, check: Callable[[], 
 
 
 def _variant(recipe: Recipe, index: int, metric: Metric | None = None) -> Variant:
-    """Return a map with its seed, index and difficulty, and a metric if it is asked for; large maps coarser."""
+    """Return a map with its seed, index and difficulty, and a metric if it is asked for."""
     refuse_too_large(recipe)
     scene = compose(recipe, index)
-    small = replace(scene, field=coarse(scene.field, coarseness(scene.field, _SIDE)))
-    shown: Drawing = {**drawn(ShownMap.of(small, "", ".yaml")), "step": scene.field.unit, "look": recipe.look}
     return {
         "seed": recipe.seed,
         "index": index,
-        # The metrics of a map that is drawn coarser are not its own.
-        "scene": {**shown, "metrics": []},
+        "scene": _small(scene),
         "difficulty": list(_difficulty(scene.field, recipe.units, metric)),
     }
+
+
+def _small(scene: Scene) -> Drawing:
+    """Return a map as a small picture is drawn of it; a large one coarser."""
+    small = replace(scene, field=coarse(scene.field, coarseness(scene.field, _SIDE)))
+    return {**drawn(ShownMap.of(small, "", ".yaml")), "step": scene.field.unit, "look": scene.recipe.look}
 
 
 def _difficulty(field: StepField, units: str, metric: Metric | None) -> Iterator[tuple[str, str]]:

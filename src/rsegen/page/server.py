@@ -35,6 +35,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from rsegen.errors import FileError, ParameterError, RsegenError, library_message, shown
 from rsegen.page import calls
 from rsegen.page.host import Event, Host, Listener, Opened
+from rsegen.page.manual import manual_page
 from rsegen.page.shown_map import editor_page, policy
 
 _FRAMES = "'self' " + " ".join(
@@ -184,6 +185,8 @@ def file_name(given: str) -> str:
 MOST_CALL, MOST_UPLOAD, MOST_UPLOADED = 4 * 2**20, 64 * 2**20, 2**30
 """Bytes of a call, of a file that a page sends, and of all of these files."""
 
+_STRANGER = "the address lacks its token: use the one that rsegen gui printed\n"
+
 _ALIVE = 5.0
 """Seconds after which a page hears that the server lives; proxies end what is silent for a minute."""
 
@@ -237,6 +240,7 @@ class Desk:
         calls.load_calls()
         routes = [
             Route("/", self.index),
+            Route("/manual", self.manual),
             Route("/api/events", self.events, methods=["POST"]),
             Route("/api/upload", self.upload, methods=["POST"]),
             Route("/api/file", self.file, methods=["POST"]),
@@ -259,11 +263,20 @@ class Desk:
 
     async def index(self, request: Request) -> Response:
         """Return the page."""
-        given = request.query_params.get("token", "")
-        if not secrets.compare_digest(given.encode(), self.token.encode()):
-            return Response("the address lacks its token: use the one that rsegen gui printed\n", 403)
+        if not self._has_token(request):
+            return Response(_STRANGER, 403)
         self.remove_door()
         return HTMLResponse(editor_page())
+
+    async def manual(self, request: Request) -> Response:
+        """Return the help of all commands as a page."""
+        if not self._has_token(request):
+            return Response(_STRANGER, 403)
+        return HTMLResponse(await run_in_threadpool(manual_page))
+
+    def _has_token(self, request: Request) -> bool:
+        given = request.query_params.get("token", "")
+        return secrets.compare_digest(given.encode(), self.token.encode())
 
     def remove_door(self) -> None:
         """Remove the file that led a browser here."""

@@ -231,7 +231,7 @@ def policy(connect: str = "'none'") -> str:
 
     connect: what its script may ask for
     """
-    digests = (sha256(text.encode()).digest() for text in (_script(), _source("page.min.css")))
+    digests = (sha256(text.encode()).digest() for text in (_script(), source_of("page.min.css")))
     script, style = (f"'sha256-{b64encode(digest).decode()}'" for digest in digests)
     return (
         f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; "
@@ -245,20 +245,20 @@ def _html(title: str, data: str) -> str:
         "title": escape(title),
         "generator": f"rsegen {__version__}",
         "policy": policy("'self'" if not data else "'none'"),
-        "css": _source("page.min.css"),
+        "css": source_of("page.min.css"),
         "data": data,
         "script": _script(),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _source("page.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], source_of("page.html"))
 
 
 @cache
 def _script() -> str:
     """Return the script of the page, with the licences of the libraries in it."""
-    return f"\n/*\n{_source('page.LICENSE')}*/\n{_source('page.min.js')}"
+    return f"\n/*\n{source_of('page.LICENSE')}*/\n{source_of('page.min.js')}"
 
 
 @cache
-def _source(name: str) -> str:
+def source_of(name: str) -> str:
     """Return the text of a file of this folder."""
     return files("rsegen.page.browser").joinpath(name).read_text("utf-8")

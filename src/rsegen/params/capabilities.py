@@ -17,14 +17,14 @@ somebody else declares itself by the same means, through an entry point of the g
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from rsegen.errors import PluginError, PluginWarning
+from rsegen.errors import PluginError, PluginWarning, UnknownName
 from rsegen.params.entry_points import EntryPoint, entry_points
 from rsegen.params.extras import Extra
 
@@ -49,7 +49,7 @@ class Command(NamedTuple):
     """A command of the command line: its name, its heading and line in `rsegen --help`, and where it is.
 
     module: has `add_NAME`, which adds its flags to a parser, and `run_NAME`; function: the public function that it is;
-    title: a few words for the page's menu, by default its name
+    title: a few words for the page's menu, by default its name; also: other words for which people look for it
     """
 
     name: str
@@ -58,6 +58,7 @@ class Command(NamedTuple):
     module: str
     function: str = ""
     title: str = ""
+    also: tuple[str, ...] = ()
 
 
 class Capability(NamedTuple):
@@ -160,6 +161,13 @@ def commands() -> Mapping[str, Command]:
     every = [command for capability in capabilities().values() for command in capability.commands]
     groups = [*GROUPS, *(command.group for command in every if command.group not in GROUPS)]
     return MappingProxyType({command.name: command for group in groups for command in every if command.group == group})
+
+
+def unknown_command(name: str, known: Collection[str] | None = None) -> UnknownName:
+    """Return the error for a command that is not among the known ones, by default all."""
+    names = commands() if known is None else known
+    meant = [command for command in names if name.lower().replace("-", "_") in commands()[command].also]
+    return UnknownName.among("", "command", name, names, meant)
 
 
 @cache

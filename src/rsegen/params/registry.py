@@ -19,6 +19,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from threading import RLock
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from rsegen.errors import PluginError, PluginWarning, UnknownName
@@ -103,6 +104,8 @@ class Registry(Mapping[str, Thing]):
     package: its modules add rsegen's own things when they are imported, if it has any besides what capabilities offer;
     group: of entry points of other packages;
     contract: the requirements for plug-ins.
+    elsewhere: what is not here, though people look for it here, and where it is, in words.
+    A thing may have `also`, a tuple of other words for it, which an unknown name is compared with.
     """
 
     def __init__(
@@ -113,6 +116,7 @@ class Registry(Mapping[str, Thing]):
         contract: Contract,
         package: str = "",
         group: str = "",
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         # Things and sources by name; the rest is how far the search for plug-ins has come.
         self._sort = sort
@@ -120,6 +124,7 @@ class Registry(Mapping[str, Thing]):
         self._package = package
         self._group = group
         self._contract = contract
+        self._elsewhere = elsewhere
         self._things: dict[str, Thing] = {}
         self._sources: dict[str, Source] = {}
         self._own_imported = not (package or group)
@@ -155,8 +160,15 @@ class Registry(Mapping[str, Thing]):
     def named(self, name: str, where: str) -> Thing:
         """Look up a user-supplied name; raise UnknownName for `where`, which lists the valid names."""
         if not isinstance(name, str) or name not in self:
-            raise UnknownName.among(where, self._sort, name, self)
+            raise UnknownName.among(
+                where, self._sort, name, self, self._also_called(name), self._elsewhere.get(str(name), "")
+            )
         return self[name]
+
+    def _also_called(self, name: object) -> list[str]:
+        """Return the names of the things that say they are `also` called so."""
+        word = name.lower().replace("-", "_") if isinstance(name, str) else ""
+        return [known for known, thing in self.items() if word in getattr(thing, "also", ())]
 
     def source(self, name: str) -> Source | None:
         """Return the package or file that a thing comes from; None for rsegen's own."""

@@ -11,6 +11,7 @@ CAPABILITY = Capability(
             "draw a map: plan with heights, and a view in 3D",
             "rsegen.pictures.commands",
             title="Draw a preview",
+            also=("plot", "draw", "render", "picture", "image", "visualise", "visualize", "show"),
         ),
     ),
     public={"rsegen.pictures.preview": ("preview",)},

@@ -20,6 +20,7 @@ from rsegen.scene.scene import FRAME_COLOUR, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from matplotlib.image import AxesImage
 
 
@@ -97,6 +98,21 @@ def show_cells(axes: Axes, field: StepField, values: Array | Ints, **style: Any)
     shown = values.transpose(1, 0, *range(2, values.ndim))
     style = {"origin": "lower", "extent": (west, east, south, north), "interpolation": "nearest", **style}
     return axes.imshow(shown, **style)
+
+
+_CALM_TO_ALARMING = ((252, 240, 248), (240, 186, 222), (222, 120, 190), (172, 52, 152), (96, 8, 92))
+"""The ramp of the page (overlay.ts), of evenly falling lightness, so that it differs in grey; no height has its hue."""
+
+
+def ramp(*, reverse: bool = False) -> Colormap:
+    """Return the colours of values that are no heights, such as tilt: from pale, which is calm, to dark purple.
+
+    reverse: from dark to pale, for values of which high ones are calm
+    """
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colours = [tuple(part / 255 for part in colour) for colour in _CALM_TO_ALARMING]
+    return LinearSegmentedColormap.from_list("calm to alarming", colours[::-1] if reverse else colours)
 
 
 def number_cells(axes: Axes, field: StepField) -> None:

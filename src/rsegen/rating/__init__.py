@@ -16,6 +16,7 @@ CAPABILITY = Capability(
             "rsegen.rating.commands",
             "rate",
             title="Rate a robot",
+            also=("rating", "score", "difficulty"),
         ),
     ),
     public={

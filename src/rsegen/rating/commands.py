@@ -66,13 +66,13 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = ("mujoco",),
     precision: Annotated[
         float,
-        Float(2, 100, unit="%", help="drive until the 95 % interval of the level is so narrow: this far up and down"),
+        Float(2, 100, unit="%", help="stop when the 95 % interval of the level is at most this far up and down"),
         Shell(metavar="PERCENT"),
     ] = _PRECISION,
     trials: Annotated[
         int | None,
-        Integer(8, 100_000, help="number of trials, in place of a precision"),
-        Shell(metavar="N", default="as many as the precision takes"),
+        Integer(8, 100_000, help="fixed number of trials, instead of a precision"),
+        Shell(metavar="N", default="as many as the precision needs"),
     ] = None,
     reliability: Annotated[
         float | None,
@@ -81,7 +81,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = None,
     confidence: Annotated[
         float | None,
-        Float(0, 1, help="with a reliability: probability that a robot that is no better is not passed"),
+        Float(0, 1, help="with a reliability: probability that a worse robot fails the test"),
         Shell(metavar="SHARE", default=f"{_CONFIDENCE:g}"),
     ] = None,
     repetitions: Annotated[

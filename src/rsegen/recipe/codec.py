@@ -137,14 +137,14 @@ def decode_obstacles(rows: object) -> tuple[Obstacle, ...]:
 def decode_obstacle(row: Mapping[str, Any]) -> Obstacle:
     """Return the obstacle of one row: `{"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}`."""
     if "kind" not in row:
-        raise ParameterError("kind", f"is missing (known: {', '.join(KINDS)})")
+        raise ParameterError("kind", f"give a kind of obstacle (known: {', '.join(KINDS)})")
     cls = kind(row["kind"])
     given = {name: value for name, value in row.items() if name != "kind"}
     known = row_parameters(cls)
     refuse_unknown(f"parameter of {cls.kind}", given, known)
     for name in required_parameters(cls):
         if name not in given:
-            raise ParameterError(name, f"is missing; give {known[name].describe()} ({known[name].help})")
+            raise ParameterError(name, f"give a value: {known[name].describe()} ({known[name].help})")
     return cls(**given)
 
 

@@ -24,9 +24,10 @@ CAPABILITY = Capability(
         Command(
             "robot",
             "drive a robot",
-            "print what was read of a robot, and from where",
+            "list the robots, or print what was read of one",
             "rsegen.robots.robot_command",
-            title="What was read of a robot",
+            title="The robots, and what was read of one",
+            also=("robots", "urdf", "kinds"),
         ),
     ),
     public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},

@@ -31,6 +31,7 @@ class Robot(RobotOnField):
     size, clearance: overall length, width and height, and ground clearance of the body, metres
     climbs: the highest single step that it drives up in Gazebo Classic, measured, metres; experiment reports name it
     source: the origin of its figures, and which are ours
+    also: other words for it
     """
 
     lift: ClassVar[float] = 0.0
@@ -46,6 +47,7 @@ class Robot(RobotOnField):
     drive: Drive
     servos: tuple[Servo, ...] = ()
     lidar: Lidar | None = None
+    also: tuple[str, ...] = ()
 
     @property
     def speed(self) -> float:

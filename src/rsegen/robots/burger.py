@@ -57,6 +57,7 @@ def _axle(side: str) -> Joint:
 BURGER = register(
     Robot(
         kind="burger",
+        also=("turtlebot", "turtlebot3", "tb3"),
         title="like a TurtleBot3 Burger",
         source=(
             "sizes, wheels, mass and top speeds: ROBOTIS e-manual and turtlebot3_description; our own: uniform"

@@ -104,6 +104,7 @@ def _joints() -> Iterator[Joint]:
 CRAWLER = register(
     Robot(
         kind="crawler",
+        also=("servosila", "engineer", "tracked"),
         title="in the class of the Servosila Engineer",
         source="all figures are our own: the geometry of the Servosila Engineer is not confirmed",
         size=(0.975, 0.53, 0.320),

@@ -35,6 +35,7 @@ _PART = Part(name="hull", solid=_CHASSIS, pose=(0, 0, 0.158, 0, 0, 0), colour=GR
 JACKAL = register(
     Robot(
         kind="jackal",
+        also=("clearpath", "skid_steer"),
         title="of the Jackal's class",
         source=(
             "chassis, wheels, masses, friction and top speeds: jackal_description, jackal_control (Clearpath);"

@@ -1,15 +1,16 @@
-"""The command `rsegen robot`: what was read of a robot, and where each figure is from."""
+"""The command `rsegen robot`: the robots that rsegen has, or what was read of one, and where each figure is from."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import fromstring
 
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
+from rsegen.errors import ParameterError
 
 if TYPE_CHECKING:
     from rsegen.robots.base import Robot
@@ -28,26 +29,83 @@ class Figure:
 def add_robot(command: Parser) -> None:
     """Add the arguments of `rsegen robot`."""
     command.explain(
-        "Print what was read of a robot's file, and where each figure is from: its mass, size, wheels, speed, friction "
-        "and motors; what was assumed, and what is left out.",
+        "List the robots that rsegen has; or print what was read of one, also of your own file, and where each figure "
+        "is from: its mass, size, wheels, speed, friction and motors; what was assumed, and what is left out.",
         "rsegen drive, metrics, predict and all other commands take the same robot.",
     )
     text = "a kind of robot, or an SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments"
-    command.add_argument("robot", metavar="KIND|FILE", help=text)
+    command.add_argument("robot", nargs="?", metavar="KIND|FILE", help=f"{text} (default: list the kinds)")
     group = command.group("robot")
     group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, in place of those that are found")
     group.add_argument("--tracks", metavar="LEFT,RIGHT", help="links of its tracks, in place of those that are found")
 
 
 def run_robot(arguments: argparse.Namespace) -> Report:
-    """Read the robot, and list its figures."""
+    """List the robots, or read one, and list its figures."""
     from rsegen.robots.lookup import chosen_robot
     from rsegen.robots.sdf_file import SdfRobot
 
+    if arguments.robot is None:
+        for name in ("wheels", "tracks"):
+            if getattr(arguments, name):
+                raise ParameterError(f"--{name}", "is for the robot of a file: name it first")
+        return _kinds()
     robot = chosen_robot(arguments.robot, arguments.wheels, arguments.tracks)
     if not isinstance(robot, SdfRobot):
         return _report(robot.kind, list(_of_kind(robot)), ())
     return _report(robot.kind, list(_of_file(robot)), tuple(_remarks(robot)))
+
+
+def _kinds() -> Report:
+    """List every robot by its kind: what it is, its size, mass, drive, the step that it climbs, and a picture of it."""
+    from rsegen.robots.base import ROBOTS
+
+    rows = [("kind", "size", "mass", "drive", "climbs", "picture in the manual", "")]
+    for kind, robot in ROBOTS.items():
+        length, width, height = (f"{100 * side:.4g}" for side in robot.size)
+        size, climbs = f"{length} x {width} x {height} cm", f"{100 * robot.climbs:.4g} cm"
+        rows.append((kind, size, f"{robot.mass:.3g} kg", _drive_in_words(robot), climbs, _picture(kind), robot.title))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines += [
+        "",
+        "climbs: the highest single step that it drives up in Gazebo Classic, measured",
+        "rsegen robot KIND prints its other figures, and rsegen robot FILE those of your own robot.",
+    ]
+    return Report(lines=lines, content={"robots": [_content(kind, robot) for kind, robot in ROBOTS.items()]})
+
+
+def _content(kind: str, robot: Robot) -> dict[str, Any]:
+    """Return what is listed of a robot, in metres, kilograms and seconds."""
+    return {
+        "kind": kind,
+        "title": robot.title,
+        "size": list(robot.size),
+        "mass": round(robot.mass, 6),
+        "drive": _drive_in_words(robot),
+        "speed": robot.speed,
+        "turn": robot.turn,
+        "climbs": robot.climbs,
+        "picture": _picture(kind) or None,
+        "source": robot.source,
+    }
+
+
+def _drive_in_words(robot: Robot) -> str:
+    from rsegen.robots.drives import Tracks
+
+    sides = (robot.drive.left, robot.drive.right)
+    if not isinstance(robot.drive, Tracks):
+        return f"{sum(map(len, sides))} wheels"
+    flippers = sum(len(side) - 1 for side in sides)
+    return f"{len(sides)} tracks" + (f", {flippers} flippers" if flippers else "")
+
+
+def _picture(kind: str) -> str:
+    """Return where rsegen's source has a picture of a robot; empty for that of a plug-in."""
+    from rsegen.robots.base import ROBOTS
+
+    return "" if ROBOTS.source(kind) else f"docs/pictures/small-{kind}.webp"
 
 
 def _report(kind: str, figures: Sequence[Figure], remarks: Sequence[str]) -> Report:

@@ -27,6 +27,7 @@ CAPABILITY = Capability(
             "write the world of a real field from a point cloud or a depth image of it",
             "rsegen.scanning.commands",
             title="World from a scan",
+            also=("pointcloud", "cloud", "reconstruct"),
         ),
         Command(
             "compare",
@@ -34,6 +35,7 @@ CAPABILITY = Capability(
             "show which blocks of a scan, or of a map, differ from those of a map",
             "rsegen.scanning.commands",
             title="Compare with a scan",
+            also=("diff",),
         ),
     ),
     public={

@@ -13,6 +13,7 @@ CAPABILITY = Capability(
             "rsegen.simulators.commands",
             "open",
             title="Open in a simulator",
+            also=("launch", "start", "gazebo", "world", "simulate", "run"),
         ),
         Command(
             "sim",
@@ -20,6 +21,7 @@ CAPABILITY = Capability(
             "list the simulators with version and path, or how to install them",
             "rsegen.simulators.commands",
             title="Simulators on this machine",
+            also=("simulators", "gz"),
         ),
     ),
     public={"rsegen.simulators.commands": ("open",), "rsegen.simulators.open_world": ("OpenResult",)},

@@ -31,14 +31,14 @@ def open(  # noqa: A001, PLR0913  # the command's name; each is a flag of it
     robot: Annotated[
         AnyRobot, Shell(metavar="KIND|FILE", help="robot that stands west of the map, in MuJoCo", default="none")
     ] = None,
-    headless: Annotated[bool, Flag(help="run without a window; of Gazebo only the server")] = False,
+    headless: Annotated[bool, Flag(help="run without a window; in Gazebo, the server alone")] = False,
     seconds: Annotated[
         float | None,
         Float(0, 1e9, unit="s", help="stop N seconds after loading"),
         Shell(metavar="N", default="never"),
     ] = None,
     shared: Annotated[
-        bool, Flag(help="use the default address, so that other programs can connect (rsegen does without)")
+        bool, Flag(help="use the default address, so that other programs can connect (rsegen can without it)")
     ] = False,
     timeout: Timeout = 20.0,
     on_start: Callable[[OpenedWorld], None] | None = None,

@@ -148,5 +148,6 @@ def embedded_simulator(name: str | None) -> EmbeddedSimulator | None:
     if name is None:
         return next(iter(EMBEDDED.values()), None)
     if name not in EMBEDDED and name not in SIMULATORS:
-        raise UnknownName.among("simulator", "simulator", name, (*EMBEDDED, *SIMULATORS))
+        meant = [*SIMULATORS] if name.lower() in ("gazebo", "gz", "ign", "ignition") else []
+        raise UnknownName.among("simulator", "simulator", name, (*EMBEDDED, *SIMULATORS), meant)
     return EMBEDDED.get(name)

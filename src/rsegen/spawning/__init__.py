@@ -13,6 +13,7 @@ CAPABILITY = Capability(
             "rsegen.spawning.commands",
             "spawn",
             title="Add to a running simulation",
+            also=("load", "add", "insert"),
         ),
         Command(
             "respawn",
@@ -29,6 +30,7 @@ CAPABILITY = Capability(
             "rsegen.spawning.commands",
             "remove",
             title="Remove from a running simulation",
+            also=("delete", "rm", "unload"),
         ),
     ),
     public={

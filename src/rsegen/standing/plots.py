@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, StepField
-from rsegen.pictures.plan import changes, show_cells
+from rsegen.pictures.plan import changes, ramp, show_cells
 from rsegen.pictures.preview import figure_bytes, figure_of
 from rsegen.scene.scene import Scene
 from rsegen.standing.body import Body
@@ -21,6 +21,7 @@ from rsegen.standing.settling import outer_radius
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
 
 _PER_BLOCK, _MOST = 4, 240
 """Poses along the side of a block, and along the longer side of a map at most: 60,000 take some ten seconds."""
@@ -45,8 +46,8 @@ def pose_maps(scene: Scene, body: Body, heading: float, format: str = "png", *, 
     tilt, margin, reason = figure.subplots(1, 3, sharex=True, sharey=True)
     tilts, margins = (np.degrees(np.where(rests.stands, angle, np.nan)) for angle in (rests.tilt, rests.tip_angle))
     shape = (len(x), len(y))
-    _draw_angles(tilt, scene.field, tilts.reshape(shape), "tilt", colours="magma_r")
-    _draw_angles(margin, scene.field, margins.reshape(shape), "margin", colours="viridis", most=_MOST_MARGIN)
+    _draw_angles(tilt, scene.field, tilts.reshape(shape), "tilt", ramp())
+    _draw_angles(margin, scene.field, margins.reshape(shape), "margin", ramp(reverse=True), _MOST_MARGIN)
     _draw_reasons(reason, scene.field, rests.reason.reshape(shape))
     # The robot is drawn where it is steepest of all places at which it is on the map.
     radius, drawn = outer_radius(body), ""
@@ -69,7 +70,7 @@ def _places(field: StepField) -> tuple[Array, Array]:
 
 
 def _draw_angles(
-    axes: Axes, field: StepField, angles: Array, label: str, *, colours: str, most: float | None = None
+    axes: Axes, field: StepField, angles: Array, label: str, colours: Colormap, most: float | None = None
 ) -> None:
     """Draw a map of angles in degrees; grey where there are none, as the robot does not stand."""
     axes.set_facecolor("0.6")

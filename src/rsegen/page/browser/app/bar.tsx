@@ -6,6 +6,7 @@ import type { DescribedCommand } from "./protocol";
 import { leaveFor, offer, Progress, titleOf } from "./run";
 import { copy } from "./results";
 import { MapChooser } from "./map";
+import { manual } from "./server";
 import {
   busy, chooseRobot, dialog, drawnKind, edit, frozen, heading, hello, hover, jobs, layout, problem, robot, rowAt, said, save, scene, selected, state, tab, tool,
 } from "./state";
@@ -100,6 +101,7 @@ export function Bar() {
         <button type="button" disabled={!scene.value} onClick={() => void savePicture()}>Download a picture of the view</button>
         <button type="button" onClick={() => void copy(location.href)}>Copy the address of this page</button>
         <button type="button" onClick={() => (dialog.value = { name: "help" })}>Help <kbd>?</kbd></button>
+        <a class="button" href={manual()} target="_blank">Manual of all commands</a>
       </Menu>
       <div class="row quick">
         <Button icon="undo" class="quiet" title="Undo (Ctrl+Z)" disabled={!now?.can_undo} onClick={() => void edit({ do: "undo" })} />
@@ -122,13 +124,13 @@ export function Status({ note }: { note?: string }) {
   const size = map?.facts.find(([name]) => name === "size")?.[1];
   return (
     <footer class="status">
-      <span class="hover">{at ? <>{at.cell ? `cell ${at.cell.join(", ")}` : "frame"} <b>{at.label}</b>{owner ? ` ${at.row + 1} ${String(owner).replaceAll("_", " ")}` : ""}</> : map && <>{size} <small>{map.cost}</small></>}</span>
+      <span class="hover">{at ? <>{at.cell ? `cell ${at.cell.join(", ")}` : "frame"} <b>{at.label}</b>{owner ? ` ${at.row + 1} ${String(owner).replaceAll("_", " ")}` : ""}</> : size}</span>
       <MapChooser />
       {!frozen && now && <span class="seed">seed <code>{String(now.values.seed ?? "–")}</code><Button icon="dice" class="quiet" title="Draw another seed (Ctrl+Alt+R)" onClick={() => void edit({ do: "reroll" })} /></span>}
       {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}
       <span class="gap" />
       {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{titleOf(running[0].command)} {running[0].step} <Progress job={running[0]} /></button>}
-      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="What was run, and what came of it" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
+      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="Commands that were run, and their results" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
       {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
         <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
       <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>

@@ -1,16 +1,25 @@
 /* Opening, saving, what to do about a file that somebody else changed, and files that are dropped on the page. */
 
+import { signal } from "@preact/signals";
 import { useEffect, useId, useState } from "preact/hooks";
 import { Button, Icon, Modal } from "./controls";
 import { play } from "./playback";
+import { Picture } from "./results";
 import { leaveFor } from "./run";
-import type { ListedFile, Listing } from "./protocol";
+import type { Calls, ListedFile, Listing } from "./protocol";
 import { call, upload } from "./server";
 import { attempt, busy, connected, dialog, hello, playbacks, problem, reload, save, state } from "./state";
 
 const ICONS = { recipe: "file", folder: "folder", dataset: "folder", drive: "play", other: "file" } as const;
 
 const close = () => (dialog.value = null);
+
+/* The examples as they are drawn small, once the list has been opened. */
+const examples = signal<Calls["example_maps"]["result"]>({});
+
+async function drawExamples(): Promise<void> {
+  if (!Object.keys(examples.value).length) examples.value = (await attempt(() => call("example_maps", {}), false)) ?? {};
+}
 
 /* Open what a folder lists: a drive is played over its map, or beside the one that is played. */
 async function openEntry({ path, kind }: ListedFile): Promise<void> {
@@ -24,13 +33,16 @@ export function Open() {
   const id = useId();
   const [path, setPath] = useState("");
   useEffect(() => void attempt(() => call("files", folder === undefined ? {} : { folder }), false).then(list), [folder]);
+  useEffect(() => void drawExamples(), []);
   return (
     <Modal title="Open" close={close} wide>
       <div class="columns">
         <section aria-labelledby={`${id}-examples`}>
           <h3 id={`${id}-examples`}>Examples</h3>
           <ul class="choices">{hello.value?.examples.map((each) => (
-            <li key={each.name}><button type="button" onClick={() => void leaveFor(each.name)}><b>{each.name}</b><small>{each.description}</small></button></li>))}</ul>
+            <li key={each.name}><button type="button" class="pictured" onClick={() => void leaveFor(each.name)}>
+              {examples.value[each.name] ? <Picture map={examples.value[each.name]!} label="" /> : <span class="placeholder" />}
+              <span><b>{each.name}</b><small>{each.description}</small></span></button></li>))}</ul>
         </section>
         <section aria-labelledby={`${id}-files`}>
           <h3 id={`${id}-files`}>Files in {listing?.folder || hello.value?.folder}</h3>
@@ -98,7 +110,7 @@ export function Banners() {
           <button type="button" onClick={() => void reload()}>Take theirs</button>
           <Button icon="close" class="quiet" title="Decide later" onClick={() => { keep(now.revision); problem.value = null; }} /></div>)}
       {now.recovered && seen !== now.doc && (
-        <div class="banner"><Icon name="warn" /><p>Changes of a session that ended without saving are back: they are of {when(now.recovered)}.</p>
+        <div class="banner"><Icon name="warn" /><p>Unsaved changes of an earlier session were restored. They are from {when(now.recovered)}.</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>
           <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
     </div>

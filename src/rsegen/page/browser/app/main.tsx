@@ -12,6 +12,7 @@ import { Results, Variants } from "./results";
 import { play } from "./playback";
 import { RobotPanel } from "./robot";
 import { Jobs, Run } from "./run";
+import { manual } from "./server";
 import { Stage } from "./viewer";
 import * as state from "./state";
 import type { View } from "./views";
@@ -59,6 +60,7 @@ function Help() {
         <div><dt>drop a file</dt><dd>a recipe is opened; a point cloud, table or image becomes a map</dd></div>
       </dl>
       <p class="note">Levels: 5 levels of 10 cm are the heights 0, 10, 20, 30 and 40 cm. Numbers may have a point or a comma. rsegen {state.hello.value?.version}</p>
+      <p><a href={manual()} target="_blank">Manual: all commands, their options, and all kinds of obstacles</a></p>
     </Modal>
   );
 }
@@ -131,7 +133,7 @@ function Editor() {
 function Viewer() {
   const { maps, version } = frozen!;
   const map = scene.value;
-  const at = map ? maps.indexOf(map) : 0;
+  const at = Math.max(0, maps.findIndex((each) => each === map));
   return (
     <div class={`page frozen ${layout.value}`}>
       <header class="top">

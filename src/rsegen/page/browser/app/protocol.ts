@@ -12,7 +12,7 @@
 export type Json = null | boolean | number | bigint | string | Json[] | { [key: string]: Json };
 export type Entry = { kind: string; [parameter: string]: Json }; // an obstacle as a recipe file has it
 export type Cell = [number, number]; // of blocks, frames not counted: x, y
-export type SceneData = MapData & Partial<DocumentMap>; // a map of a document, or of a page that is a file
+export type SceneData = Drawing & Partial<MapData & DocumentMap>; // a map of a document, or of a page that is a file
 
 /* A command that waits, runs, or has ended. */
 export interface Job {
@@ -112,6 +112,34 @@ export interface PlaceInDataSet {
   maps: number;
 }
 
+/* A map as it is drawn, without its metrics. */
+export interface Drawing {
+  name: string;
+  description: string;
+  cells: [number, number]; // of the field, frames included
+  block_width: number;
+  block: string; // the same in words: "10 cm"
+  unit: string; // of labels: "cm"
+  palette: Material[];
+  bytes: 1 | 2; // of each number of content
+  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
+  facts: [string, string][];
+  recipe: string;
+  file: string;
+  look: string;
+  step: number; // metres of a unit
+}
+
+/* A material of cells: a level of blocks, or the frames. */
+export interface Material {
+  level: number | null; // null: a frame
+  height: number;
+  label: string; // the height in `unit`
+  colour: string; // "#rrggbb" on the plan and in the height look
+  surface: string; // in the look of the recipe: the same, but for wood and friction
+  count: number;
+}
+
 /* What a folder holds. */
 export interface Listing {
   folder: string;
@@ -141,25 +169,12 @@ export interface DocumentMap {
   file: string;
   look: string;
   step: number; // metres of a unit
-  metrics: [string, string, string][]; // name, value, meaning
   factor: number; // a cell here is the highest of factor x factor cells of a large map; 1: the cell itself
   warnings: string[];
-  cost: string; // "1 model, 1,024 faces, 34 kB"
-  constraints: string[]; // lines of the constraint report
   revision: number;
   index: number;
   owners: string; // base64 of int16 for each cell, as content: the row of the obstacle that made its level; -1: none
   handles: Handle[];
-}
-
-/* A material of cells: a level of blocks, or the frames. */
-export interface Material {
-  level: number | null; // null: a frame
-  height: number;
-  label: string; // the height in `unit`
-  colour: string; // "#rrggbb" on the plan and in the height look
-  surface: string; // in the look of the recipe: the same, but for wood and friction
-  count: number;
 }
 
 /* Where the obstacle of a row lies. */
@@ -258,27 +273,8 @@ export interface DescribedCommand {
 export interface Variant {
   seed: number | bigint;
   index: number;
-  scene: MapData;
+  scene: Drawing;
   difficulty: [string, string][];
-}
-
-/* A map as it is drawn, with its metrics: all that a page has of it that is a file. */
-export interface MapData {
-  name: string;
-  description: string;
-  cells: [number, number]; // of the field, frames included
-  block_width: number;
-  block: string; // the same in words: "10 cm"
-  unit: string; // of labels: "cm"
-  palette: Material[];
-  bytes: 1 | 2; // of each number of content
-  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
-  facts: [string, string][];
-  recipe: string;
-  file: string;
-  look: string;
-  step: number; // metres of a unit
-  metrics: [string, string, string][]; // name, value, meaning
 }
 
 /* All metrics of a map, also those of a robot. */
@@ -383,6 +379,13 @@ export interface State {
   recovered: string | null; // changes of a session that ended without saving were brought back: when
   journal: string; // why changes would be lost in a crash, such as a full disk; empty: they would not
   pages: number; // that have it open
+}
+
+/* What is measured of a map, and what it costs, which is more work than to draw it. */
+export interface MapResults {
+  metrics: [string, string, string][]; // name, value, meaning
+  cost: string; // "1 model, 1,024 faces, 34 kB"; of a large map, empty
+  constraints: string[]; // lines of the constraint report
 }
 
 /* A robot as it is drawn. */
@@ -494,6 +497,25 @@ export interface Frozen {
   version: string;
 }
 
+/* A map as it is drawn, with its metrics: all that a page has of it that is a file. */
+export interface MapData {
+  name: string;
+  description: string;
+  cells: [number, number]; // of the field, frames included
+  block_width: number;
+  block: string; // the same in words: "10 cm"
+  unit: string; // of labels: "cm"
+  palette: Material[];
+  bytes: 1 | 2; // of each number of content
+  content: string; // base64: of each cell the number of its material, all of the first i (x) first; little endian
+  facts: [string, string][];
+  recipe: string;
+  file: string;
+  look: string;
+  step: number; // metres of a unit
+  metrics: [string, string, string][]; // name, value, meaning
+}
+
 export type Search = "tilt" | "reach" | "crossing" | "way" | "measure" | "variants";
 
 export type Event = StateChanged | JobChanged | FileChanged | SearchProgress | Alive;
@@ -541,6 +563,8 @@ export interface Calls {
   drive_trial: { args: { doc: string; path: string; judge: string; trial: number }; result: Job };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */
   edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
+  /* Return the first map of each example as a small picture is drawn of it, by its name. */
+  example_maps: { args: {}; result: { [name: string]: Drawing } };
   /* List a folder: recipes, folders of maps with their recipe, data sets, drives, folders and other files. */
   files: { args: { folder?: string }; result: Listing };
   /* Return a map of a document as it would be with another obstacle at the end of the list, drawn as it will be. */
@@ -567,6 +591,8 @@ export interface Calls {
   reach: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
   /* Take over what is in the file. */
   reload: { args: { doc: string; page?: string }; result: State };
+  /* Return what is measured of a map of a document, and what it costs; of a draft that is invalid, as `scene`. */
+  results: { args: { doc: string; index?: number | null; page?: string }; result: MapResults };
   /* Return a robot as it is drawn: the parts of its links, or of a file its visuals. */
   robot: { args: { robot: string }; result: RobotShapes };
   /* Run a command on the recipe of a document; a Question if it would replace what it may replace. */

@@ -5,7 +5,7 @@ import { Button, Modal, Segmented, Select, Slider, useAddress } from "./controls
 import { FieldControl } from "./fields";
 import type { SceneData, Texts, Variant } from "./protocol";
 import { thumbnail } from "./solid";
-import { ask, attempt, dark, dialog, edit, frozen, hello, index, newGesture, problem, problemAt, robot, say, scene, showMap, state } from "./state";
+import { ask, attempt, dark, dialog, edit, frozen, hello, index, measure, newGesture, problem, problemAt, results, robot, say, scene, showMap, state } from "./state";
 
 export function Heights({ map }: { map: SceneData }) {
   const most = Math.max(1, ...map.palette.map((each) => each.count));
@@ -39,20 +39,23 @@ const CACHE: { key: string; rows: [string, string, string, string][] } = { key: 
 
 export function Results() {
   const map = scene.value;
+  useEffect(() => void (map && !frozen && measure()), [map]);
   if (!map) return <section class="panel" aria-label="Results"><p class="empty">No map yet.</p></section>;
+  const { metrics, constraints, cost } = { ...map, ...results.value };
+  const facts = [...map.facts, ...(cost ? [["in Gazebo", cost] as const] : [])];
   return (
     <section class="panel" aria-label="Results">
       <h2 class="hidden">Results</h2>
       {map.warnings?.map((warning) => <p class="problem" key={warning}>{warning}</p>)}
-      {map.constraints?.length ? <><h3>Constraints</h3><ul class="lines">{map.constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
+      {constraints?.length ? <><h3>Constraints</h3><ul class="lines">{constraints.map((line) => <li key={line}>{line}</li>)}</ul></> : null}
       <h3>Heights</h3>
       <Heights map={map} />
       <h3>Metrics</h3>
-      <Table rows={map.metrics} title="Metrics of the map" />
+      {metrics ? <Table rows={metrics} title="Metrics of the map" /> : <p class="empty">Measuring …</p>}
       {!frozen && <AllMetrics map={map} />}
       <h3>Recipe</h3>
       <Recipe map={map} />
-      {map.facts.length > 0 && <><h3>Facts</h3><dl class="facts">{map.facts.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl></>}
+      {facts.length > 0 && <><h3>Facts</h3><dl class="facts">{facts.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl></>}
     </section>
   );
 }
@@ -133,10 +136,10 @@ export function Difficulty() {
   );
 }
 
-/* A small picture of a map in 3D. */
+/* A small picture of a map in 3D; one without a label stands beside its name. */
 export function Picture({ map, label }: { map: SceneData; label: string }) {
   const source = useAddress(() => thumbnail(map, 256, 176, dark.value), [map, dark.value]);
-  return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role="img" aria-label={label} />;
+  return source ? <img src={source} alt={label} width={256} height={176} /> : <span class="placeholder" role={label ? "img" : undefined} aria-label={label || undefined} />;
 }
 
 const MOST_SORTED = 200; // maps, by the server

@@ -63,7 +63,7 @@ export function RobotPanel() {
       <div class="form">
         <Labelled id={`${id}-robot`} label="Robot" wide>
           <Select id={`${id}-robot`} value={robot.value} onChange={(name) => void chooseRobot(name)}
-            choices={[["", "none"], ...robots.map(({ name, title }) => [name, title === name ? name : `${name}: ${title}`] as const)]} />
+            choices={[["", "none"], ...robots.map(({ name, title }) => [name, title] as const)]} />
         </Labelled>
         {!robot.value && <p class="empty">Choose a robot: it settles on the blocks under the mouse, and shows where it can drive.</p>}
         {robot.value && <>
@@ -76,7 +76,7 @@ export function RobotPanel() {
             <Button pressed={Boolean(reach.value)} title="Where it gets to, and its ways across" onClick={() => (reach.value ? (reach.value = null) : void showReach())}>Reach</Button>
             <Button title="How surely it gets across: drives in MuJoCo, with errors of start, position, friction and heights" onClick={() => void showCrossing()}>Does it cross?</Button>
           </div>
-          {poseMap.value && <Segmented name="Shown at each place" value={mapShown.value} choices={[["tilt", "tilt"], ["margin", "margin"], ["reason", "why not"]]} onChange={(next) => (mapShown.value = next)} />}
+          {poseMap.value && <Segmented name="Shown at each place" value={mapShown.value} choices={[["tilt", "tilt"], ["margin", "margin"], ["reason", "reason"]]} onChange={(next) => (mapShown.value = next)} />}
           {poseMap.value && <Legend map={poseMap.value} shown={mapShown.value} />}
           <Searching />
           {reach.value && <>

@@ -6,7 +6,7 @@ import { shown } from "./exact";
 import { Form } from "./fields";
 import { play } from "./playback";
 import type { DescribedCommand, Field, Job, Json, SceneData, ShellTarget } from "./protocol";
-import { call, fileOf, Failed } from "./server";
+import { call, fileOf, Failed, manual } from "./server";
 import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
 import { RatingCurves } from "./rating";
 import { Picture, copy } from "./results";
@@ -104,7 +104,7 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
     <Modal title={command.title} close={close} wide={Boolean(job)}>
       {job ? <JobReport key={job.id} job={job} again={() => follow(null)} /> : (
         <form ref={form} onSubmit={(event) => { event.preventDefault(); void run(failure?.kind === "exists"); }}>
-          <p class="lead">{command.help}{target && <> — on <code>{target}</code></>}</p>
+          <p class="lead">{command.help}{target && <> — on <code>{target}</code></>} · <a href={manual(name)} target="_blank">Manual</a></p>
           <Form fields={fieldsOf(command, target)} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
           {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : ", if any"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>

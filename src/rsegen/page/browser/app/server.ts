@@ -6,6 +6,9 @@ import type { Calls, Event, Failure } from "./protocol";
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const headers = { Authorization: `Bearer ${token}`, "Content-Type": "application/json" };
 
+/* The address of the manual on this server: of a command, or of all. */
+export const manual = (command = ""): string => `manual?token=${encodeURIComponent(token)}#${command}`;
+
 /* What a call failed with: shown where `where` says. */
 export class Failed extends Error {
   constructor(readonly failure: Failure) {

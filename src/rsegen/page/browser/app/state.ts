@@ -6,7 +6,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Failed, call, listen } from "./server";
 import type {
-  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, Playback, DrawnPose, PoseMap, DrawnReach, Row, RobotShapes, SceneData, State, DrawnWay,
+  Action, Calls, Entry, Event, Failure, Frozen, Hello, Job, Json, MapResults, Playback, DrawnPose, PoseMap, DrawnReach, Row, RobotShapes, SceneData, State, DrawnWay,
 } from "./protocol";
 import type { Hover, Options, Tool } from "./views";
 
@@ -57,6 +57,8 @@ export const layout = computed(() => {
   const [width, height] = size.value;
   return width < 760 && !(width > 560 && height < 480) ? "phone" : width < 1180 ? "narrow" : "wide";
 });
+/* Whether the plan in a corner would lie over the drive that is played. */
+export const isCramped = computed(() => size.value[0] < 760 || size.value[1] < 480);
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 export const dark = signal(darkness.matches);
 darkness.addEventListener("change", () => (dark.value = darkness.matches));
@@ -127,6 +129,15 @@ const draw = newest(async () => {
   if (wanted === doc() && (drawn.revision ?? 0) >= (scene.value?.revision ?? 0)) scene.value = drawn;
 });
 
+/* What is measured of the map shown, and what it costs: asked for by the panel that shows it. */
+export const results = signal<MapResults | null>(null);
+
+export const measure = newest(async () => {
+  const wanted = doc();
+  const found = await ask("results", shownIndex());
+  if (wanted === doc()) results.value = found;
+});
+
 /* Show an obstacle on the map before it is added; null: none. */
 export const showGhost = newest(async (entry: Entry | null) => {
   const shown = entry && (await ask("ghost", { entry, ...shownIndex() }).catch(() => null)); // a draft may be invalid
@@ -172,7 +183,7 @@ async function load(id: string): Promise<boolean> {
   ends.abort();
   ends = new AbortController();
   waiting = [];
-  state.value = scene.value = null;
+  state.value = scene.value = results.value = null;
   selected.value = -1;
   index.value = next.first_map ?? 0;
   forgetRobot();

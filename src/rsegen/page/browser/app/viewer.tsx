@@ -7,7 +7,7 @@ import { add, kindOf } from "./obstacles";
 import { Plan } from "./plan";
 import { Solid } from "./solid";
 import {
-  changeEntry, dark, drawing, drawnKind, edit, face, frozen, ghost, heading, hello, hover, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
+  changeEntry, dark, drawing, drawnKind, edit, face, frozen, ghost, heading, hello, hover, isCramped, mapShown, options, plan, playbacks, pose, poseMap, reach, rowAt, scene,
   second, selected, settle, state, tool, way, wayPoint, wayStart,
 } from "./state";
 import { best } from "./robot";
@@ -110,14 +110,16 @@ function HeightLegend() {
 export function Stage() {
   const two = playbacks.value.length > 1;
   const halved = useRef(false);
-  const isHalf = two || plan.value === "half";
+  const isOver = playbacks.value.length > 0 && isCramped.value; // a plan in the corner would hide the drive
+  const given = isOver && plan.value === "inset" ? "hidden" : plan.value;
+  const isHalf = two || given === "half";
   useEffect(() => {
     // A view that becomes half as wide, or whole again, shows the whole map.
     if (halved.current !== isHalf) requestAnimationFrame(() => window.rsegen.solid?.look("oblique"));
     halved.current = isHalf;
   }, [isHalf]);
   return (
-    <main class={`stage plan-${plan.value} ${two ? "two" : ""}`} aria-label="Map">
+    <main class={`stage plan-${given} ${two ? "two" : ""}`} aria-label="Map">
       <div class="solid">
         <Host of={Solid} label="3D view" name="solid" />
         {two && <Host of={Solid} label="3D view of the second drive" player={1} />}
@@ -132,16 +134,16 @@ export function Stage() {
         {!scene.value && <p class="over empty">Drawing the map …</p>}
         {state.value?.problem && <p class="over stale" role="status">The last valid map: {state.value.problem.where}: {state.value.problem.text}</p>}
       </div>
-      {plan.value !== "hidden" && (
+      {given !== "hidden" && (
         <section class="plan" aria-label="Plan" style={{ "--aspect": aspect() }}>
           <Host of={Plan} label="Plan, north up" name="plan" />
           <div class="over corner">
-            <Button class="quiet" icon={plan.value === "inset" ? "grow" : "shrink"} title={plan.value === "inset" ? "Show the plan in half of the window" : "Show the plan small"} onClick={() => (plan.value = plan.value === "inset" ? "half" : "inset")} />
+            <Button class="quiet" icon={given === "inset" ? "grow" : "shrink"} title={given === "inset" ? "Show the plan in half of the window" : isOver ? "Hide the plan" : "Show the plan small"} onClick={() => (plan.value = plan.value === "inset" ? "half" : "inset")} />
             <Button class="quiet" icon="close" title="Hide the plan" onClick={() => (plan.value = "hidden")} />
           </div>
         </section>
       )}
-      {plan.value === "hidden" && <Button class="over show-plan" icon="grow" title="Show the plan" onClick={() => (plan.value = "inset")}>Plan</Button>}
+      {given === "hidden" && <Button class="over show-plan" icon="grow" title="Show the plan" onClick={() => (plan.value = isOver ? "half" : "inset")}>Plan</Button>}
       <Timeline />
     </main>
   );
