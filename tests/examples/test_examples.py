@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import runpy
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -90,6 +92,33 @@ def test_a_policy_rated(run: Run) -> None:
     assert level
     assert 1.5 < float(level[1]) < 3.5  # of 10 fields at 2 and at 3 cm, it crosses 9 and 2
     assert written() == set()
+
+
+@pytest.mark.slow
+def test_a_gymnasium_policy_rated(run: Run) -> None:
+    pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    out = run("a_gymnasium_policy_rated")
+    level = re.search(r"ant crosses half of ant-blocks fields .* at a unit of (\d\.\d+) cm .* 24 trials", out)
+    assert level
+    assert 3 < float(level[1]) < 7  # of 4 fields at 3 and at 10 cm, it crosses 4 and none
+    assert written() == set()
+
+
+@pytest.mark.slow
+def test_the_ant_walks_on_the_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+    pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
+    example = runpy.run_path(str(EXAMPLES["a_gymnasium_policy_rated"]))
+    touched, step = set[str](), mujoco.mj_step
+
+    def watched(model: Any, data: Any, *others: Any, **named: Any) -> None:
+        step(model, data, *others, **named)
+        touched.update(model.geom(geom).name for geom in set(data.contact.geom.ravel().tolist()))
+
+    monkeypatch.setattr(mujoco, "mj_step", watched)
+    assert example["ant"](rsegen.build(replace(example["BLOCKS"], seed=3, unit_cm=1)), 0)
+    assert len([name for name in touched if name.startswith("rse_0000_")]) > 8, touched
 
 
 def test_every_example_is_run_here() -> None:

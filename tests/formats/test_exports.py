@@ -19,7 +19,7 @@ from rsegen.formats.occupancy import Occupancy
 from rsegen.input_files import JOURNAL
 from rsegen.recipe.codec import to_json
 from rsegen.writing import resources, swap
-from rsegen.writing import store as store_module
+from rsegen.writing import undo
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
 
@@ -179,7 +179,7 @@ def test_a_run_that_is_stopped_between_two_swaps_leaves_all_as_it_was(
             raise KeyboardInterrupt
         exchange(new, place, aside)
 
-    monkeypatch.setattr(store_module, "exchange", stopped)
+    monkeypatch.setattr(undo, "exchange", stopped)
     formats = [Heightmap(pixels=2), Occupancy(climb_cm=12)]
     if swaps < 3:
         with pytest.raises(KeyboardInterrupt):

@@ -396,7 +396,7 @@ def test_rsegen_robot_lists_it(tmp_path: Path, capsys: pytest.CaptureFixture[str
     figures = {figure["name"]: figure for figure in json.loads(capsys.readouterr().out)["figures"]}
     assert figures["mass"]["value"] == "3.5 kg"
     assert figures["speed"]["origin"] == "its actuators"
-    assert figures["effort"]["value"] == "1.5 Nm"
+    assert figures["motor"]["value"] == "1.5 Nm"
     assert figures["friction"]["value"] == "0.9"
 
 
