@@ -18,8 +18,7 @@ from rsegen.formats.heightmap import Heightmap
 from rsegen.formats.occupancy import Occupancy
 from rsegen.input_files import JOURNAL
 from rsegen.recipe.codec import to_json
-from rsegen.writing import resources, swap
-from rsegen.writing import undo
+from rsegen.writing import resources, swap, undo
 from tests.support.complaints import exit_code, snapshot, the_line
 from tests.support.runs import contents
 
