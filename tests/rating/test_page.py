@@ -17,8 +17,8 @@ from rsegen.page import host as hosting
 from rsegen.page.host import Host
 from rsegen.rating.page import drive_trial, rating
 from rsegen.rating.rating import Rating
+from tests.page.test_jobs import ended
 from tests.rating.test_rate import crosses, real
-from tests.support.patience import until
 
 
 @pytest.fixture
@@ -32,14 +32,6 @@ def made(folder: Path, robot: object = crosses, **values: Any) -> Rating:
     found = rsegen.rate(robot, **{"seed": 7, "trials": 24, "output": folder, **values})  # type: ignore[arg-type]  # any
     assert isinstance(found, Rating)
     return found
-
-
-def ended(host: Host, job: dict[str, Any]) -> dict[str, Any]:
-    def now() -> dict[str, Any]:
-        return next(each for each in host.jobs.listed() if each["id"] == job["id"])
-
-    until(lambda: now()["state"] != "running")
-    return now()
 
 
 def test_a_page_draws_the_curve_of_the_rating(host: Host, tmp_path: Path) -> None:
