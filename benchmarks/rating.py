@@ -150,11 +150,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _options(arguments)
     record: dict[str, Any] = json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
     if options.file:
-        others = [
-            row for row in record.get("makers", ()) if (row["kind"], row["speed"]) != (options.name, options.speed)
-        ]
         robots = [Robot(options.file, seed=seed, speed=options.speed) for seed in SEEDS]
         made = [{**_rated(robot), "kind": options.name} for robot in robots]
+        record = json.loads(FILE.read_text("utf-8"))  # another run may have added to it meanwhile
+        others = [row for row in record["makers"] if (row["kind"], row["speed"]) != (options.name, options.speed)]
         record["makers"] = [*others, *made]
         _keep(record)
     elif not options.only_print:
@@ -266,6 +265,18 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
         "parentheses is the 95 % interval of the share. Spreads are of the logarithm of the unit."
     )
     yield f"\n`python -m benchmarks.rating` on: {record['machine']}."
+
+
+def summary(record: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table of makers' robots, each with the level of half by the first seed, as lines of Markdown."""
+    first, _ = pairs(record)
+    of_makers = sorted((row for row in first if row in record["makers"]), key=lambda row: float(row["half"][0]))
+    for cells in (
+        [row["kind"].partition(",")[0] for row in of_makers],
+        ["---"] * len(of_makers),
+        [_level(row["half"]) for row in of_makers],
+    ):
+        yield f"| {' | '.join(cells)} |"
 
 
 def _level(levels: Sequence[float]) -> str:

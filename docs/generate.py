@@ -72,6 +72,7 @@ from rsegen.standing.plots import pose_maps
 DOCS = Path(__file__).parent
 STUB = DOCS.parent / "src" / "rsegen" / "__init__.pyi"
 ARCHITECTURE = DOCS.parent / "ARCHITECTURE.md"
+README = DOCS.parent / "README.md"
 GAZEBO = DOCS / "gazebo.md"
 DATASETS = DOCS / "datasets.md"
 DRIVING = DOCS / "driving.md"
@@ -187,6 +188,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
 def texts() -> dict[Path, str]:
     """Every generated text by its file."""
     figures = loaded(RESULTS / "speed.json")
+    rated = json.loads(rating.FILE.read_text("utf-8"))
     contact = (RESULTS / "contact.md").read_text("utf-8")
     dated = records.dates(records.today())
     return {
@@ -200,7 +202,8 @@ def texts() -> dict[Path, str]:
             CONSTRAINTS.read_text("utf-8"), crossable.table(json.loads(crossable.FILE.read_text("utf-8")))
         ),
         LEARNING: filled(LEARNING.read_text("utf-8"), learning.table(json.loads(learning.FILE.read_text("utf-8")))),
-        RATING: filled(RATING.read_text("utf-8"), rating.table(json.loads(rating.FILE.read_text("utf-8")))),
+        RATING: filled(RATING.read_text("utf-8"), rating.table(rated)),
+        README: filled(README.read_text("utf-8"), rating.summary(rated)),
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
         MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
