@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.errors import UserError
+from rsegen.errors import FileError, UserError
 from rsegen.robots.base import ROBOTS
 from rsegen.robots.sdf_file import from_file
 from rsegen.standing.body import Body
@@ -157,3 +157,12 @@ def test_numbers_and_arrays_go_together() -> None:
     single = rsegen.poses(FIELD, "burger", x[3], 0.1, 1.0)
     for name in ("x", "y", "z", "roll", "pitch", "yaw", "clearance", "tip_angle", "stands", "holds", "pushes"):
         np.testing.assert_allclose(getattr(found, name)[8], getattr(single, name)[0], atol=1e-5)
+
+
+@pytest.mark.parametrize("ending", ["stl", "obj", "ply", "glb"])
+def test_a_mesh_that_is_too_large_is_refused_before_it_is_read(tmp_path: Path, ending: str) -> None:
+    with (tmp_path / f"hull.{ending}").open("wb") as file:
+        file.truncate((64 << 20) + 1)
+    mesh = f"<geometry><mesh><uri>hull.{ending}</uri></mesh></geometry>"
+    with pytest.raises(FileError, match=rf"hull\.{ending}: larger than 64 MiB, too large for a mesh of a robot"):
+        _ = from_file(model(tmp_path, mesh)).body

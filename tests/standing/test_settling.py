@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import asin, degrees, hypot, pi
 
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks import rests
+from rsegen.errors import TooLarge
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
 from rsegen.standing.body import Body
@@ -187,3 +189,15 @@ def test_the_margin_on_a_plane_is_that_of_the_nearest_edge() -> None:
     assert np.tan(found.tip_angle[0]) == pytest.approx(aside / high, rel=0.04)
     energy = BODIES["jackal"].mass * 9.81 * (hypot(high, aside) - high)
     assert found.tip_energy[0] == pytest.approx(energy, rel=0.08)
+
+
+@pytest.mark.parametrize(("kind", "cells"), [("crawler", 12), ("burger", 300)])
+def test_blocks_too_narrow_for_a_robot_are_refused_with_a_width_that_will_do(kind: str, cells: int) -> None:
+    """No heights are asked for before that: those of a crawler on blocks of 0.01 mm would be hundreds of GiB."""
+    radius, narrow = outer_radius(BODIES[kind]), replace(field_of(np.zeros((cells, cells), int)), block_width=1e-5)
+    with pytest.raises(TooLarge, match=r"too narrow for a robot that is [\d.]+ m across; blocks of") as refused:
+        PaddedGround.of(narrow, radius)
+    least = re.search(r"blocks of ([\d.]+) cm are wide enough", str(refused.value))
+    assert least
+    ground = PaddedGround.of(replace(narrow, block_width=float(least[1]) / 100), radius)
+    assert 1 << 24 < len(ground.heights) < 1 << 27

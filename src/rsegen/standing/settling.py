@@ -34,11 +34,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from math import sqrt
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsegen.errors import TooLarge
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.standing.body import Body
 
@@ -62,6 +64,9 @@ _MOST_TURN, _STEEPEST = 0.3, 3.0
 _EXCHANGES, _ABOVE, _SHARE = 40, 2e-5, 0.3
 """Exchanges at most; metres by which a sample may be above the plane; share of rows below which the others are left: to
 copy a row costs more than to look at it."""
+
+_MOST_CELLS = 1 << 26
+"""Cells of a ground with its border at most, whose heights are 256 MiB: those of 8,000 x 8,000 blocks."""
 
 _FAR, _DEEP = 1e3, -5e4
 """Three far samples, metres away, so deep that any other one is above them: the first three."""
@@ -95,11 +100,20 @@ class PaddedGround:
 
     @classmethod
     def of(cls, field: StepField, radius: float) -> PaddedGround:
-        """Return the ground of a field, for robots that extend so far from their centre of mass [m]."""
+        """Return the ground of a field, for robots that extend so far from their centre of mass [m].
+
+        TooLarge if blocks are so narrow that the border of such a robot has more cells than a machine has room for.
+        """
         inside = int(np.ceil(radius / field.block_width)) + 1
         border = 2 * inside
-        heights = np.pad(field.heights, border).astype(SINGLE)
         n_x, n_y = field.shape
+        if (n_x + 2 * border) * (n_y + 2 * border) > _MOST_CELLS:
+            x, y = (side + 4 * radius for side in field.extent)
+            raise TooLarge(
+                f"blocks of {100 * field.block_width:.3g} cm are too narrow for a robot that is {2 * radius:.2g} m "
+                f"across; blocks of {100 * 1.1 * sqrt(x * y / _MOST_CELLS):.2g} cm are wide enough on this map"
+            )
+        heights = np.pad(field.heights, border).astype(SINGLE)
         return cls(
             heights.ravel(), heights.shape, field.block_width, (n_x / 2 + border, n_y / 2 + border), border, inside
         )
