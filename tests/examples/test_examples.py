@@ -88,7 +88,7 @@ def test_a_robot_on_the_blocks(run: Run) -> None:
 def test_a_policy_rated(run: Run) -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     out = run("a_policy_rated")
-    level = re.search(r"policy crosses half of normal-random fields .* at a unit of (\d\.\d+) cm .* 40 trials", out)
+    level = re.search(r"policy crosses half of normal-random fields .*? at a unit of (\d\.\d+) cm .* 40 trials", out)
     assert level
     assert 1.5 < float(level[1]) < 3.5  # of 10 fields at 2 and at 3 cm, it crosses 9 and 2
     assert written() == set()
@@ -99,7 +99,7 @@ def test_a_gymnasium_policy_rated(run: Run) -> None:
     pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
     pytest.importorskip("mujoco", reason="MuJoCo is not installed")
     out = run("a_gymnasium_policy_rated")
-    level = re.search(r"ant crosses half of ant-blocks fields .* at a unit of (\d\.\d+) cm .* 24 trials", out)
+    level = re.search(r"ant crosses half of ant-blocks fields .*? at a unit of (\d\.\d+) cm .* 24 trials", out)
     assert level
     assert 3 < float(level[1]) < 7  # of 4 fields at 3 and at 10 cm, it crosses 4 and none
     assert written() == set()
