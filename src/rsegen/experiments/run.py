@@ -22,7 +22,7 @@ from typing import Any
 
 from rsegen.driving.drive_metrics import COLUMNS
 from rsegen.driving.plots import trajectory_plot
-from rsegen.errors import FileError, NoSimulator, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
+from rsegen.errors import FileError, OutputError, ParameterError, Stopped, inside, refuse_unknown, shown
 from rsegen.experiments.plan import PACES, Cell, ExperimentPlan, load_plan, read_plan
 from rsegen.experiments.report import plot, report_page, trials_csv
 from rsegen.experiments.trial import (
@@ -125,8 +125,7 @@ def _chosen(name: str, timeout: float) -> TrialSimulator:
     here = embedded_simulator(name)
     if here is None:
         return choose_installation("both", name, timeout)
-    if here.version() is None:
-        raise NoSimulator(f"{here.title} is not installed; to install it: {'; '.join(here.how_to_install)}")
+    here.refuse_missing()
     return here
 
 

@@ -250,39 +250,42 @@ def trial_server(
     row = plan.rows[cell.row]
     scene = compose(row.map_of(cell.size, seed))
     runs = _runs(row, scene, seed)
-    start = _process if isinstance(here, EmbeddedSimulator) else _server
-    with start(cell, scene, runs, here, watch) as trial:  # type: ignore[arg-type]  # each has its own kind
+    routes = {run.name: run.route() for run in runs}
+    made = partial(TrialServer, pace=cell.pace, scene=scene, runs=runs, routes=routes, watch=watch)
+    if isinstance(here, EmbeddedSimulator):
+        started = _process(cell, scene, runs, here, made)
+    else:
+        started = _server(cell, scene, runs, here, made, watch)
+    with started as trial:
         yield trial
 
 
 @contextmanager
 def _process(
-    cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: EmbeddedSimulator, watch: Callable[[], None]
+    cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: EmbeddedSimulator, made: Callable[..., TrialServer]
 ) -> Iterator[TrialServer]:
-    """Start the process of a trial in an embedded simulator; loading is all that it does before it can simulate."""
+    """Start the process of a trial in an embedded simulator; loading is all that it does before it can simulate.
+
+    made: makes the trial's server, of what is known of it only once it runs
+    """
     placed = [PlacedRobot(name=run.name, robot=run.robot, start=run.start) for run in runs]
     is_real, began = cell.pace in IN_REAL_TIME, time.monotonic()
     with world_in_process(Task(simulator=here.name, recipe=scene.recipe, robots=placed, is_real=is_real)) as live:
-        trial = TrialServer(
-            live=live,
-            pid=live.pid,
-            load=time.monotonic() - began,
-            pace=cell.pace,
-            scene=scene,
-            runs=runs,
-            routes={run.name: run.route() for run in runs},
-            frames=lambda: 0,
-            watch=watch,
-        )
+        trial = made(live=live, pid=live.pid, load=time.monotonic() - began, frames=lambda: 0)
         trial.run_robots("simulated", SETTLED)
         yield trial
 
 
 @contextmanager
 def _server(
-    cell: Cell, scene: Scene, runs: Sequence[RobotRun], here: Installation, watch: Callable[[], None]
+    cell: Cell,
+    scene: Scene,
+    runs: Sequence[RobotRun],
+    here: Installation,
+    made: Callable[..., TrialServer],
+    watch: Callable[[], None],
 ) -> Iterator[TrialServer]:
-    """Start the server of a trial in a Gazebo."""
+    """Start the server of a trial in a Gazebo; made: as for a process."""
     source = cell.pace if cell.pace in SOURCES else None
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rsegen-")))
@@ -292,17 +295,9 @@ def _server(
         server = stack.enter_context(running_server(here, file, screen=source == "camera", watch=watch))
         live = stack.enter_context(server.connect())
         live.stop_recording()
-        trial = TrialServer(
-            live=live,
-            pid=server.pid,
-            load=time.monotonic() - began,
-            pace=cell.pace,
-            scene=scene,
-            runs=runs,
-            routes={run.name: run.route() for run in runs},
-            frames=live.frame_counter(source) if source else lambda: 0,
-            watch=watch,
-        )
+        loaded = time.monotonic()
+        frames = live.frame_counter(source) if source else lambda: 0
+        trial = made(live=live, pid=server.pid, load=loaded - began, frames=frames)
         if source == "window":
             window = here.simulator.window(here, server.launch)
             if window is None:

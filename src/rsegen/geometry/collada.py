@@ -22,7 +22,7 @@ from rsegen.errors import FileError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.input_files import read_by_library, text_of, xml_root
 
-_MAX_MESH_MIB = 64
+MAX_MESH_MIB = 64
 """The largest file that is read, MiB: about a million triangles; makers' have some megabytes."""
 
 _MOST = 10_000
@@ -41,7 +41,7 @@ class Triangles(NamedTuple):
 
 def read_collada(path: Path) -> Triangles:
     """Return the triangles of a file; FileError if it has none, or is no COLLADA."""
-    root = xml_root(text_of(path, _MAX_MESH_MIB, "a mesh"), str(path))
+    root = xml_root(text_of(path, MAX_MESH_MIB, "a mesh"), str(path))
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]  # without the name space, of which there are two
     parts = read_by_library(path, lambda: list(_Scene(root).triangles()))

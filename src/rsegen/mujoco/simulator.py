@@ -56,7 +56,7 @@ class Mujoco(EmbeddedSimulator):
         built: AsBuilt = AS_DRAWN,
     ) -> EmbeddedWorld:
         """Return the world of a scene with robots at their starts; period: seconds between two rows of the record."""
-        self._refuse_missing()
+        self.refuse_missing()
         from rsegen.mujoco.turning import turn_gain
         from rsegen.mujoco.world import MujocoWorld
 
@@ -73,7 +73,7 @@ class Mujoco(EmbeddedSimulator):
         on_start: Callable[[], None],
     ) -> None:
         """Simulate a scene with robots that stand in real time, in MuJoCo's own window unless `headless`."""
-        self._refuse_missing()
+        self.refuse_missing()
         from rsegen.mujoco.window import simulate, window_on
         from rsegen.mujoco.world import MujocoWorld
         from rsegen.pictures.camera import south_west_of
@@ -85,7 +85,7 @@ class Mujoco(EmbeddedSimulator):
             on_start()
             simulate(world, seconds, window)
 
-    def _refuse_missing(self) -> None:
+    def refuse_missing(self) -> None:
         """Raise a NoSimulator if the library is not installed, or cannot be loaded."""
         if self.version() is None:
             raise NoSimulator(

@@ -14,13 +14,10 @@ from xml.etree.ElementTree import Element
 
 from rsegen.gazebo.sdf import numbers
 from rsegen.robots.drives import Drive, Tracks, Wheels
-from rsegen.robots.mimics import Mimic, first_leader, mimics
+from rsegen.robots.mimics import MOVING, Mimic, first_leader, mimics
 from rsegen.robots.sdf_drives import is_endless
 from rsegen.robots.sdf_elements import put
 from rsegen.robots.sdf_shapes import ModelFrames, floats
-
-_MOVING = ("revolute", "continuous", "prismatic")
-"""Types of joints that may be held; the others of SDF are those of a screw, a ball and gears."""
 
 _UPRIGHT = 0.7
 """Vertical part of an axis from which on what it carries is steered, and is no rocker."""
@@ -44,7 +41,7 @@ def hold(model: Element, drive: Drive | None, *, follows: bool) -> tuple[str, ..
         return drive is None or frames.child(name) in tracks or not (is_endless(joint) or _has_spring(joint))
 
     leaders = {name: first_leader(name, followed) or name for name in frames.joints}
-    moving = [name for name, joint in frames.joints.items() if joint.get("type") in _MOVING and name not in wheels]
+    moving = [name for name, joint in frames.joints.items() if joint.get("type") in MOVING and name not in wheels]
     held = tuple(name for name in moving if is_held(leaders[name]))
     for name in held:
         joint = frames.joints[name]

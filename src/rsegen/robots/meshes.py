@@ -10,14 +10,11 @@ from typing import Any
 import numpy as np
 
 from rsegen.errors import FileError
-from rsegen.geometry.collada import Triangles, read_collada
+from rsegen.geometry.collada import MAX_MESH_MIB, Triangles, read_collada
 from rsegen.input_files import open_regular, read_by_library
 
 SUFFIXES = (".stl", ".obj", ".ply", ".glb", ".gltf", ".dae")
 """Endings of the files of meshes that are measured."""
-
-_MOST_MIB = 64
-"""The largest file that is read, MiB: about a million triangles; makers' have some megabytes."""
 
 INLINE = "data:triangles;base64,"
 """Begin of the URI of a mesh whose triangles stand in the model itself: in base64, how many points there are, then
@@ -51,8 +48,8 @@ def read_mesh(path: Path) -> Triangles:
         import trimesh
 
         with open_regular(path) as file:
-            if os.fstat(file.fileno()).st_size > _MOST_MIB << 20:
-                raise FileError(f"{path}: larger than {_MOST_MIB} MiB, too large for a mesh of a robot; simplify it")
+            if os.fstat(file.fileno()).st_size > MAX_MESH_MIB << 20:
+                raise FileError(f"{path}: larger than {MAX_MESH_MIB} MiB, too large for a mesh of a robot; simplify it")
             form, resolver = path.suffix[1:].lower(), trimesh.resolvers.FilePathResolver(str(path))
             mesh: Any = trimesh.load(file, file_type=form, resolver=resolver, force="mesh")
         if not len(mesh.faces):

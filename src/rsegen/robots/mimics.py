@@ -13,8 +13,8 @@ from xml.etree.ElementTree import Element, SubElement
 from rsegen.robots.sdf_elements import numbers_text, put
 from rsegen.robots.sdf_shapes import ModelFrames, floats
 
-_SCALAR = ("revolute", "continuous", "prismatic")
-"""Types of joints that have one angle or way, and so may follow and lead."""
+MOVING = ("revolute", "continuous", "prismatic")
+"""Types of joints with one angle or way, which may follow, lead and be held; others are screws, balls and gears."""
 
 
 class Mimic(NamedTuple):
@@ -42,12 +42,12 @@ def mimics(frames: ModelFrames) -> dict[str, Mimic]:
     found: dict[str, Mimic] = {}
     for name, joint in frames.joints.items():
         element = joint.find("axis/mimic")
-        if element is None or joint.get("type") not in _SCALAR:
+        if element is None or joint.get("type") not in MOVING:
             continue
         scope, where = name.rpartition("::")[0], f"{frames.where}: <mimic> of joint {name}"
         own = (element.get("joint") or "").strip()
         leader = f"{scope}::{own}" if scope else own
-        if leader in frames.joints and frames.joints[leader].get("type") in _SCALAR:
+        if leader in frames.joints and frames.joints[leader].get("type") in MOVING:
             (multiplier,) = floats(element.findtext("multiplier", "1"), 1, where)
             (offset,) = floats(element.findtext("offset", "0"), 1, where)
             (reference,) = floats(element.findtext("reference", "0"), 1, where)

@@ -109,7 +109,7 @@ class _Reader:
             if not mass.mass:
                 raise FileError(f"{self._where}: body {shown(self._link(head))} has no mass; a simulator needs one")
             joints = self._joints_of(head)
-            own = mass._replace(mass=mass.mass, tensor=mass.tensor)
+            own = mass
             if len(joints) > 1:
                 share = 1 - _BETWEEN * (len(joints) - 1)
                 own = Mass(mass.mass * share, mass.centre, mass.tensor * share)

@@ -2,11 +2,9 @@
 
 The model is kept as text, as SDF whatever it was. Its drive, size and limits are read once; for a world it gets a drive
 plug-in of the simulator that runs it, in place of its own or ROS's, and loses its sensors, and the plug-ins that the
-simulator has not. Joints that have limits, and those of tracks and flippers, become fixed at the angle that the model
-has them at, as nothing else holds an arm, a flipper or a leg. A joint with a spring is a suspension and stays, as does
-one that turns without end, such as that of a caster. URIs of meshes become absolute paths first, as the world is
-written elsewhere. What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that are not
-found, an arm that hangs on endless joints, and a rocker without a spring, which becomes stiff (docs/robots.md).
+simulator has not. Joints that nothing drives are held (holding.py). URIs of meshes become absolute paths first, as the
+world is written elsewhere. What it includes becomes a part of it (includes.py). What breaks it: meshes in packages that
+are not found, and what breaks those two (docs/robots.md).
 """
 
 from __future__ import annotations

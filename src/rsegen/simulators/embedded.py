@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from rsegen.errors import UnknownName, UserError
+from rsegen.errors import NoSimulator, UnknownName, UserError
 from rsegen.field.stepfield import Array
 from rsegen.params.registry import Contract, Registry
 from rsegen.robots.lookup import DrivableRobot
@@ -96,6 +96,11 @@ class EmbeddedSimulator(ABC):
     @abstractmethod
     def version(self) -> str | None:
         """Return the version of its library; None if it is not installed, NoSimulator if it cannot be used."""
+
+    def refuse_missing(self) -> None:
+        """Raise a NoSimulator if its library is not installed."""
+        if self.version() is None:
+            raise NoSimulator(f"{self.title} is not installed; to install it: {'; '.join(self.how_to_install)}")
 
     @abstractmethod
     def world(

@@ -1,11 +1,11 @@
 /* A rating while it grows: the share of fields that are crossed, the fitted curve with its band, and a dot for each
    trial, which is driven again and played when it is clicked. */
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { Progress, leaveFor } from "./run";
 import type { Job, RatedCurve, RatedTrial, RatingSoFar } from "./protocol";
 import { call } from "./server";
-import { ask, attempt, jobs } from "./state";
+import { ask, attempt, jobs, list, newest } from "./state";
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [640, 340, 46, 12, 44, 84];
 const COLOURS = ["var(--accent)", "#d9730d", "#2a8c4a", "#8a3ffc"];
@@ -25,20 +25,16 @@ function scales(rating: RatingSoFar) {
 
 const path = (points: [number, number][]) => points.map(([x, y], at) => `${at ? "L" : "M"}${x.toFixed(1)},${y.toFixed(1)}`).join("");
 
-/* The rating in a folder, asked for anew when its job has made more trials; one question at a time. */
-function useRating(folder: string, job: Job): RatingSoFar | null {
+/* The rating that a job makes, asked for anew when it has made more trials. */
+function useRating(job: Job): RatingSoFar | null {
   const [rating, set] = useState<RatingSoFar | null>(null);
-  const asking = useRef(false);
-  useEffect(() => {
-    if (asking.current) return;
-    asking.current = true;
-    void call("rating", { path: folder }).then(set, () => null).finally(() => (asking.current = false));
-  }, [folder, job.done, job.state]);
+  const [look] = useState(() => newest(async (path: string) => set(await call("rating", { path }))));
+  useEffect(() => look(job.output), [job.output, job.done, job.state]);
   return rating;
 }
 
 export function RatingCurves({ job }: { job: Job }) {
-  const rating = useRating(job.output, job);
+  const rating = useRating(job);
   const [chosen, choose] = useState<{ judge: string; trial: RatedTrial } | null>(null);
   const [number, follow] = useState<number | null>(null);
   const drive = jobs.value.find((each) => each.id === number);
@@ -50,7 +46,7 @@ export function RatingCurves({ job }: { job: Job }) {
     if (!rating.can_drive) return;
     const started = await attempt(() => ask("drive_trial", { path: job.output, judge, trial: trial.map }));
     if (!started) return;
-    if (!jobs.value.some((each) => each.id === started.id)) jobs.value = [started, ...jobs.value];
+    list(started);
     follow(started.id);
   };
   const { x, y } = scales(rating);

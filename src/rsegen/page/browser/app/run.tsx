@@ -7,7 +7,7 @@ import { Form } from "./fields";
 import { play } from "./playback";
 import type { DescribedCommand, Field, Job, Json, SceneData, ShellTarget } from "./protocol";
 import { call, fileOf, Failed, manual } from "./server";
-import { ask, attempt, dialog, heading, hello, index, jobs, open, playbacks, put, robot, state } from "./state";
+import { ask, attempt, dialog, heading, hello, index, jobs, list, open, playbacks, put, robot, state } from "./state";
 import { RatingCurves } from "./rating";
 import { Picture, copy } from "./results";
 
@@ -89,7 +89,7 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
     const given = Object.fromEntries(Object.entries(values).filter((entry): entry is [string, Json] => entry[1] !== undefined));
     try {
       const started = await ask("run", { command: name, values: given, ...(output && { output }), ...(target && { target }), ...(replace && { replace }) });
-      if (!jobs.value.some((each) => each.id === started.id)) jobs.value = [started, ...jobs.value];
+      list(started);
       follow(started.id);
     } catch (error) {
       if (!(error instanceof Failed)) throw error;
@@ -204,7 +204,7 @@ function MadeMaps({ job }: { job: Job }) {
 async function openWorld(target: string): Promise<void> {
   const started = await attempt(() => ask("run", { command: "open", values: {}, target }));
   if (!started) return;
-  jobs.value = [started, ...jobs.value.filter((job) => job.id !== started.id)];
+  list(started);
   dialog.value = { name: "jobs" };
 }
 

@@ -109,6 +109,11 @@ export function newest<A extends unknown[]>(work: (...args: A) => Promise<unknow
   };
 }
 
+/* List a job that was started; an event may have told of it already, and then knows more. */
+export function list(job: Job): void {
+  if (!jobs.value.some((each) => each.id === job.id)) jobs.value = [job, ...jobs.value];
+}
+
 /* ---- the document */
 
 const page = Math.random().toString(36).slice(2);
