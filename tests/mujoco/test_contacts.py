@@ -43,7 +43,7 @@ class InNumpy(mujoco_world._Shapes):
         second = _cross(normal, axis)
         length = np.sqrt((second * second).sum(axis=0))
         mu, surface = np.minimum(friction[:, 0], self._mu[:, own]), np.array(self.speed)[own]
-        beside = length <= mujoco_world._SIDE
+        beside = length <= mujoco_world.SIDE
         second[:, beside], length[beside], mu[:, beside] = other[:, beside], 1.0, friction[beside, 0]
         surface[beside] = 0.0
         second /= length

@@ -23,6 +23,8 @@ BELOW = 0.1
 class BlockArrays:
     """The blocks of the maps of a recipe; `pos`: where the middle of the map is, metres.
 
+    colours, frictions: of each level, (levels, 4) and (levels,)
+
     The arrays of a map, or of many (..., n_x, n_y) at once, have an axis of blocks, x first.
     """
 
@@ -37,8 +39,8 @@ class BlockArrays:
         field = unframed(np.zeros(self.shape, dtype=np.int16), width, unit)
         look = Scene(recipe=recipe, index=0, field=field)
         levels = range(1, recipe.highest_level + 1)
-        self._rgba = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
-        self._friction = friction_by_level(recipe)
+        self.colours = np.array([(*colour, 1.0) for colour in (GROUND_COLOUR, *map(look.colour, levels))])
+        self.frictions = friction_by_level(recipe)
         self._x, self._y = (edges[:-1] + width / 2 for edges in field.edges())
         self._half, self._unit = width / 2, unit
 
@@ -72,11 +74,11 @@ class BlockArrays:
 
     def rgba(self, levels: Ints) -> Array:
         """The colours of the blocks by their levels, (..., blocks, 4), from 0 to 1."""
-        return _rows(self._rgba[np.asarray(levels)])
+        return _rows(self.colours[np.asarray(levels)])
 
     def sliding(self, levels: Ints) -> Array:
         """The coefficients of sliding friction of the blocks by their levels, (..., blocks)."""
-        return _rows(self._friction[np.asarray(levels)][..., None])[..., 0]
+        return _rows(self.frictions[np.asarray(levels)][..., None])[..., 0]
 
     def _heights(self, levels: Ints) -> Array:
         own = np.asarray(levels)

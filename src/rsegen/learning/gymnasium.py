@@ -23,9 +23,27 @@ from rsegen.learning.mujoco import BlockGrid
 from rsegen.learning.seating import Seats
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
+from rsegen.recipe.recipe import Recipe
 
 _AHEAD = 64
 """Maps that are made together: `build_many` makes dozens of small maps in little more than the time of one."""
+
+
+class MapDraws:
+    """Maps of a recipe as chance draws them: of a recipe of one map any index, of several one of its own."""
+
+    def __init__(self, recipe: Recipe, rng: np.random.Generator) -> None:
+        self._recipe, self._rng = recipe, rng
+        self._drawn: list[tuple[int, Levels]] = []
+
+    def next(self) -> tuple[int, Levels]:
+        """Return the next map, its index and its levels."""
+        if not self._drawn:  # many are drawn and made together
+            recipe = self._recipe
+            draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
+            indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
+            self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
+        return self._drawn.pop()
 
 
 class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
@@ -39,13 +57,12 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
     def __init__(self, env: Any, grid: BlockGrid) -> None:
         super().__init__(env)
         self.grid = grid
-        self._rng = np.random.default_rng()
-        self._drawn: list[tuple[int, Levels]] = []
         model = getattr(self.unwrapped, "model", None)
         if not isinstance(grid, BlockGrid):
             raise ParameterError("grid", f"a {type(grid).__name__}; give the BlockGrid of rsegen.learning.mujoco")
         if model is None or grid.names[0] not in {model.geom(geom).name for geom in range(model.ngeom)}:
             raise UserError(f"the model of {self.unwrapped} has no geom {grid.names[0]}; add the blocks by grid.add_to")
+        self._draws = MapDraws(grid.recipe, np.random.default_rng())
         self.ground: Ground = grid.ground(grid.highest)
         self._seats = Seats(model)
 
@@ -55,18 +72,12 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
         A seed starts the draws anew. The info has the index as `map`.
         """
         if seed is not None:
-            self._rng = np.random.default_rng(seed)
-            self._drawn = []
+            self._draws = MapDraws(self.grid.recipe, np.random.default_rng(seed))
         if options and "map" in options:
             index = options["map"]
             levels = build_many(self.grid.recipe, [index])[0]
         else:
-            if not self._drawn:  # many are drawn and made together
-                recipe = self.grid.recipe
-                draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
-                indices = draws if recipe.maps == 1 else [recipe.indices[draw] for draw in draws]
-                self._drawn = list(zip(indices, build_many(recipe, indices), strict=True))[::-1]
-            index, levels = self._drawn.pop()
+            index, levels = self._draws.next()
         for model in (self.unwrapped.model, self._seats.model):  # type: ignore[attr-defined]
             self.grid.write(model, levels)
         self.ground.write(levels)

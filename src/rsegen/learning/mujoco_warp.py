@@ -15,6 +15,7 @@ import warp as wp
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.learning.blocks import BELOW
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco import BlockGrid
 
@@ -41,11 +42,15 @@ class BlocksOfWorlds:
         self._model = model
         self.ground: Ground = grid.ground(np.broadcast_to(np.int16(grid.highest), (self.worlds, *grid.shape)))
 
-    def write(self, levels: Ints, worlds: Sequence[int] | None = None) -> None:
+    def write(self, levels: Ints, worlds: Sequence[int] | Any = None) -> None:
         """Put maps, (worlds, n_x, n_y), into these worlds, or into all: heights, friction and colours.
 
-        Their positions go into the data too, as mujoco_warp does not compute those of static geoms again.
+        Their positions go into the data too, as mujoco_warp does not compute those of static geoms again. Levels in a
+        tensor of torch stay on its device, and nothing waits for the host; `ground` does not follow them.
         """
+        if hasattr(levels, "is_cuda"):  # a tensor, not an array of numpy
+            self._write_tensor(levels, worlds)
+            return
         rows = np.arange(self.worlds) if worlds is None else np.asarray(worlds, dtype=np.int32)
         if rows.size and not 0 <= rows.min() <= rows.max() < self.worlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
@@ -58,6 +63,18 @@ class BlocksOfWorlds:
         self._put(model.geom_size, rows, grid.size(levels))
         self._put(model.geom_rgba, rows, grid.rgba(levels))
         self._put(model.geom_friction, rows, grid.friction(levels))
+
+    def _write_tensor(self, levels: Any, worlds: Any) -> None:
+        """Write levels in a tensor of torch; of centres and sides only z is of a map."""
+        grid, rows = self.grid, slice(None) if worlds is None else worlds
+        part, blocks = slice(self._first, self._first + len(grid.names)), levels.reshape(len(levels), -1).long()
+        heights = blocks * (grid.recipe.unit_cm / 100)
+        model, centres = self._model, (heights - BELOW) / 2
+        wp.to_torch(model.geom_pos)[rows, part, 2] = centres
+        wp.to_torch(self._data.geom_xpos)[rows, part, 2] = centres + float(self._place[2])
+        wp.to_torch(model.geom_size)[rows, part, 2] = (heights + BELOW) / 2
+        wp.to_torch(model.geom_rgba)[rows, part] = heights.new_tensor(grid.colours)[blocks]
+        wp.to_torch(model.geom_friction)[rows, part, 0] = heights.new_tensor(grid.frictions)[blocks]
 
     def _put(self, array: Any, rows: Ints, values: Array) -> None:
         """Write the values of the blocks into some rows of an array (worlds, geoms)."""

@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.geometry.box_merging import boxes
+from rsegen.geometry import box_merging
 from rsegen.geometry.columns import columns
 from rsegen.mujoco.friction import MapFriction
 from rsegen.mujoco.looks import add_looks
@@ -34,6 +34,19 @@ _THINNEST = 1e-4
 """Height, metres, that a block has at least, whatever its error."""
 
 
+class NamedBoxes(NamedTuple):
+    """Boxes in a body of their own, beside those of a scene: somebody changes them in the compiled model.
+
+    body: its name; at: its place, metres; names: of the boxes; centres, halves: (boxes, 3), metres, from its place
+    """
+
+    body: str
+    at: Array
+    names: Sequence[str]
+    centres: Array
+    halves: Array
+
+
 class MapModel(NamedTuple):
     """The text of a model, and what it holds of each robot."""
 
@@ -42,11 +55,17 @@ class MapModel(NamedTuple):
 
 
 def map_model(
-    scene: Scene, placed: Sequence[PlacedRobot], *, seen: bool = False, built: AsBuilt = AS_DRAWN
+    scene: Scene,
+    placed: Sequence[PlacedRobot],
+    *,
+    seen: bool = False,
+    built: AsBuilt = AS_DRAWN,
+    boxes: NamedBoxes | None = None,
 ) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
 
-    seen: with colours and light, for a window; built: how the map differs from its drawing
+    seen: with colours and light, for a window; built: how the map differs from its drawing; boxes: beside its blocks,
+    with the friction of the scene
     """
     blocks = list(_blocks(scene) if built.heights is None else _blocks_as_built(scene, built.heights))
     friction = MapFriction(sorted({scene.friction, *(mu for _, _, mu in blocks)}))
@@ -63,6 +82,11 @@ def map_model(
     for centre, size, mu in blocks:
         box = {"type": "box", "pos": numbers(centre), "size": numbers(size / 2)}
         SubElement(world, "geom", box | _touched(mu, friction))
+    if boxes is not None:
+        body = SubElement(world, "body", name=boxes.body, pos=numbers(boxes.at))
+        for name, centre, half in zip(boxes.names, boxes.centres, boxes.halves, strict=True):
+            box = {"name": name, "type": "box", "pos": numbers(centre), "size": numbers(half)}
+            SubElement(body, "geom", box | _touched(scene.friction, friction))
     world.extend(body for robot in robots for body in robot.bodies)
     contact = SubElement(root, "contact")
     for robot in robots:
@@ -84,7 +108,7 @@ def _touched(mu: float, friction: MapFriction) -> dict[str, str]:
 def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:
     """Yield centre and sides of boxes that fill the blocks and frames, metres, with their coefficient of friction."""
     if scene.recipe.is_of_one_friction:
-        found = boxes(scene.field)
+        found = box_merging.boxes(scene.field)
         yield from ((centre, size, scene.friction) for centre, size in zip(found.centres, found.sizes, strict=True))
         return
     for column in columns(scene.field):

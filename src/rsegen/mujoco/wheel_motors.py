@@ -40,45 +40,50 @@ class WheelMotors:
     def __init__(self, model: Any, robots: Sequence[RobotModel], motors: str) -> None:
         wheels = [(number, robot.drive, wheel) for number, robot in enumerate(robots) for wheel in robot.wheels]
         self._robots, self._weights = robots, weights(model, robots)
-        self._owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
-        self._dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
+        self.owner = np.array([(number, wheel.side) for number, _, wheel in wheels], dtype=int).reshape(-1, 2)
+        self.dofs = np.array([model.joint(wheel.joint).dofadr[0] for *_, wheel in wheels], dtype=int)
         # Classic's drive writes the speed that it is told, at once: with a ramp, burgers cross 0.1 s later than there.
         self.react = motors == MOTORS[0] and bool(wheels)
-        self._most = np.array(
+        self.most = np.array(
             [
                 (getattr(drive, "acceleration", None) or _RAMP) * STEP / drive.radius if self.react else inf
                 for _, drive, _ in wheels
             ]
         )
         self._wanted, self._now = np.zeros(len(wheels)), np.zeros(len(wheels))
-        self._senses = np.array([wheel.sense for *_, wheel in wheels])
+        self.senses = np.array([wheel.sense for *_, wheel in wheels])
         self._has_changed = False
         self._turning: list[tuple[int, float]] = []  # rows of the wheels that turn, and their speeds
         # What its motor cannot turn against the friction of its own joint stands still, held by what is left of it.
         nets = np.array([_STRONG if wheel.torque is None else wheel.torque - wheel.friction for *_, wheel in wheels])
-        self._torques, self._turns = np.maximum(np.abs(nets), 1e-9), nets > 0
+        self._torques, self.turns = np.maximum(np.abs(nets), 1e-9), nets > 0
         self._steps, self._at_limit = 0, np.zeros(len(wheels), dtype=int)
         if self.react:
-            model.dof_frictionloss[self._dofs] = self._torques
-            model.dof_solref[self._dofs], model.dof_solimp[self._dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
-            self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self._dofs)
+            model.dof_frictionloss[self.dofs] = self._torques
+            model.dof_solref[self.dofs], model.dof_solimp[self.dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
+            self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self.dofs)
         self._is_limited = bool((self._torques < _STRONG).any())
 
     def command(self, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's wheels, rad/s."""
-        own = self._owner[:, 0] == robot
-        self._wanted[own] = np.where(self._owner[own, 1] == 0, left, right) * self._senses[own]
+        own = self.owner[:, 0] == robot
+        self._wanted[own] = np.where(self.owner[own, 1] == 0, left, right) * self.senses[own]
+        self._has_changed = True
+
+    def stop(self) -> None:
+        """Let all wheels stand."""
+        self._wanted[:] = self._now[:] = 0
         self._has_changed = True
 
     def before_step(self, data: Any) -> None:
         """Bring speeds nearer to those that are wanted; without a reaction, write them."""
         if self._has_changed:
-            self._now += np.clip(self._wanted - self._now, -self._most, self._most)
+            self._now += np.clip(self._wanted - self._now, -self.most, self.most)
             self._has_changed = not np.array_equal(self._now, self._wanted)
             if self.react:
-                self._turning = list(zip(self._rows.tolist(), (self._now * self._turns).tolist(), strict=True))
-        if not self.react and len(self._dofs):
-            data.qvel[self._dofs] = self._now
+                self._turning = list(zip(self._rows.tolist(), (self._now * self.turns).tolist(), strict=True))
+        if not self.react and len(self.dofs):
+            data.qvel[self.dofs] = self._now
 
     def turn(self, data: Any) -> None:
         """Add the speeds to the references of the constraints, after MuJoCo has made those of friction, to rest."""
@@ -94,13 +99,13 @@ class WheelMotors:
         self._steps += 1
         if self.react and self._is_limited:
             forces = np.abs(data.efc_force[self._rows + data.ne])
-            slow = np.abs(data.qvel[self._dofs]) < _SLOW * np.abs(self._now)
-            self._at_limit += slow & ((forces > _AT_LIMIT * self._torques) | ~self._turns)
+            slow = np.abs(data.qvel[self.dofs]) < _SLOW * np.abs(self._now)
+            self._at_limit += slow & ((forces > _AT_LIMIT * self._torques) | ~self.turns)
 
     def notes(self) -> Iterator[str]:
         """Yield a sentence for each robot whose motors are too weak for where it is."""
         for number, robot in enumerate(self._robots):
-            own = self._owner[:, 0] == number
+            own = self.owner[:, 0] == number
             share = self._at_limit[own].max(initial=0) / max(self._steps, 1)
             if share < _OFTEN:
                 continue

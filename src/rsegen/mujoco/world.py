@@ -24,7 +24,7 @@ import numpy as np
 from rsegen.errors import SimulatorFailed
 from rsegen.field.stepfield import Array
 from rsegen.mujoco.log import without_log
-from rsegen.mujoco.map_model import GROUND, map_model
+from rsegen.mujoco.map_model import GROUND, NamedBoxes, map_model
 from rsegen.mujoco.robot_model import RobotModel, Shape, weights
 from rsegen.mujoco.settings import STEP
 from rsegen.mujoco.sliding import slide
@@ -46,7 +46,7 @@ STARTS_IN = 0.002
 _PUSHED = 0.01
 """Share of a robot's weight with which a part is pushed back at least if it holds the robot."""
 
-_SIDE = 0.3
+SIDE = 0.3
 """Sine of the angle between a contact's normal and an axis from which on the contact is turned: on the side of a belt
 there is no along."""
 
@@ -58,6 +58,7 @@ class MujocoWorld(EmbeddedWorld):
     period: seconds between two rows of the record
     seen: with colours and light, for a window
     built: how the map differs from its drawing
+    boxes: beside its blocks, which somebody changes in `model`, and then calls `restart`
     """
 
     step_seconds: ClassVar[float] = STEP
@@ -72,8 +73,9 @@ class MujocoWorld(EmbeddedWorld):
         gains: Sequence[float] | None = None,
         seen: bool = False,
         built: AsBuilt = AS_DRAWN,
+        boxes: NamedBoxes | None = None,
     ) -> None:
-        made = map_model(scene, placed, seen=seen, built=built)
+        made = map_model(scene, placed, seen=seen, built=built, boxes=boxes)
         try:
             with without_log():
                 self.model: Any = mujoco.MjModel.from_xml_string(made.text)
@@ -83,15 +85,30 @@ class MujocoWorld(EmbeddedWorld):
         self.model.geom_friction[:, 0] *= built.friction
         self._drawn: Any = None
         self._scene, self._names = scene.name, [robot.name for robot in placed]
-        self._robots = {robot.name: number for number, robot in enumerate(placed)}
-        self._made, self._period = made.robots, round(min(period, _NEVER) / STEP)
+        self._numbers = {robot.name: number for number, robot in enumerate(placed)}
+        self.robots, self._period = made.robots, round(min(period, _NEVER) / STEP)
         self._qpos = [int(self.model.joint(name).qposadr[0]) for name in self._names]
-        self._gains = gains or [1.0] * len(placed)
-        self._wheels = WheelMotors(self.model, made.robots, motors)
+        self.gains = gains or [1.0] * len(placed)
+        self.wheels = WheelMotors(self.model, made.robots, motors)
         shapes = [shape for robot in made.robots for shape in robot.shapes]
-        self._shapes = _Shapes(self.model, shapes, built.friction)
-        self._belts = _Belts(self.model, made.robots)
-        for robot in made.robots:
+        self.shapes = _Shapes(self.model, shapes, built.friction)
+        self.belts = _Belts(self.model, made.robots)
+        self._begin()
+
+    def restart(self, name: str, start: Pose) -> None:
+        """Put a robot at another start, still, its servos at rest: the world and its record begin anew."""
+        mujoco.mj_resetData(self.model, self.data)
+        turn = np.zeros(4)
+        mujoco.mju_euler2Quat(turn, (start.roll, start.pitch, start.yaw), "XYZ")
+        at = self._qpos[self._numbers[name]]
+        self.data.qpos[at : at + 7] = (start.x, start.y, start.z, *turn)
+        self.wheels.stop()
+        self.shapes.counts = [0] * len(self.shapes.counts)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Put servos at rest, find contacts, and begin the record."""
+        for robot in self.robots:
             for joint, servo in robot.servos:
                 self.data.joint(joint).qpos = servo.rest
                 self.data.actuator(joint).ctrl = servo.rest
@@ -110,12 +127,12 @@ class MujocoWorld(EmbeddedWorld):
 
     def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
         """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, from now on."""
-        number = self._robots[name]
-        aside = w * self._gains[number] * robot.drive.separation / 2
+        number = self._numbers[name]
+        aside = w * self.gains[number] * robot.drive.separation / 2
         if isinstance(robot.drive, Wheels):
-            self._wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
+            self.wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
         else:
-            self._belts.command(self._shapes, number, v - aside, v + aside)
+            self.belts.command(self.shapes, number, v - aside, v + aside)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
@@ -123,7 +140,7 @@ class MujocoWorld(EmbeddedWorld):
             self._step(steps)
 
     def _step(self, steps: int) -> None:
-        model, data, shapes, wheels, belts = self.model, self.data, self._shapes, self._wheels, self._belts
+        model, data, shapes, wheels, belts = self.model, self.data, self.shapes, self.wheels, self.belts
         for _ in range(steps):
             wheels.before_step(data)
             _make_constraints(model, data, shapes)
@@ -156,7 +173,7 @@ class MujocoWorld(EmbeddedWorld):
         mujoco.mj_kinematics(self.model, data)
         return {
             robot.name: {link: _matrix(data.body(f"{robot.name}/{link}")) for link in robot.links}
-            for robot in self._made
+            for robot in self.robots
         }
 
     def recorded(self) -> Record:
@@ -170,9 +187,7 @@ class MujocoWorld(EmbeddedWorld):
         found = {}
         for name in self._names:
             own = [
-                (part, self._shapes.counts[index])
-                for (robot, part), index in self._shapes.parts.items()
-                if robot == name
+                (part, self.shapes.counts[index]) for (robot, part), index in self.shapes.parts.items() if robot == name
             ]
             shares = {part: round(count / max(self._steps, 1), 3) for part, count in own if count}
             found[name] = dict(sorted(shares.items(), key=lambda share: -share[1]))
@@ -184,25 +199,25 @@ class MujocoWorld(EmbeddedWorld):
         back: dict[str, float] = {}
         for at, (frame, pair) in enumerate(zip(contact.frame, contact.geom.tolist(), strict=True)):
             for sign, geom in zip((-1.0, 1.0), pair, strict=True):  # the force is on the second of both
-                robot, _, part = self._shapes.names.get(geom, "").partition("::")
+                robot, _, part = self.shapes.names.get(geom, "").partition("::")
                 if robot == name:
                     force = np.zeros(6)
                     mujoco.mj_contactForce(self.model, self.data, at, force)
                     ahead = sign * (force[:3] @ frame.reshape(3, 3)[:, :2]) @ (cos(yaw), sin(yaw))
                     back[part] = back.get(part, 0.0) - float(ahead)
-        weight = weights(self.model, self._made)[self._robots[name]]
+        weight = weights(self.model, self.robots)[self._numbers[name]]
         held = [part for part, force in back.items() if force > _PUSHED * weight]
         return max(held, key=back.__getitem__, default=None)
 
     def notes(self) -> Iterator[str]:
         """Yield what a reader of the drive should know of its physics: that meshes touch with their hulls."""
-        for robot in self._made:
+        for robot in self.robots:
             if robot.assets:
                 count = len(robot.assets)
                 yield f"{robot.name}: {count} of its collision shapes are meshes, which touch with their convex hulls"
         # Robots of one kind have the same remarks.
-        yield from dict.fromkeys(f"{robot.kind}: {remark}" for robot in self._made for remark in robot.remarks)
-        yield from self._wheels.notes()
+        yield from dict.fromkeys(f"{robot.kind}: {remark}" for robot in self.robots for remark in robot.remarks)
+        yield from self.wheels.notes()
 
     @property
     def _seconds(self) -> float:
@@ -227,7 +242,7 @@ class MujocoWorld(EmbeddedWorld):
             yield Contact(collisions=pair, position=(x, y, z))
 
     def _part(self, geom: int) -> str:
-        if name := self._shapes.names.get(geom):
+        if name := self.shapes.names.get(geom):
             return name
         return f"{GROUND}::link::collision" if geom == 0 else f"{self._scene}::map::blocks"
 
@@ -314,7 +329,7 @@ class _Shapes:
         self.parts: dict[tuple[str, str], int] = {}
         self.names: dict[int, str] = {}
         self._part = [0] * model.ngeom
-        self._directions: dict[int, _Directions] = {}
+        self.directions: dict[int, _Directions] = {}
         self.speed = [0.0] * model.ngeom
         for shape in shapes:
             geom, robot = model.geom(shape.name).id, shape.name.partition("/")[0]
@@ -324,7 +339,7 @@ class _Shapes:
             if shape.axis is not None:
                 x, y, z = shape.axis.tolist()
                 own = own._replace(axis=(x, y, z), mu_axis=friction * shape.mu_axis, mu_other=friction * shape.mu_other)
-            self._directions[geom] = own
+            self.directions[geom] = own
         self.counts = [0] * (len(self.parts) + 1)  # 0 is the map
         self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
 
@@ -342,7 +357,7 @@ class _Shapes:
         friction has no direction. Contacts on the side of a belt, along whose normal its axis is, stay as they are,
         with one friction, and without motion.
         """
-        contact, known, speed, xmat = data.contact, self._directions, self.speed, data.xmat
+        contact, known, speed, xmat = data.contact, self.directions, self.speed, data.xmat
         frames, friction = contact.frame, contact.friction
         poses: dict[int, list[float]] = {}
         planes: list[tuple[float, ...]] = []
@@ -360,7 +375,7 @@ class _Shapes:
             x, y, z = ny * z - nz * y, nz * x - nx * z, nx * y - ny * x
             length = sqrt(x * x + y * y + z * z)
             surface = speed[own]
-            if length <= _SIDE:
+            if length <= SIDE:
                 (x, y, z), length, mu_axis, mu_other, surface = other, 1.0, mu, mu, 0.0
             x, y, z = x / length, y / length, z / length
             planes.append((nz * y - ny * z, nx * z - nz * x, ny * x - nx * y, x, y, z))
@@ -381,15 +396,15 @@ class _Belts:
     """The belts of all robots, which stall where they are wedged."""
 
     def __init__(self, model: Any, robots: Sequence[RobotModel]) -> None:
-        self._belts = [
+        self.belts = [
             (number, shape.belt, int(model.geom(shape.name).id))
             for number, robot in enumerate(robots)
             for shape in robot.shapes
             if shape.belt >= 0
         ]
-        self._robot = {geom: number for number, _, geom in self._belts}
-        self._limits = [_WEDGED * weight for weight in weights(model, robots)]
-        self._least = min((self._limits[number] for number in self._robot.values()), default=inf)
+        self._robot = {geom: number for number, _, geom in self.belts}
+        self.limits = [_WEDGED * weight for weight in weights(model, robots)]
+        self._least = min((self.limits[number] for number in self._robot.values()), default=inf)
         self._speeds, self._wedged = [(0.0, 0.0)] * len(robots), set[int]()
 
     def command(self, shapes: _Shapes, robot: int, left: float, right: float) -> None:
@@ -400,11 +415,11 @@ class _Belts:
     def after_step(self, data: Any, shapes: _Shapes) -> None:
         """Let the belts of robots stall, in the next step, that are wedged in this one."""
         wedged: set[int] = set()
-        if self._belts and data.nefc and np.maximum.reduce(data.efc_force) > self._least:
+        if self.belts and data.nefc and np.maximum.reduce(data.efc_force) > self._least:
             forces = data.efc_force.tolist()
             for at, pair in zip(data.contact.efc_address.tolist(), data.contact.geom.tolist(), strict=True):
                 owners = {self._robot[geom] for geom in pair if geom in self._robot}
-                wedged |= {number for number in owners if at >= 0 and forces[at] > self._limits[number]}
+                wedged |= {number for number in owners if at >= 0 and forces[at] > self.limits[number]}
         if wedged != self._wedged:
             changed, self._wedged = wedged ^ self._wedged, wedged
             for robot in changed:
@@ -413,6 +428,6 @@ class _Belts:
     def _run(self, shapes: _Shapes, robot: int) -> None:
         """Have the belts of a robot run as commanded, or stand still while it is wedged."""
         speeds = (0.0, 0.0) if robot in self._wedged else self._speeds[robot]
-        for owner, side, geom in self._belts:
+        for owner, side, geom in self.belts:
             if owner == robot:
                 shapes.speed[geom] = speeds[side]

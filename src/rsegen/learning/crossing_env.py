@@ -1,0 +1,88 @@
+"""Gymnasium: an environment in which a robot on tracks or wheels crosses fields, another one at each reset.
+
+    env = CrossingEnv(Crossing(recipe, robot="crawler"))
+    observation, info = env.reset(seed=7)    # info["map"] is the index of the map
+    observation, reward, is_across_or_failed, is_late, info = env.step(env.action_space.sample())
+
+It is driven in MuJoCo as by `rsegen drive --simulator mujoco`, step by step.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from rsegen.field.stepfield import Array
+from rsegen.learning.crossing import NAME, Crossing
+from rsegen.learning.ground import Ground
+from rsegen.learning.gymnasium import MapDraws
+from rsegen.recipe.batch import build_many
+
+
+class CrossingEnv(gymnasium.Env[Any, Any]):
+    """One world; actions are from -1 to 1: the speed, the turn rate, and the angle of each flipper.
+
+    Infos have the index of the `map`, whether the robot `is_across`, its `x`, metres, and how many contacts it has with
+    blocks, `touches`.
+    """
+
+    def __init__(self, crossing: Crossing) -> None:
+        self.crossing = crossing
+        self.world = crossing.world()
+        self.flippers = crossing.flippers(self.world)
+        self.ground: Ground = crossing.grid.ground(crossing.grid.highest[None])
+        self._draws = MapDraws(crossing.recipe, np.random.default_rng())
+        self._angles_at = [flipper.angle_at for flipper in self.flippers]
+        self.action_space = gymnasium.spaces.Box(-1, 1, (2 + len(self.flippers),), np.float32)
+        self._action = np.zeros((1, 2 + len(self.flippers)))
+        self._periods, self._map = 0, -1
+        self._rest = np.array([[flipper.rest for flipper in self.flippers]])
+        self._targets = self._rest
+        numbers = self._observed().shape[-1]
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (numbers,), np.float32)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """Draw a map and a start; `options={"map": 17}` takes that map. A seed starts the draws anew."""
+        super().reset(seed=seed)
+        if seed is not None:
+            self._draws = MapDraws(self.crossing.recipe, np.random.default_rng(seed))
+        if options and "map" in options:
+            self._map = options["map"]
+            levels = build_many(self.crossing.recipe, [self._map])[0]
+        else:
+            self._map, levels = self._draws.next()
+        self.crossing.grid.write(self.world.model, levels)
+        self.ground.write(levels[None])
+        self.world.restart(NAME, self.crossing.start(*self.np_random.uniform(-1, 1, 2)))
+        self._action, self._targets, self._periods = np.zeros_like(self._action), self._rest, 0
+        return self._observed()[0], self._info(is_across=False)
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Drive for a period."""
+        crossing, data = self.crossing, self.world.data
+        self._action = np.clip(np.asarray(action, dtype=float), -1, 1)[None]
+        before = np.array([data.qpos[0]])
+        v, w = crossing.speeds(self._action)
+        self._targets = crossing.angles(self._action, self._targets, self.flippers)
+        data.ctrl[[flipper.target_at for flipper in self.flippers]] = self._targets[0]
+        self.world.drive(NAME, crossing.driven, float(v[0]), float(w[0]))
+        self.world.step(crossing.steps)
+        self._periods += 1
+        found = crossing.judge(before, data.qpos[None, :7])
+        is_across, is_over = bool(found.is_across[0]), bool(found.is_across[0] | found.has_failed[0])
+        is_late = not is_over and self._periods >= crossing.periods
+        return self._observed()[0], float(found.reward[0]), is_over, is_late, self._info(is_across=is_across)
+
+    def _observed(self) -> Array:
+        data = self.world.data
+        angles = data.qpos[self._angles_at][None]
+        seen = self.crossing.observe(data.qpos[None, :7], data.qvel[None, :6], angles, self._action, self.ground)
+        return np.asarray(seen, dtype=np.float32)
+
+    def _info(self, *, is_across: bool) -> dict[str, Any]:
+        data, blocks = self.world.data, self.crossing.blocks
+        pairs = data.contact.geom
+        touches = int(((pairs >= blocks.start) & (pairs < blocks.stop)).any(axis=1).sum())
+        return {"map": self._map, "is_across": is_across, "x": float(data.qpos[0]), "touches": touches}

@@ -1,0 +1,122 @@
+"""mujoco_warp: thousands of worlds in each of which a robot on tracks or wheels crosses fields, for trainers of torch.
+
+    worlds = CrossingWorlds(Crossing(recipe, robot="crawler"), 4096, device="cuda:0")
+    runner = rsl_rl.runners.OnPolicyRunner(worlds, settings, device="cuda:0")
+
+It is a VecEnv of rsl_rl (5.4), the trainer of mjlab and Isaac Lab: what is done begins anew at once, on another field.
+All of it stays on the device; at the end of a period one look tells which worlds begin anew.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import torch
+import warp as wp
+from rsl_rl.env import VecEnv
+from tensordict import TensorDict
+
+from rsegen.learning.crossing import Crossing
+from rsegen.learning.ground import Ground
+from rsegen.learning.mujoco_warp import BlocksOfWorlds
+from rsegen.mujoco.many_worlds import ManyWorlds
+from rsegen.params.streams import SEEDS
+from rsegen.recipe.batch import build_many
+
+
+class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for mypy
+    """Worlds of a crossing; actions are as in `CrossingEnv`, observations are `policy`, (worlds, numbers).
+
+    maps: fields that are made ahead, by the recipe and this seed, among which each start draws; of a recipe of several
+    maps each comes as often as the others
+    ended: of the last period: which worlds `is_across`, `has_failed`, `is_late`, and the `map` that they had, (worlds,)
+    touched: periods of the episode at whose end the robot touched blocks, (worlds,)
+    """
+
+    def __init__(
+        self, crossing: Crossing, worlds: int, *, device: str = "cuda:0", maps: int = 16384, seed: int = 0
+    ) -> None:
+        self.crossing, self.device = crossing, device
+        self.num_envs, self.max_episode_length = worlds, crossing.periods
+        self.cfg = {"robot": crossing.driven.kind, "recipe": crossing.recipe.name, "worlds": worlds}
+        one = crossing.world()
+        self.flippers = crossing.flippers(one)
+        self.num_actions = 2 + len(self.flippers)
+        self.many = ManyWorlds(one, worlds, device=device)
+        self._blocks = BlocksOfWorlds(crossing.grid, one.model, self.many.model, self.many.data)
+        recipe, random = crossing.recipe, np.random.default_rng(seed)
+        indices = random.integers(SEEDS, size=maps) if recipe.maps == 1 else np.resize(recipe.indices, maps)
+        self.levels = torch.as_tensor(build_many(recipe, indices.tolist()), device=device)
+        self._random = torch.Generator(device).manual_seed(seed)
+        state = self.many.data
+        self._qpos, self._qvel, self._ctrl = (wp.to_torch(part) for part in (state.qpos, state.qvel, state.ctrl))
+        self._still = [wp.to_torch(part) for part in (state.qvel, state.qacc, state.qacc_warmstart, self.many.now)]
+        self._speeds = wp.to_torch(self.many.speeds)
+        self._first = self._qpos[0].clone()
+        self._angles_at = [flipper.angle_at for flipper in self.flippers]
+        self._targets_at = [flipper.target_at for flipper in self.flippers]
+        self._rest = torch.tensor([flipper.rest for flipper in self.flippers], device=device)
+        self._servos_at_rest = self._ctrl[0].clone()
+        self.episode_length_buf = torch.zeros(worlds, dtype=torch.long, device=device)
+        self.touched = torch.zeros(worlds, dtype=torch.long, device=device)
+        self.map = torch.zeros(worlds, dtype=torch.long, device=device)
+        self._targets = self._rest.repeat(worlds, 1)
+        self._action = torch.zeros((worlds, self.num_actions), device=device)
+        self.ground: Ground = crossing.grid.ground(self.levels[self.map])
+        self.ended: dict[str, Any] = {}
+        self.begin(torch.arange(worlds, device=device))
+
+    def begin(self, rows: Any, maps: Any = None) -> None:
+        """Have worlds begin anew, (rows,): on fields that are drawn, or on given ones of `levels`."""
+        count, random = len(rows), {"generator": self._random, "device": self.device}
+        self.map[rows] = torch.randint(len(self.levels), (count,), **random) if maps is None else maps
+        levels = self.levels[self.map[rows]]
+        self._blocks.write(levels, rows)
+        self.ground.write(levels, rows)
+        start, drawn = self._first.repeat(count, 1), 2 * torch.rand((count, 2), **random) - 1
+        aside, heading = self.crossing.spread
+        start[:, 1] = drawn[:, 0] * aside
+        half = drawn[:, 1] * heading / 2
+        start[:, 3:7] = torch.stack([half.cos(), half * 0, half * 0, half.sin()], -1)
+        self._qpos[rows] = start
+        for part in self._still:
+            part[rows] = 0
+        self._ctrl[rows], self._targets[rows] = self._servos_at_rest, self._rest
+        self._action[rows], self.episode_length_buf[rows], self.touched[rows] = 0, 0, 0
+
+    def get_observations(self) -> Any:
+        """Return what robots see now."""
+        angles = self._qpos[:, self._angles_at]
+        seen = self.crossing.observe(self._qpos[:, :7], self._qvel[:, :6], angles, self._action, self.ground)
+        return TensorDict({"policy": seen}, batch_size=[self.num_envs], device=self.device)
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, dict[str, Any]]:
+        """Drive for a period: observations, rewards, whether worlds have begun anew, and what rsl_rl wants beside."""
+        crossing = self.crossing
+        self._action = actions.clamp(-1, 1)
+        before = self._qpos[:, 0].clone()
+        v, w = crossing.speeds(self._action)
+        self._speeds.copy_(torch.stack(self.many.sides(v, w), -1))
+        if self.flippers:
+            self._targets = crossing.angles(self._action, self._targets, self.flippers)
+            self._ctrl[:, self._targets_at] = self._targets
+        self.many.step(crossing.steps)
+        self.episode_length_buf += 1
+        self.touched += wp.to_torch(self.many.touches(crossing.blocks)) > 0
+        found = crossing.judge(before, self._qpos[:, :7])
+        has_failed = found.has_failed | ~torch.isfinite(self._qpos).all(dim=-1)
+        is_late = ~(found.is_across | has_failed) & (self.episode_length_buf >= self.max_episode_length)
+        is_done = found.is_across | has_failed | is_late
+        rewards = torch.nan_to_num(found.reward)
+        self.ended = {
+            "is_across": found.is_across,
+            "has_failed": has_failed,
+            "is_late": is_late,
+            "map": self.map.clone(),
+            "touched": self.touched.clone(),
+        }
+        rows = is_done.nonzero()[:, 0]
+        if len(rows):
+            self.begin(rows)
+        return self.get_observations(), rewards, is_done.long(), {"time_outs": is_late}

@@ -1,0 +1,160 @@
+"""What a step of `ManyWorlds` does beside mujoco_warp's, as kernels of Warp: of wheels, or of contacts of all worlds.
+
+Arrays of contacts are of all worlds together, in any order, with as many of them as `count` says.
+"""
+
+import mujoco
+import warp as wp
+from mujoco_warp._src.types import vec5
+
+from rsegen.mujoco.world import SIDE
+
+FRICTION = wp.constant(int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF))
+
+
+@wp.kernel(enable_backward=False)
+def ramp(
+    speeds: wp.array2d[wp.float32],
+    side: wp.array[wp.int32],
+    per_speed: wp.array[wp.float32],
+    most: wp.array[wp.float32],
+    is_written: bool,
+    dof: wp.array[wp.int32],
+    now: wp.array2d[wp.float32],
+    qvel: wp.array2d[wp.float32],
+) -> None:
+    """Bring the speeds of wheels nearer to those that are wanted; without a reaction, write them."""
+    world, wheel = wp.tid()
+    wanted = speeds[world, side[wheel]] * per_speed[wheel]
+    speed = now[world, wheel] + wp.clamp(wanted - now[world, wheel], -most[wheel], most[wheel])
+    now[world, wheel] = speed
+    if is_written:
+        qvel[world, dof[wheel]] = speed
+
+
+@wp.kernel(enable_backward=False)
+def turn_planes(
+    count: wp.array[wp.int32],
+    geoms: wp.array[wp.vec2i],
+    worlds: wp.array[wp.int32],
+    xmat: wp.array2d[wp.mat33],
+    body: wp.array[wp.int32],
+    axis: wp.array[wp.vec3],
+    mu: wp.array[wp.vec2],
+    belt: wp.array[wp.int32],
+    speeds: wp.array2d[wp.float32],
+    wedged: wp.array[wp.int32],
+    frames: wp.array[wp.mat33],
+    friction: wp.array[vec5],
+    surface: wp.array[wp.vec3],
+) -> None:
+    """Turn the plane of a contact as `rsegen.mujoco.world` does: its second direction along n x a."""
+    at = wp.tid()
+    if at >= wp.min(count[0], geoms.shape[0]):
+        return
+    pair, world = geoms[at], worlds[at]
+    own = wp.max(pair[0], pair[1])
+    if body[own] < 0:
+        own = wp.min(pair[0], pair[1])
+    if own < 0 or body[own] < 0:
+        return
+    frame, coefficients = frames[at], friction[at]
+    normal = wp.vec3(frame[0, 0], frame[0, 1], frame[0, 2])
+    across = wp.cross(normal, xmat[world, body[own]] * axis[own])
+    length = wp.length(across)
+    along_axis, other, speed = mu[own][0], mu[own][1], wp.float32(0.0)
+    if belt[own] >= 0 and wedged[world] == 0:
+        speed = speeds[world, belt[own]]
+    if length <= SIDE:
+        across, length = wp.vec3(frame[2, 0], frame[2, 1], frame[2, 2]), wp.float32(1.0)
+        along_axis, other, speed = coefficients[0], coefficients[0], wp.float32(0.0)
+    across = across / length
+    frames[at] = wp.matrix_from_rows(normal, wp.cross(across, normal), across)
+    coefficients[1] = wp.min(coefficients[0], other)
+    coefficients[0] = wp.min(coefficients[0], along_axis)
+    friction[at] = coefficients
+    surface[at] = wp.vec3(0.0, speed, 0.0)
+
+
+@wp.kernel(enable_backward=False)
+def add_speeds(
+    equalities: wp.array[wp.int32],
+    frictions: wp.array[wp.int32],
+    kinds: wp.array2d[wp.int32],
+    ids: wp.array2d[wp.int32],
+    dof: wp.array[wp.int32],
+    now: wp.array2d[wp.float32],
+    damping: float,
+    reference: wp.array2d[wp.float32],
+) -> None:
+    """Add the speed of a wheel to the reference of the friction of its joint, to rest."""
+    world, wheel = wp.tid()
+    first = equalities[world]
+    for row in range(first, first + frictions[world]):
+        if kinds[world, row] == FRICTION and ids[world, row] == dof[wheel]:
+            reference[world, row] += damping * now[world, wheel]
+
+
+@wp.kernel(enable_backward=False)
+def slide(
+    count: wp.array[wp.int32],
+    worlds: wp.array[wp.int32],
+    kinds: wp.array[wp.int32],
+    dimensions: wp.array[wp.int32],
+    rows: wp.array2d[wp.int32],
+    friction: wp.array[vec5],
+    jacobian: wp.array3d[wp.float32],
+    acceleration: wp.array2d[wp.float32],
+    degrees: int,
+    reference: wp.array2d[wp.float32],
+) -> None:
+    """Correct the reference of a contact that slides, as `rsegen.mujoco.sliding` does."""
+    at = wp.tid()
+    if at >= wp.min(count[0], worlds.shape[0]):
+        return
+    row, world = rows[at, 0], worlds[at]
+    if row < 0 or dimensions[at] != 3 or (kinds[at] & 1) == 0:
+        return
+    left = wp.vec2(-reference[world, row + 1], -reference[world, row + 2])
+    for dof in range(degrees):
+        left[0] += jacobian[world, row + 1, dof] * acceleration[world, dof]
+        left[1] += jacobian[world, row + 2, dof] * acceleration[world, dof]
+    reference[world, row] -= wp.length(wp.vec2(friction[at][0] * left[0], friction[at][1] * left[1]))
+
+
+@wp.kernel(enable_backward=False)
+def find_wedged(
+    count: wp.array[wp.int32],
+    geoms: wp.array[wp.vec2i],
+    worlds: wp.array[wp.int32],
+    rows: wp.array2d[wp.int32],
+    force: wp.array2d[wp.float32],
+    belt: wp.array[wp.int32],
+    limit: float,
+    wedged: wp.array[wp.int32],
+) -> None:
+    """Mark the worlds in which a belt is pressed with more than the limit, N: it stalls in the next step."""
+    at = wp.tid()
+    if at >= wp.min(count[0], geoms.shape[0]):
+        return
+    pair, row, world = geoms[at], rows[at, 0], worlds[at]
+    if row >= 0 and (belt[pair[0]] >= 0 or belt[pair[1]] >= 0) and force[world, row] > limit:
+        wedged[world] = 1
+
+
+@wp.kernel(enable_backward=False)
+def count_touches(
+    count: wp.array[wp.int32],
+    geoms: wp.array[wp.vec2i],
+    worlds: wp.array[wp.int32],
+    first: int,
+    end: int,
+    touches: wp.array[wp.int32],
+) -> None:
+    """Count the contacts with the geoms from the first one to the one before the end."""
+    at = wp.tid()
+    if at >= wp.min(count[0], geoms.shape[0]):
+        return
+    one, other = geoms[at][0], geoms[at][1]
+    if (one >= first and one < end) or (other >= first and other < end):
+        wp.atomic_add(touches, worlds[at], 1)

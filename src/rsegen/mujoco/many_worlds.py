@@ -1,0 +1,203 @@
+"""Thousands of worlds at once, with a robot in each: the physics of `MujocoWorld` in mujoco_warp, on a GPU or without.
+
+    many = ManyWorlds(MujocoWorld(scene, [placed]), 4096)
+    many.drive(v, w)
+    many.step(1000)
+    many.poses()
+
+All worlds begin as the given one. mujoco_warp steps them, and calls back at two places, where the drive of
+`rsegen.mujoco.world` does the same with one world:
+
+    contacts --> planes of belts turned, surfaces moved --> constraints --> wheels' speeds, sliding --> solution
+
+Cost: on a GPU a step of thousands of worlds is one graph of kernels, and nothing waits for the host. Numbers have 32
+bits here: a robot is at the same place to a hundredth of a millimetre until it falls or hangs at an edge, where any
+difference grows. What breaks it: more contacts or constraints in a world than there is room for, which mujoco_warp
+reports, and a robot of more than 32 joints, whose Jacobians are sparse.
+"""
+
+from typing import Any
+
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from rsegen.errors import ParameterError
+from rsegen.field.stepfield import Array
+from rsegen.mujoco import kernels
+from rsegen.mujoco.settings import MOTOR_SOLIMP, MOTOR_SOLREF
+from rsegen.mujoco.world import MujocoWorld
+
+_CONTACTS, _ROWS = 96, 320
+"""Contacts and constraints for which there is room in each world: a crawler on blocks has 40 contacts at most."""
+
+_PRECISION, _ITERATIONS = 1e-7, 50
+"""Tolerance of the search for contacts, and how far it goes, which is memory: 7 kB for each pair that is near. To the
+1e-10 of one world 32 bits do not reach: the search then goes astray, and a contact is missing in that step; with this
+one it seldom does, and is not worth a warning each time."""
+
+_DAMPING = 2 / (MOTOR_SOLIMP[1] * MOTOR_SOLREF[0])
+"""By which MuJoCo multiplies a speed in the reference of a motor's constraint."""
+
+
+class ManyWorlds:
+    """Worlds that begin as one of `MujocoWorld` does, which has a single robot; ParameterError if it has more.
+
+    worlds: how many; device: of Warp, by default its own choice; contacts, rows: room in each world
+    model, data: of mujoco_warp; `data.qpos` is (worlds, numbers)
+    """
+
+    def __init__(
+        self, world: MujocoWorld, worlds: int, *, device: Any = None, contacts: int = _CONTACTS, rows: int = _ROWS
+    ) -> None:
+        if len(world.robots) != 1:
+            raise ParameterError("world", f"{len(world.robots)} robots in it; give a world with one")
+        robot, compiled = world.robots[0], world.model
+        self.robot, self.worlds = robot, worlds
+        with wp.ScopedDevice(device):
+            self.model: Any = mjw.put_model(compiled)
+            self.data: Any = mjw.put_data(
+                compiled, world.data, nworld=worlds, nconmax=contacts, nccdmax=contacts // 2, njmax=rows
+            )
+            self.model.opt.ccd_tolerance.fill_(_PRECISION)
+            self.model.opt.ccd_iterations = _ITERATIONS
+            self.model.opt.warn_overflow &= ~mjw.OverflowType.EPA_HORIZON
+            if self.model.is_sparse:
+                raise ParameterError("world", f"its robot has {compiled.nv} degrees of freedom; 32 at most")
+            self._keep_shapes(world)
+            self._keep_wheels(world)
+            self.speeds: Any = wp.zeros((worlds, 2), dtype=wp.float32)
+            self._wedged: Any = wp.zeros(worlds, dtype=wp.int32)
+            self.limit = world.belts.limits[0]
+        self._gain = world.gains[0]
+        self.model.callback.contactfilter, self.model.callback.control = self._turn, self._before_solving
+        self._graphs: dict[int, Any] = {}
+
+    def drive(self, v: Any, w: Any) -> None:
+        """Have robots drive at v, m/s forward, and w, rad/s counterclockwise: a number, or one for each world."""
+        left, right = self.sides(np.broadcast_to(v, self.worlds), np.broadcast_to(w, self.worlds))
+        self.speeds.assign(np.stack([left, right], axis=-1).astype(np.float32))
+
+    def sides(self, v: Any, w: Any) -> tuple[Any, Any]:
+        """Return the speeds of the left and the right sides, m/s, for v, m/s, and w, rad/s."""
+        aside = w * self._gain * self.robot.drive.separation / 2
+        return v - aside, v + aside
+
+    def step(self, steps: int) -> None:
+        """Simulate this number of steps."""
+        device = self.data.qpos.device
+        with wp.ScopedDevice(device):
+            if not device.is_cuda:
+                self._step(steps)
+                return
+            if steps not in self._graphs:
+                self._step(1)  # kernels are compiled before a graph is captured
+                with wp.ScopedCapture() as capture:
+                    self._step(steps)
+                self._graphs[steps] = capture.graph
+                steps -= 1
+                self._step(steps)
+                return
+            wp.capture_launch(self._graphs[steps])
+
+    def poses(self) -> Array:
+        """Return where the robots' origins are, (worlds, 7): x, y, z in metres and a quaternion, w first."""
+        return np.asarray(self.data.qpos.numpy()[:, :7], dtype=float)
+
+    def touches(self, geoms: slice) -> Any:
+        """Return how many contacts there are with some geoms in each world, an array of Warp, (worlds,)."""
+        found = wp.zeros(self.worlds, dtype=wp.int32, device=self.data.qpos.device)
+        contact = self.data.contact
+        wp.launch(
+            kernels.count_touches,
+            dim=self.data.naconmax,
+            inputs=[self.data.nacon, contact.geom, contact.worldid, geoms.start, geoms.stop],
+            outputs=[found],
+            device=found.device,
+        )
+        return found
+
+    # A step, and what it calls back.
+
+    def _step(self, steps: int) -> None:
+        for _ in range(steps):
+            if self._wheels:
+                wp.launch(
+                    kernels.ramp,
+                    dim=(self.worlds, self._wheels),
+                    inputs=[self.speeds, self._side, self._per_speed, self._most, self._is_written, self._dof],
+                    outputs=[self.now, self.data.qvel],
+                )
+            mjw.step(self.model, self.data)
+            if self._has_belts:
+                self._wedged.zero_()
+                contact = self.data.contact
+                wp.launch(
+                    kernels.find_wedged,
+                    dim=self.data.naconmax,
+                    inputs=[
+                        self.data.nacon, contact.geom, contact.worldid, contact.efc_address,
+                        self.data.efc.force, self._belt, self.limit,
+                    ],
+                    outputs=[self._wedged],
+                )  # fmt: skip
+
+    def _turn(self, model: Any, data: Any) -> None:  # as mujoco_warp calls it
+        contact = data.contact
+        wp.launch(
+            kernels.turn_planes,
+            dim=data.naconmax,
+            inputs=[
+                data.nacon, contact.geom, contact.worldid, data.xmat,
+                self._body, self._axis, self._mu, self._belt, self.speeds, self._wedged,
+            ],
+            outputs=[contact.frame, contact.friction, contact.surfacevel],
+        )  # fmt: skip
+
+    def _before_solving(self, model: Any, data: Any) -> None:
+        efc, contact = data.efc, data.contact
+        if self._wheels:
+            wp.launch(
+                kernels.add_speeds,
+                dim=(self.worlds, self._wheels),
+                inputs=[data.ne, data.nf, efc.type, efc.id, self._dof, self.now, _DAMPING],
+                outputs=[efc.aref],
+            )
+        wp.launch(
+            kernels.slide,
+            dim=data.naconmax,
+            inputs=[
+                data.nacon, contact.worldid, contact.type, contact.dim, contact.efc_address, contact.friction,
+                efc.J, data.qacc, model.nv,
+            ],
+            outputs=[efc.aref],
+        )  # fmt: skip
+
+    # What the kernels look up.
+
+    def _keep_shapes(self, world: MujocoWorld) -> None:
+        """Keep, for each geom, its body (-1: it is none of the robot), axis, frictions and the side of its belt."""
+        count = world.model.ngeom
+        body, belt = np.full(count, -1, dtype=np.int32), np.full(count, -1, dtype=np.int32)
+        axis, mu = np.zeros((count, 3), dtype=np.float32), np.zeros((count, 2), dtype=np.float32)
+        for geom, own in world.shapes.directions.items():
+            body[geom], axis[geom], mu[geom] = own.body, own.axis, (own.mu_axis, own.mu_other)
+        for _, side, geom in world.belts.belts:
+            belt[geom] = side
+        self._has_belts = bool(world.belts.belts)
+        self._body: Any = wp.array(body)
+        self._belt: Any = wp.array(belt)
+        self._axis: Any = wp.array(axis, dtype=wp.vec3)
+        self._mu: Any = wp.array(mu, dtype=wp.vec2)
+
+    def _keep_wheels(self, world: MujocoWorld) -> None:
+        """Keep, for each wheel, its degree of freedom, its side, its speed by that of its belt, and its motor."""
+        wheels = world.wheels
+        self._wheels = len(wheels.dofs)
+        radius = self.robot.drive.radius
+        self._dof: Any = wp.array(wheels.dofs, dtype=wp.int32)
+        self._side: Any = wp.array(wheels.owner[:, 1], dtype=wp.int32)
+        self._per_speed: Any = wp.array(wheels.senses * wheels.turns / radius, dtype=wp.float32)
+        self._most: Any = wp.array(np.minimum(wheels.most, 1e9), dtype=wp.float32)
+        self._is_written = not wheels.react
+        self.now = wp.zeros((self.worlds, self._wheels), dtype=wp.float32)
