@@ -55,6 +55,7 @@ COURSES: Mapping[str, Course] = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit code: 0."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.many_worlds", description=__doc__.splitlines()[0])
+    parser.add_argument("--robots", nargs="+", choices=COURSES, default=list(COURSES))
     parser.add_argument("--lanes", type=int, default=256, help="of each robot")
     parser.add_argument("--worlds", type=int, nargs="+", default=[1, 64, 1024, 4096, 16384], help="of which a speed")
     parser.add_argument("--device", default="cuda:0", help="of Warp, such as cpu")
@@ -66,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         libraries = ("mujoco-core", "mujoco-warp", "warp-lang")
         record: dict[str, Any] = {"machine": f"{device.name}; {machine()}", "robots": {}}
         record["versions"] = {name: version(name) for name in libraries}
-        for robot in COURSES:
+        for robot in options.robots:
             record["robots"][robot] = _measured(robot, options)
             options.output.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
     print("\n".join(table(record)))

@@ -401,7 +401,7 @@ class _Point(NamedTuple):
 def plot(plan: ExperimentPlan, results: Results) -> bytes:
     """Draw a PNG with a curve per row: points with the least and the most of all trials, and the paper's RTF.
 
-    A point is hollow where the robots rested for most of the time.
+    A point is hollow where the robots were stuck for most of the time.
     """
     from matplotlib.figure import Figure
 
@@ -425,9 +425,7 @@ def plot(plan: ExperimentPlan, results: Results) -> bytes:
         handles |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     if handles:
         figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=2)
-    figure.suptitle(
-        "bars: the least and the most of all trials; hollow: robots that rested, stuck for most of the time"
-    )
+    figure.suptitle("bars: least and most of all trials; hollow markers: robots stuck most of the time")
     return encoded(figure, "png")
 
 
@@ -455,10 +453,11 @@ def _curve(axes: Axes, index: int, plan: ExperimentPlan, points: Sequence[_Point
         return
     aside = (index - (len(plan.rows) - 1) / 2) * _ASIDE * max(size for row in plan.rows for size in row.sizes)
     size, low, value, high, _ = np.array(points).T
-    colour = f"C{index % 10}"
-    axes.errorbar(size + aside, value, yerr=[value - low, high - value], fmt="-", color=colour, capsize=3, label=label)
+    again, number = divmod(index, 10)  # there are ten colours, and then other lines and markers
+    colour, line, marker = f"C{number}", ("-", "--", ":")[again % 3], "os^"[again % 3]
+    axes.errorbar(size + aside, value, yerr=[value - low, high - value], fmt=line, color=colour, capsize=3, label=label)
     faces = ["white" if point.rested else colour for point in points]
-    axes.scatter(size + aside, value, s=36, facecolors=faces, edgecolors=colour, zorder=3)
+    axes.scatter(size + aside, value, s=36, marker=marker, facecolors=faces, edgecolors=colour, zorder=3)
 
 
 def _draw_published(axes: Axes, plan: ExperimentPlan) -> None:

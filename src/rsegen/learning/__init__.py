@@ -24,7 +24,7 @@ MESH = Extra("mesh", "trimesh", "terrain for Isaac Lab")
 
 CAPABILITY = Capability(
     summary="step fields where robots learn",
-    needs=("datasets", "measuring", "mujoco"),
+    needs=("datasets", "measuring", "mujoco", "robots", "simulators", "standing"),
     commands=(
         Command(
             "terrain",
