@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"{', '.join(missing)}: not installed; pip install rsl-rl-lib mujoco-warp")
             return 1
         libraries = ("rsl-rl-lib", "torch", "mujoco-warp", "warp-lang")
-        record = {"machine": f"{_device(options.device)}; {machine()}"}
+        record = {"machine": f"{device_name(options.device)}; {machine()}"}
         record |= {"versions": {name: version(name) for name in libraries}, "runs": []}
         for policy in [options.policy] if options.policy else TITLES:
             for seed in [options.seed] if options.seed else SEEDS:
@@ -89,7 +89,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _device(name: str) -> str:
+def device_name(name: str) -> str:
+    """The name of a GPU, for records."""
     import torch
 
     return torch.cuda.get_device_name(name) if name.startswith("cuda") else "no GPU"
