@@ -73,7 +73,7 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
     "random, weights": (DESIGNS["random, weights"], 4096),
     "random, counts": ({"obstacles": [Random(levels=LEVELS, counts=(20,) * 5)]}, 4096),
     "random, `max_step` of the recipe": ({"max_step": 2}, 4096),
-    "random, `max_step` of its own": ({"obstacles": [Random(levels=LEVELS, max_step=2)]}, 64),
+    "random, `max_step` of its own": ({"obstacles": [Random(levels=LEVELS, max_step=2)]}, 4096),
     "random, `crossable_by`": ({"crossable_by": (10, 10, 20)}, 64),
     "random, difficulty 0.5": ({"difficulty": 0.5}, 4096),
     "normal random": (DESIGNS["normal random"], 4096),
@@ -87,7 +87,7 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
     "pit": ({"ground_level": 4, "obstacles": [Pit(levels=LEVELS)]}, 4096),
     "stones": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS)]}, 4096),
     "stones, uneven": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS, uneven=2)]}, 4096),
-    "pallet": ({"obstacles": [Pallet(levels=LEVELS)]}, 64),
+    "pallet": ({"obstacles": [Pallet(levels=LEVELS)]}, 4096),
 }
 """What changes of a recipe of random blocks for each kind of map, and how many maps are made."""
 

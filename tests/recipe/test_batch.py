@@ -121,6 +121,38 @@ def test_uneven_stones_of_many_maps_are_those_built_one_by_one(ends: dict[str, A
     assert len(np.unique(many, axis=0)) > 20
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_pallets_and_reordered_blocks_of_many_maps_are_those_built_one_by_one(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    levels, side = int(rng.integers(4, 7)), int(rng.integers(4, 9))
+    ends: dict[str, Any] = {"first": ANYWHERE, "last": ANYWHERE} if seed % 2 else {}
+    pallet = rsegen.Pallet(
+        levels=levels,
+        pattern=tuple(rng.choice(["flat", "hill", "diagonal"], size=2).tolist()),
+        turns=tuple(rng.integers(0, 4, size=2).tolist()),
+        symmetry=str(rng.choice(["random", "symmetric"])),
+        **ends,
+    )
+    reordered = Random(levels=levels, max_step=levels - 2, key="reordered", blend="max", last=(side - 1, side - 1))
+    recipe = Recipe(seed=seed, chunk_size=side, chunks=(2, 1), obstacles=[pallet, reordered])
+    many = rsegen.build_many(recipe, range(20))
+    assert np.array_equal(many, _one_by_one(recipe, range(20)))
+    assert len(np.unique(many, axis=0)) > 10
+
+
+@given(seed=SEEDS, skipped=st.integers(0, 500))
+def test_streams_that_skip_numbers_go_on_as_generators_that_drew_them(seed: int, skipped: int) -> None:
+    streams, alone = Streams.of(seed, range(3), "k"), [generator(seed, at, "k") for at in range(3)]
+    for own in alone[1:]:
+        own.random(skipped)
+    part = streams.part([1, 2])
+    part.skip(skipped)
+    streams.put([1, 2], part)
+    assert np.array_equal(streams.drawn((4,)), [own.random(4) for own in alone])
+    assert np.array_equal(streams.random(), [own.random() for own in alone])
+    assert np.array_equal(Streams.at(alone[0]).arrays((3,)), [alone[0].random(3)])
+
+
 @pytest.mark.parametrize("difficulty", [1, 0.6])
 def test_maps_too_large_to_be_made_together_are_those_built_one_by_one(difficulty: float) -> None:
     obstacles = [

@@ -186,6 +186,11 @@ class Obstacle(ABC):
         """Return whether the levels are `drawn` from one random number per cell of the rectangle between the ends."""
         return False
 
+    @property
+    def draws_alike(self) -> bool:
+        """Return whether a `Filling` makes the levels of many maps together, by `spanning`."""
+        return False
+
     @abstractmethod
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels of the obstacle, from the ground, between these two cells, which `ends` gave."""
@@ -310,6 +315,26 @@ class Filling(Obstacle):
         """Return the rectangle between two cells."""
         return _window(grid, first, last, 0)
 
+    def spanning(self, grid: Grid, span: Cell, streams: Streams) -> tuple[Levels, Mask]:
+        """Return the levels of many maps, (maps, n_x, n_y) or (n_x, n_y), and the covered cells, of a kind that
+        `draws_alike`.
+
+        They are between two ends that are so far apart, made of the next numbers of the streams.
+        """
+        raise NotImplementedError
+
+    def patches_drawn(self, grid: Grid, ends: Ints, streams: Streams) -> Patch:
+        """Return the levels of many maps between their ends (maps, 2, 2), on the whole map, by their streams."""
+        levels = np.zeros((len(ends), *grid.shape), dtype=np.int16)
+        footprint, spans, lowest = np.zeros(levels.shape, dtype=bool), ends[:, 1] - ends[:, 0], ends.min(axis=1)
+        for span in np.unique(spans, axis=0):
+            maps = np.flatnonzero((spans == span).all(axis=1))
+            own, covered = self.spanning(grid, tuple(span.tolist()), streams.part(maps))
+            x, y = (lowest[maps, axis, None] + np.arange(covered.shape[axis]) for axis in (0, 1))
+            place = maps[:, None, None], x[:, :, None], y[:, None, :]
+            levels[place], footprint[place] = own, covered
+        return Patch(EVERYWHERE, levels, footprint)
+
 
 class Region(Filling):
     """A random kind: it samples every cell of its rectangle."""
@@ -389,17 +414,9 @@ class Layout(Filling):
         levels, covered = self._spanning(span, rng.random)
         return Patch(self.window(grid, first, last), levels, covered)
 
-    def patches_drawn(self, grid: Grid, ends: Ints, streams: Streams) -> Patch:
-        """Return the levels of many maps between their ends (maps, 2, 2), on the whole map, by their streams."""
-        levels = np.zeros((len(ends), *grid.shape), dtype=np.int16)
-        footprint, spans, lowest = np.zeros(levels.shape, dtype=bool), ends[:, 1] - ends[:, 0], ends.min(axis=1)
-        for span in np.unique(spans, axis=0):
-            maps = np.flatnonzero((spans == span).all(axis=1))
-            own, covered = self._spanning(tuple(span.tolist()), streams.part(maps).arrays)
-            x, y = (lowest[maps, axis, None] + np.arange(covered.shape[axis]) for axis in (0, 1))
-            place = maps[:, None, None], x[:, :, None], y[:, None, :]
-            levels[place], footprint[place] = own, covered
-        return Patch(EVERYWHERE, levels, footprint)
+    def spanning(self, grid: Grid, span: Cell, streams: Streams) -> tuple[Levels, Mask]:
+        """Return the layouts of many maps (maps, n_x, n_y) between two ends that are so far apart."""
+        return self._spanning(span, streams.arrays)
 
     def _spanning(self, span: Cell, random: Callable[[Cell], Array]) -> tuple[Levels, Mask]:
         """Return the layout between two ends that are so far apart, (..., n_x, n_y), and the covered cells."""

@@ -16,7 +16,7 @@ small pallets of many levels have no such order, and get the smallest larger ste
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import count, product
@@ -28,7 +28,9 @@ from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles.base import SLACK, Filling, Grid, Obstacle, Patch, register
 from rsegen.obstacles.rearranged import rearranged
+from rsegen.params.arrays import order_of_draws
 from rsegen.params.sorts import Cell, Choice, Integer, ListOf
+from rsegen.params.streams import Streams
 
 _BEYOND = (9, 27, 24, 12)
 """Number of posts of level 0, 1, 2, 3 in the model beyond its ridge (10 of level 4) and shoulders (18)."""
@@ -93,36 +95,63 @@ class Pallet(Filling):
         if self.step >= self.levels:
             raise ParameterError("step", f"{self.step} is more than the highest level, {self.levels - 1}")
 
+    @property
+    def draws_alike(self) -> bool:
+        """Return whether `patch` is still the one of this class, so that pallets of many maps are made together."""
+        return type(self).patch is Pallet.patch
+
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return the levels of one pallet per square of chunk size, and of smaller ones for the rest at the ends."""
-        (x1, x2), (y1, y2) = (sorted(ends) for ends in zip(first, last, strict=True))
-        levels, limits = np.zeros((x2 - x1 + 1, y2 - y1 + 1), dtype=np.int16), _Limits()
-        side = grid.chunk_size
-        starts = product(*(range(0, cells, side) for cells in levels.shape[::-1]))  # along x first
-        for index, (y, x) in enumerate(starts):
-            tile = slice(x, x + side), slice(y, y + side)
-            pattern, turns = self.pattern[index % len(self.pattern)], self.turns[index % len(self.turns)]
-            n_x, n_y = levels[tile].shape[:: -1 if turns % 2 else 1]
-            levels[tile] = np.rot90(self._pallet(pattern, (n_x, n_y), limits, rng), turns)
-        levels = np.floor(levels * self.step * (1 - self.softness / 100) + SLACK).astype(np.int16)
-        return Patch(self.window(grid, first, last), levels, np.ones(levels.shape, dtype=bool))
+        (levels,), covered = self.spanning(grid, (last[0] - first[0], last[1] - first[1]), Streams.at(rng))
+        return Patch(self.window(grid, first, last), levels, covered)
 
-    def _pallet(self, pattern: str, shape: Cell, limits: _Limits, rng: np.random.Generator) -> Levels:
-        """Return the levels of one pallet, unrotated, in multiples of `step`: the same blocks in a random order."""
+    def spanning(self, grid: Grid, span: Cell, streams: Streams) -> tuple[Levels, Mask]:
+        """Return the levels of many maps (maps, n_x, n_y) between two ends that are so far apart; all are covered."""
+        levels = np.zeros((len(streams), abs(span[0]) + 1, abs(span[1]) + 1), dtype=np.int16)
+        limits, side = [_Limits() for _ in range(len(streams))], grid.chunk_size
+        starts = product(*(range(0, cells, side) for cells in levels.shape[:0:-1]))  # along x first
+        for index, (y, x) in enumerate(starts):
+            tile = slice(None), slice(x, x + side), slice(y, y + side)
+            pattern, turns = self.pattern[index % len(self.pattern)], self.turns[index % len(self.turns)]
+            n_x, n_y = levels[tile].shape[1:][:: -1 if turns % 2 else 1]
+            levels[tile] = np.rot90(self._pallets(pattern, (n_x, n_y), limits, streams), turns, axes=(1, 2))
+        levels = np.floor(levels * self.step * (1 - self.softness / 100) + SLACK).astype(np.int16)
+        return levels, np.ones(levels.shape[1:], dtype=bool)
+
+    def _pallets(self, pattern: str, shape: Cell, limits: Sequence[_Limits], streams: Streams) -> Levels:
+        """Return a pallet of each map, (maps, *shape), unrotated, in multiples of `step`: blocks in a random order."""
         top = (self.levels - 1) // self.step
         limit = max(-(-top // 2), 1)  # half, rounded up: 2 of 4 in Team Hector's model
         zones = np.minimum(_off_the_ridge(pattern, shape), 2)
         drawn = _half(pattern, shape) if self.symmetry == "symmetric" else np.ones(shape, dtype=bool)
         shoulders = dict.fromkeys(range(max(top - 2, top - limit), top), 1.0)
-        levels = np.full(shape, -1)
+        levels = np.full((len(streams), shape[0] * shape[1]), -1, dtype=np.int16)
         on_ridge, on_shoulders = partial(_shared, {top: 1.0}), partial(_shared, shoulders)
+        numbers, start = streams.drawn((int(drawn.sum()),)), 0
         for zone, shared in enumerate((on_ridge, on_shoulders, partial(_shared_beyond, top))):
             cells = np.flatnonzero(drawn & (zones == zone))
-            levels.flat[cells[np.argsort(rng.random(len(cells)), kind="stable")]] = shared(len(cells))
+            part, start = slice(start, start + len(cells)), start + len(cells)
+            np.put_along_axis(levels, cells[order_of_draws(numbers[:, part])], shared(len(cells)).astype(np.int16), 1)
         zones = np.where(drawn & (zones > 0), zones, -1)  # the ridge stays; the mirrored side is made at the end
-        orders = (rearranged(levels, most, rng, zones) for most in limits.of_a_pallet(limit, top, levels.size))
-        arranged = next(order for order in orders if order is not None)
+        arranged = _arranged(
+            levels.reshape(-1, *shape), zones, [own.of_a_pallet(limit, top, drawn.size) for own in limits], streams
+        )
         return np.asarray(np.where(drawn, arranged, _mirrored(pattern, arranged)))
+
+
+def _arranged(levels: Levels, zones: Ints, limits: Sequence[Iterator[int]], streams: Streams) -> Levels:
+    """Return the levels of many maps (maps, n_x, n_y), each rearranged under the first of its limits with an order."""
+    arranged, left = levels.copy(), np.arange(len(levels))
+    while len(left):
+        limit_of, found = np.array([next(limits[index]) for index in left.tolist()]), np.zeros(len(left), dtype=bool)
+        for limit in np.unique(limit_of).tolist():
+            places = np.flatnonzero(limit_of == limit)
+            maps = left[places]
+            own = streams.part(maps)
+            arranged[maps], found[places] = rearranged(levels[maps], limit, own, zones)
+            streams.put(maps, own)
+        left = left[~found]
+    return arranged
 
 
 class _Limits:
@@ -172,10 +201,10 @@ def _half(pattern: str, shape: Cell) -> Mask:
 
 
 def _mirrored(pattern: str, levels: Levels) -> Levels:
-    """Return the levels mirrored across the ridge; for a diagonal that is not square, rotated by half a turn."""
+    """Return levels (maps, n_x, n_y) mirrored across the ridge; for a diagonal that is not square, turned by half."""
     if pattern != "diagonal":
-        return levels[::-1]
-    return levels.T if levels.shape[0] == levels.shape[1] else levels[::-1, ::-1]
+        return levels[:, ::-1]
+    return levels.swapaxes(1, 2) if levels.shape[1] == levels.shape[2] else levels[:, ::-1, ::-1]
 
 
 @lru_cache(maxsize=64)

@@ -3,8 +3,8 @@
 Each level is a function of one random number u of the cell, by the inverse of its distribution, so a cell's draw does
 not depend on any other cell's, and all cells of many maps are drawn by one call. The cost is O(1) per cell; weighted
 and normal levels take a binary search among the levels, `counts` (a shuffle of given blocks) a sort of the cells.
-`max_step` (the same blocks in an order without larger steps, see `rearranged`) ties the cells together and is made map
-by map.
+`max_step` (the same blocks in an order without larger steps, see `rearranged`) ties the cells together: dozens of
+sweeps over them, by the same calls for many maps.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from rsegen.errors import ParameterError, shown
-from rsegen.field.stepfield import Array, Levels
+from rsegen.field.stepfield import Array, Levels, Mask
 from rsegen.obstacles.base import Grid, Obstacle, Patch, Region, elementwise, register
 from rsegen.obstacles.rearranged import rearranged
 from rsegen.params.arrays import asarray, cast, least, level_of, order_of_draws
 from rsegen.params.sorts import MOST_LEVELS, Cell, Float, Integer, Json, Parameter, refuse_longer
+from rsegen.params.streams import Streams
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,11 @@ class Random(Region):
         """Return 2 if blocks are shuffled: the first number is the one of a level that is not counted."""
         return 1 if self.counts is None else 2
 
+    @property
+    def draws_alike(self) -> bool:
+        """Return whether blocks are reordered, by the `patch` of this class: those of many maps together."""
+        return type(self).patch is Random.patch and self.max_step is not None
+
     def levels_in_maps(self, uniform: Array) -> Levels:
         """Return levels sampled per cell, or shuffled from `counts` in each map."""
         if self.counts is None:
@@ -132,19 +138,26 @@ class Random(Region):
 
     def patch(self, grid: Grid, first: Cell, last: Cell, rng: np.random.Generator) -> Patch:
         """Return levels sampled per cell or shuffled from `counts`, reordered until no step exceeds `max_step`."""
-        patch = Region.patch(self, grid, first, last, rng)
         if self.counts is None and self.max_step is None:
-            return patch
-        levels = patch.levels if self.counts is None else self.levels_in_maps(rng.random((1, *patch.levels.shape)))[0]
+            return Region.patch(self, grid, first, last, rng)
+        (levels,), covered = self.spanning(grid, (last[0] - first[0], last[1] - first[1]), Streams.at(rng))
+        return Patch(self.window(grid, first, last), levels, covered)
+
+    def spanning(self, grid: Grid, span: Cell, streams: Streams) -> tuple[Levels, Mask]:
+        """Return the levels of many maps (maps, n_x, n_y) between two ends that are so far apart; all are covered.
+
+        ParameterError if there is no order of the blocks of a map.
+        """
+        shape = abs(span[0]) + 1, abs(span[1]) + 1
+        levels = self.levels_in_maps(streams.drawn((self.draws_per_cell, *shape))[:, -1])
         if self.max_step is not None:
-            order = rearranged(levels, self.max_step, rng)
-            if order is None:
+            levels, is_ordered = rearranged(levels, self.max_step, streams)
+            if not is_ordered.all():
                 raise ParameterError(
                     "max_step",
                     f"{self.max_step}: no order of these blocks was found; give more, or more blocks of middle levels",
                 )
-            levels = order
-        return patch._replace(levels=levels)
+        return levels, np.ones(shape, dtype=bool)
 
     @elementwise
     def drawn(self, uniform: Array) -> Levels:

@@ -5,6 +5,7 @@ and then none. A swap is accepted if the excess over the limit, summed over all 
 in the first sweeps with a small probability for each level by which it rises. All cells of one colour, i + 2 j modulo
 5, are swapped at once: no two of them have a common neighbour, so the effect of each swap does not depend on the
 others. A sweep costs O(cells). It may fail where the limit leaves few orders: a swap moves two blocks, never a slope.
+The same calls swap the blocks of thousands of maps, each by the numbers of its own stream, until the last one is right.
 
 The second is sure: sorted blocks fill a field diagonal by diagonal from a corner (`fill_order`). If any arrangement of
 some blocks keeps to a largest step, the ascending one along this order does. Of all sets of m cells of a rectangle, the
@@ -18,10 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product, starmap
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
+from rsegen.params.arrays import order_of_draws
+from rsegen.params.streams import Streams
 
 
 def fill_order(there: Mask, like: Array) -> Ints:
@@ -88,155 +92,282 @@ _MOST_REPAIRED = 2**16
 _MOST_SWEPT = 2**23
 """Cells, over all sweeps, that may be swapped to bring a field nearer to another one: it bounds the time."""
 
+_SWEEPS_AHEAD = 6
+"""Sweeps whose numbers are drawn together, a divisor of all: each time costs as much as the numbers of three sweeps."""
 
-def rearranged(levels: Ints, limit: int, rng: np.random.Generator, zones: Ints | None = None) -> Levels | None:
-    """Return levels (n_x, n_y) reordered so that no block differs by more than `limit` from its four neighbours.
+_MOST_DRAWN = 2**22
+"""Numbers that are drawn together for many maps: 32 MB."""
 
-    zones: (n_x, n_y), blocks stay within their zone, those with a negative zone do not move; a negative level is no
-    block. None if no such order is found; without zones, if there is none.
+_MOST_IN_16_BITS = 2**12 - 1
+"""Level up to which sums of the excess of a swap, of eight steps before and after it, fit into 16 bits."""
+
+_NO_STEP = 32767
+"""Limit of the step to a cell that is not there: none exceeds it."""
+
+
+def rearranged(levels: Levels, limit: int, streams: Streams, zones: Ints | None = None) -> tuple[Levels, Mask]:
+    """Return levels reordered so that no block differs by more than `limit` from its four neighbours, of many maps.
+
+    levels: (maps, n_x, n_y), negative ones are no blocks, in all maps at the same cells. zones: (n_x, n_y), blocks stay
+    within their zone, those with a negative zone do not move. The second is the mask of the maps for which an order
+    is found; without zones, it is false only if there is none.
     """
-    levels = levels.astype(np.int64)
-    everywhere, zones = zones is None, np.zeros_like(levels) if zones is None else zones
-    if everywhere and not _Arrangement(_filled(levels, np.zeros(levels.shape)), zones, limit).is_right():
-        return None  # no order of these blocks is right, as the ascending one is not
-    for warm, start in _starts(levels, zones, rng):
-        if arrangement := _repaired(_Arrangement(start, zones, limit), rng, warm=warm):
-            return arrangement.levels()
-    if not everywhere:
-        return None
-    arrangement = _Arrangement(_filled(levels, rng.random(levels.shape)), zones, limit)
-    for _ in range(_SWEEPS):  # as random as the limit allows
-        arrangement.swap(rng, 0.0)
-    return arrangement.levels()
+    result, found = levels.astype(np.int16), np.zeros(len(levels), dtype=bool)
+    everywhere, zones = zones is None, np.zeros(levels.shape[1:], dtype=np.int64) if zones is None else zones
+    left = np.arange(len(levels))
+    if everywhere:  # if the ascending order is not right, none is
+        ascending = _filled(levels, np.zeros(levels.shape[1:]))
+        left = np.flatnonzero(_Arrangements(ascending, zones, limit).are_right())
+    for times in (0, *_SMOOTHED, None):  # as drawn, ever smoother, sorted along x
+        if not len(left):
+            return result, found
+        part, own = levels[left], streams.part(left)
+        start = part if times == 0 else _sorted_by(_order(part.shape, times, own), part, zones)
+        result[left], repaired = _repaired(_Arrangements(start, zones, limit), own, warm=times == 0)
+        streams.put(left, own)
+        found[left] = repaired
+        left = left[~repaired]
+    if everywhere and len(left):  # from a corner: as random as the limit allows
+        part, own = levels[left], streams.part(left)
+        starts = [_filled(one[None], like)[0] for one, like in zip(part, own.drawn(part.shape[1:]), strict=True)]
+        arrangements = _Arrangements(np.array(starts), zones, limit)
+        arrangements.sweep(own, _SWEEPS)
+        streams.put(left, own)
+        result[left], found[left] = arrangements.levels(), True
+    return result, found
 
 
-def rearranged_like(
-    levels: Ints, limit: int, rng: np.random.Generator, like: Array, caps: Ints | None = None
-) -> Levels | None:
+def rearranged_like(levels: Ints, limit: int, stream: Streams, like: Array, caps: Ints | None = None) -> Levels | None:
     """Return levels (n_x, n_y) reordered as by `rearranged`, near the values of `like` and not above `caps`.
 
     like, caps: (n_x, n_y). Negative levels stay where they are, and are no blocks. None if no such order is found;
     without caps, if there is none.
     """
-    zones = np.where(levels < 0, -1, 0)
-    like = like + (_smooth(like, _SMOOTHED[1]) + rng.random(like.shape)) / 100  # ties: next to high cells first
+    one, zones = levels[None], np.where(levels < 0, -1, 0)
+    like = like + (_smooth(like, _SMOOTHED[1]) + stream.drawn(like.shape)[0]) / 100  # ties: next to high cells first
     orders = (_smooth(like, times) for times in (0, *_SMOOTHED))
-    starts = [_sorted_by(order, levels, zones) for order in orders] if levels.size <= _MOST_REPAIRED else []
-    for start in (*starts, _filled(levels, like)):
-        if arrangement := _repaired(_Arrangement(start, zones, limit, like, caps), rng, warm=True):
-            for _ in range(min(_SWEEPS, max(_MOST_SWEPT // levels.size, 1))):
-                arrangement.swap(rng, 0.0)
-            return arrangement.levels()
+    starts = [_sorted_by(order[None], one, zones) for order in orders] if levels.size <= _MOST_REPAIRED else []
+    for start in (*starts, _filled(one, like)):
+        arranged, (is_right,) = _repaired(_Arrangements(start, zones, limit, like, caps), stream, warm=True)
+        if is_right:
+            arrangements = _Arrangements(arranged, zones, limit, like, caps)
+            arrangements.sweep(stream, min(_SWEEPS, max(_MOST_SWEPT // levels.size, 1)))
+            nearest: Levels = arrangements.levels()[0]
+            return nearest
     return None
 
 
-def _repaired(arrangement: _Arrangement, rng: np.random.Generator, *, warm: bool) -> _Arrangement | None:
-    """Return the arrangement once swaps have made it right; None if they do not.
+def _repaired(arrangements: _Arrangements, streams: Streams, *, warm: bool) -> tuple[Levels, Mask]:
+    """Return the levels of all maps once swaps have made them right, or after the last sweep, and which are right.
 
     warm: swaps of the first half of the sweeps may make it worse.
     """
-    for sweep in range(_SWEEPS):
-        if arrangement.is_right():
-            return arrangement
-        arrangement.swap(rng, _WORSE if warm and sweep < _SWEEPS // 2 else 0.0)
-    return None
+    result, repaired = arrangements.levels(), np.zeros(len(streams), dtype=bool)
+    left = np.arange(len(streams))
+    for first in range(0, _SWEEPS, _SWEEPS_AHEAD):
+        if not len(left):
+            break
+        rows, before = np.arange(len(left)), left
+        draws = arrangements.draws_of_sweeps(streams.part(left), _SWEEPS_AHEAD)
+        swept = np.full(len(left), _SWEEPS_AHEAD)
+        for sweep, drawn in enumerate(draws, first):
+            if (right := arrangements.are_right()).any():
+                place, swept[rows[right]] = left[right], sweep - first
+                result[place], repaired[place] = arrangements.levels(right), True
+                arrangements.keep(~right)
+                rows, left = rows[~right], left[~right]
+                if not len(left):
+                    break
+            own = drawn if len(rows) == len(drawn) else drawn[rows]
+            arrangements.swap(own, _WORSE if warm and sweep < _SWEEPS // 2 else 0.0)
+        for sweeps in np.unique(swept).tolist():
+            of_them = before[swept == sweeps]
+            own_streams = streams.part(of_them)
+            own_streams.skip(sweeps * arrangements.draws)
+            streams.put(of_them, own_streams)
+    result[left] = arrangements.levels()
+    return result, repaired
 
 
-def _starts(levels: Ints, zones: Ints, rng: np.random.Generator) -> Iterator[tuple[bool, Ints]]:
-    """Yield whether worse swaps are allowed, and an initial order: as drawn, ever smoother ones, sorted along x."""
-    yield True, levels
-    for times in _SMOOTHED:
-        yield False, _sorted_by(_smooth(rng.random(levels.shape), times), levels, zones)
-    yield False, _sorted_by(np.arange(levels.size, dtype=np.float64).reshape(levels.shape), levels, zones)
+def _order(shape: tuple[int, ...], times: int | None, streams: Streams) -> Array:
+    """Return what cells are sorted by, (maps, n_x, n_y): noise smoothed so many times, or with None the way along x."""
+    if times is None:
+        return np.broadcast_to(np.arange(shape[1] * shape[2], dtype=np.float64).reshape(shape[1:]), shape)
+    return _smooth(streams.drawn(shape[1:]), times)
 
 
 def _filled(levels: Ints, like: Array) -> Ints:
-    """Return levels in ascending order along the cells from a corner, where `like` is low; frames stay."""
-    order = fill_order(levels >= 0, like)
-    filled = levels.copy()
-    filled.flat[order] = np.sort(levels.flat[order])
-    return filled
+    """Return levels in ascending order along the cells from a corner, where `like` is low; frames stay.
+
+    levels: (maps, n_x, n_y). like: (n_x, n_y).
+    """
+    order = fill_order(levels[0] >= 0, like)
+    filled = levels.reshape(len(levels), -1).copy()
+    filled[:, order] = np.sort(filled[:, order], axis=1)
+    return filled.reshape(levels.shape)
 
 
 def _sorted_by(order: Array, levels: Ints, zones: Ints) -> Ints:
-    """Return levels sorted by `order` within each zone."""
-    arranged = levels.copy()
+    """Return levels (maps, n_x, n_y) sorted by `order`, alike, within each zone."""
+    arranged, order = levels.reshape(len(levels), -1).copy(), order.reshape(len(levels), -1)
     for zone in np.unique(zones[zones >= 0]):
         cells = np.flatnonzero(zones == zone)
-        arranged.flat[cells[np.argsort(order.flat[cells], kind="stable")]] = np.sort(levels.flat[cells])
-    return arranged
+        places = cells[np.argsort(order[:, cells], axis=1, kind="stable")]
+        np.put_along_axis(arranged, places, np.sort(arranged[:, cells], axis=1), axis=1)
+    return arranged.reshape(levels.shape)
 
 
 def _smooth(values: Array, times: int) -> Array:
-    """Return values of which each is, so many times, the mean of itself and its four neighbours."""
+    """Return values (..., n_x, n_y) of which each is, so many times, the mean of itself and its four neighbours."""
     for _ in range(times):
-        p = np.pad(values, 1, mode="edge")
-        values = (p[1:-1, 1:-1] + p[2:, 1:-1] + p[:-2, 1:-1] + p[1:-1, 2:] + p[1:-1, :-2]) / 5
+        p = np.pad(values, [(0, 0)] * (values.ndim - 2) + [(1, 1)] * 2, mode="edge")
+        along_x, along_y = p[..., 1:-1], p[..., 1:-1, :]
+        values = (
+            p[..., 1:-1, 1:-1] + along_x[..., 2:, :] + along_x[..., :-2, :] + along_y[..., 2:] + along_y[..., :-2]
+        ) / 5
     return values
 
 
-class _Arrangement:
-    """The levels as a flat array with a border of empty cells, and the swaps between them."""
+class _Colour(NamedTuple):
+    """The movable cells of one colour, zone by zone: what the swaps of a sweep need of them.
+
+    cells: their flat indices   places: the number of each among those drawn   zones: the part of each zone
+    first: which of the mixed cells are the first of a pair; the next one is the second
+    around: flat indices of the neighbours (4, cells)   limits: of the steps to them (4, cells, 1)
+    """
+
+    cells: Ints
+    places: Ints
+    zones: tuple[slice, ...]
+    first: Ints
+    around: Ints
+    limits: Ints
+
+
+class _Arrangements:
+    """The levels of many maps, with a border of empty cells, and the swaps between them.
+
+    levels: (maps, n_x, n_y), in memory (cells, maps), so that a cell of all maps is a long row. like, caps: (n_x, n_y).
+    """
 
     def __init__(
         self, levels: Ints, zones: Ints, limit: int, like: Array | None = None, caps: Ints | None = None
     ) -> None:
-        self._shape = levels.shape
-        self._limit = limit
-        self._levels = np.pad(levels, 1).ravel()
-        self._there = np.pad(levels >= 0, 1).ravel()
-        self._like = None if like is None else np.pad(like, 1).ravel()
-        self._caps = None if caps is None else np.pad(caps, 1).ravel()
-        self._zones = np.pad(zones, 1, constant_values=-1).ravel()
-        width = levels.shape[1] + 2
-        self._neighbours = np.array([1, -1, width, -width])  # as offsets of flat indices
-        self._movable = np.flatnonzero(self._zones >= 0)
-        colour = (self._movable // width + 2 * (self._movable % width)) % _COLOURS
-        self._cells_by_colour = [self._movable[colour == index] for index in range(_COLOURS)]
+        maps, n_x, n_y = levels.shape
+        is_low = caps is None and levels.max(initial=0) <= _MOST_IN_16_BITS
+        padded = np.zeros((n_x + 2, n_y + 2, maps), dtype=np.int16 if is_low else np.int32)
+        padded[1:-1, 1:-1] = np.moveaxis(levels, 0, -1)
+        self._shape, self._levels = (n_x, n_y), padded.reshape(-1, maps)
+        self._there = np.pad(levels[0] >= 0, 1)
+        self._zones, self._limit = np.pad(zones, 1, constant_values=-1), limit
+        self._like = None if like is None else np.pad(like, 1).reshape(-1, 1)
+        self._caps = None if caps is None else np.pad(caps, 1).reshape(-1, 1).astype(np.int32)
+        movable = np.flatnonzero(self._zones >= 0)
+        colour = (movable // (n_y + 2) + 2 * (movable % (n_y + 2))) % _COLOURS
+        self._colours = [self._colour(movable[colour == index]) for index in range(_COLOURS)]
+        self.draws = sum(len(colour.cells) + len(colour.first) for colour in self._colours)
 
-    def levels(self) -> Levels:
-        """Return the levels without the border, (n_x, n_y)."""
+    def _colour(self, cells: Ints) -> _Colour:
+        """Return the cells of one colour, given in ascending order, zone by zone."""
+        width = self._shape[1] + 2
+        zone = self._zones.flat[cells]
+        places = np.argsort(zone, kind="stable")
+        cells, zone = cells[places], zone[places]
+        ends = np.flatnonzero(np.diff(zone)) + 1
+        parts = tuple(slice(*pair) for pair in zip([0, *ends.tolist()], [*ends.tolist(), len(cells)], strict=True))
+        first = np.arange(0, len(cells) // 2 * 2, 2)
+        around = cells + np.array([1, -1, width, -width])[:, None]
+        limits = np.where(self._there.flat[around], self._limit, _NO_STEP)[..., None]
+        return _Colour(
+            cells=cells,
+            places=places,
+            zones=parts,
+            first=first[zone[first] == zone[first + 1]],
+            around=around,
+            limits=limits.astype(self._levels.dtype),
+        )
+
+    def levels(self, maps: Mask | slice = slice(None)) -> Levels:
+        """Return the levels of some maps without the border, (maps, n_x, n_y)."""
         n_x, n_y = self._shape
-        return self._levels.reshape(n_x + 2, n_y + 2)[1:-1, 1:-1].astype(np.int16)
+        field = self._levels[:, maps].reshape(n_x + 2, n_y + 2, -1)[1:-1, 1:-1]
+        return np.moveaxis(field, -1, 0).astype(np.int16)
 
-    def is_right(self) -> bool:
-        """Return whether every movable block is within the limit of its neighbours."""
-        return not self._excess(self._movable, self._levels[self._movable]).any()
+    def keep(self, maps: Mask) -> None:
+        """Leave out all maps but some."""
+        self._levels = np.ascontiguousarray(self._levels[:, maps])
 
-    def swap(self, rng: np.random.Generator, worse: float) -> None:
+    def are_right(self) -> Mask:
+        """Return whether every movable block of each map is within the limit of its neighbours, (maps,)."""
+        n_x, n_y = self._shape
+        field, movable = self._levels.reshape(n_x + 2, n_y + 2, -1), self._zones >= 0
+        right = np.ones(field.shape[2], dtype=bool)
+        for low, high in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+            is_step = self._there[low] & self._there[high] & (movable[low] | movable[high])
+            most = np.where(is_step, self._limit, _NO_STEP).astype(field.dtype)[..., None]
+            right &= ~(np.abs(field[high] - field[low]) > most).any(axis=(0, 1))
+        if self._caps is not None:
+            right &= ~(self._levels > self._caps)[movable.ravel()].any(axis=0)
+        return right
+
+    def draws_of_sweeps(self, streams: Streams, sweeps: int) -> Iterator[Array]:
+        """Yield the next numbers of every map for each of some sweeps, (maps, draws); the streams stay there."""
+        streams = streams.copy()
+        at_once = max(min(_MOST_DRAWN // max(len(streams) * self.draws, 1), sweeps), 1)
+        for first in range(0, sweeps, at_once):
+            yield from np.moveaxis(streams.drawn((min(at_once, sweeps - first), self.draws)), 1, 0)
+
+    def sweep(self, streams: Streams, sweeps: int) -> None:
+        """Swap pairs of blocks in so many sweeps, without any swap that makes it worse."""
+        for drawn in self.draws_of_sweeps(streams, sweeps):
+            self.swap(drawn, 0.0)
+        streams.skip(sweeps * self.draws)
+
+    def swap(self, drawn: Array, worse: float) -> None:
         """Swap random pairs if that makes nothing worse, and by the probability `worse` per level if it does.
 
-        Swaps that make it neither worse nor better are left out if they lead away from `like`.
+        Swaps that make it neither worse nor better are left out if they lead away from `like`. drawn: (maps, draws).
         """
-        probabilities = np.cumprod([1.0, *[worse] * _MOST_WORSE])
-        for cells in self._cells_by_colour:
-            a, b = self._pairs(cells, rng)
-            if not len(a):
-                continue
-            of_a, of_b = self._levels[a], self._levels[b]
-            # After each swap, and before it: at once, as grids are small.
-            levels = np.concatenate([of_b, of_a, of_a, of_b])
-            excess = self._excess(np.concatenate([a, b, a, b]), levels).reshape(4, len(a))
-            rise = excess[0] + excess[1] - excess[2] - excess[3]
-            swapped = rng.random(len(a)) < probabilities[np.clip(rise, 0, _MOST_WORSE)]
-            if (like := self._like) is not None:
-                before, after = (np.abs(x - like[a]) + np.abs(y - like[b]) for x, y in ((of_a, of_b), (of_b, of_a)))
-                swapped &= (rise != 0) | (after <= before)
-            a, b, of_a, of_b = a[swapped], b[swapped], of_a[swapped], of_b[swapped]
-            self._levels[a], self._levels[b] = of_b, of_a
+        probabilities: Any = np.cumprod([1.0, *[worse] * _MOST_WORSE])
+        start = 0
+        for colour in self._colours:
+            middle = start + len(colour.cells)
+            numbers, (start, end) = drawn[:, start:middle], (middle, middle + len(colour.first))
+            chances, start = drawn[:, start:end].T, end
+            if len(colour.first):
+                self._swap(colour, numbers, chances, probabilities)
 
-    def _pairs(self, cells: Ints, rng: np.random.Generator) -> tuple[Ints, Ints]:
-        """Return random pairs of cells of one zone; some cells are left over."""
-        mixed = cells[np.argsort(rng.random(len(cells)), kind="stable")]
-        mixed = mixed[np.argsort(self._zones[mixed], kind="stable")]
-        even = len(mixed) // 2 * 2
-        a, b = mixed[:even:2], mixed[1:even:2]
-        alike = self._zones[a] == self._zones[b]
-        return a[alike], b[alike]
+    def _swap(self, colour: _Colour, numbers: Array, chances: Array, probabilities: Array) -> None:
+        """Swap pairs of cells of one colour and zone, mixed by their numbers (maps, cells)."""
+        mixed = _mixed(colour, numbers).T * len(numbers) + np.arange(len(numbers))
+        a, b = mixed[colour.first], mixed[colour.first + 1]  # flat indices into (cells, maps)
+        before = self._levels[colour.cells]
+        of_a, of_b = before.ravel()[a], before.ravel()[b]
+        after = before.copy()
+        after.ravel()[a], after.ravel()[b] = of_b, of_a
+        rises = (self._excess(colour, after) - self._excess(colour, before)).ravel()
+        rise = rises[a] + rises[b]
+        swapped = chances < probabilities[np.clip(rise, 0, _MOST_WORSE)]
+        if self._like is not None:
+            like = self._like[colour.cells]
+            farther, nearer = (np.abs(levels - like).ravel() for levels in (before, after))
+            swapped &= (rise != 0) | (nearer[a] + nearer[b] <= farther[a] + farther[b])
+        before.ravel()[a], before.ravel()[b] = np.where(swapped, of_b, of_a), np.where(swapped, of_a, of_b)
+        self._levels[colour.cells] = before
 
-    def _excess(self, cells: Ints, levels: Ints) -> Ints:
-        """Return by how many levels each cell, with these levels, would exceed its limits: steps and cap, in sum."""
-        neighbours = cells[:, None] + self._neighbours
-        beyond = np.abs(self._levels[neighbours] - levels[:, None]) - self._limit
-        excess = (np.maximum(beyond, 0) * self._there[neighbours]).sum(axis=1)
-        return np.asarray(excess if self._caps is None else excess + np.maximum(levels - self._caps[cells], 0))
+    def _excess(self, colour: _Colour, levels: Ints) -> Any:
+        """Return by how many levels each cell (cells, maps), with these levels, exceeds its limits: steps, cap."""
+        excess = np.zeros_like(levels)
+        for around, limits in zip(colour.around, colour.limits, strict=True):
+            beyond = self._levels[around] - levels
+            np.abs(beyond, out=beyond)
+            beyond -= limits
+            excess += np.maximum(beyond, 0, out=beyond)
+        return excess if self._caps is None else excess + np.maximum(levels - self._caps[colour.cells], 0)
+
+
+def _mixed(colour: _Colour, numbers: Array) -> Ints:
+    """Return the cells of each map in the order of their numbers (maps, cells), zone after zone: places."""
+    if len(colour.zones) == 1:
+        return order_of_draws(numbers)  # type: ignore[no-any-return]  # an array as the numbers
+    return np.concatenate([order_of_draws(numbers[:, colour.places[part]]) + part.start for part in colour.zones], 1)

@@ -101,6 +101,17 @@ class Streams:
         begun = _plus(increment, (state_high, state_low))
         return cls(_plus(_times(begun, _wide(_MULTIPLIER)), increment), increment)
 
+    @classmethod
+    def at(cls, rng: np.random.Generator) -> Streams:
+        """Return one stream, which goes on where a generator is; the generator stays there."""
+        import numpy as np
+
+        state: Any = rng.bit_generator.state
+        wides = (_wide(state["state"][name]) for name in ("state", "inc"))
+        ((high, low), (inc_high, inc_low)) = wides
+        one = [np.array([half], dtype=np.int64) for half in (high, low, inc_high, inc_low)]
+        return cls((one[0], one[1]), (one[2], one[3]))
+
     def __len__(self) -> int:
         return len(self._increment[0])
 
@@ -108,6 +119,24 @@ class Streams:
         """Return the streams of some of the maps: a slice, a mask or indices."""
         state, increment = ((high[maps], low[maps]) for high, low in (self._state, self._increment))
         return Streams(state, increment)
+
+    def put(self, maps: Any, part: Streams) -> None:
+        """Let the streams of some of the maps go on where those of a `part` are."""
+        (high, low), (of_part_high, of_part_low) = self._state, part._state
+        self._state = high.copy(), low.copy()  # copies of these streams stay where they are
+        self._state[0][maps], self._state[1][maps] = of_part_high, of_part_low
+
+    def skip(self, count: int) -> None:
+        """Leave out so many numbers of every map."""
+        if count:
+            factor, term = _jump(count)
+            self._state = _plus(_times(self._state, factor), _times(self._increment, term))
+
+    def drawn(self, shape: Sequence[int]) -> Any:
+        """Return the next numbers of every map, (maps, *shape), and go on behind them."""
+        numbers = self.arrays(shape)
+        self.skip(prod(shape))
+        return numbers
 
     def copy(self) -> Streams:
         """Return streams that go on from the same place."""
@@ -213,6 +242,14 @@ def _jumps(count: int) -> tuple[Wide, Wide]:
         terms.append(_wide(term))
     (a, b), (c, d) = (np.array(rows, dtype=np.int64).T for rows in (factors, terms))
     return (a, b), (c, d)
+
+
+@lru_cache(maxsize=1024)
+def _jump(count: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Return A^k and (A^k - 1) / (A - 1) for one k."""
+    # The quotient modulo 2^128 needs the power modulo (A - 1) 2^128.
+    power = pow(_MULTIPLIER, count, (_MULTIPLIER - 1) << 128)
+    return _wide(power & _BITS_128), _wide((power - 1) // (_MULTIPLIER - 1) & _BITS_128)
 
 
 def _pooled(entropy: Words) -> list[Words]:

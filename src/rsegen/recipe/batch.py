@@ -6,9 +6,10 @@ numpy's cost per call exceeds that of the cells of a small map, so thousands of 
     ends that are drawn                for all maps as arrays, if the kind's `ends` is elementwise; else map by map
     kinds that draw nothing else       one patch for all maps with the same ends, all patches by one profile
     layouts that draw, as stones       the numbers of all maps with rectangles of one shape
+    pallets, `max_step` of an obstacle swaps of all maps with rectangles of one shape (obstacles/rearranged.py)
     difficulty, a largest step         all maps at once (difficulty.py, constraints/meeting.py)
-    all else                           map by map, as by `build`: pallets, `max_step` of random blocks, kinds of others
-                                       that draw in their `patch`; maps with an inventory or that have to be crossed
+    all else                           map by map, as by `build`: kinds of others that draw in their `patch`; maps with
+                                       an inventory or that have to be crossed
 
 The cost that remains for each map and obstacle is a hash, and for each cell of a map one operation of each step.
 """
@@ -24,7 +25,7 @@ import numpy as np
 from rsegen.errors import ParameterError, inside, shown
 from rsegen.field.stepfield import Ints, Levels, Mask
 from rsegen.obstacles import Grid, Obstacle, Patch
-from rsegen.obstacles.base import EVERYWHERE, Layout, Region, is_elementwise
+from rsegen.obstacles.base import EVERYWHERE, Filling, Region, is_elementwise
 from rsegen.params.arrays import asarray, take_along_rows
 from rsegen.params.sorts import Cell
 from rsegen.params.streams import SEEDS, Streams
@@ -33,6 +34,9 @@ from rsegen.recipe.map_design import MapDesign
 
 _CELLS_AT_ONCE = 2**17
 """Cells that are made together: an array of numbers for them takes 1 MB, which fits into the cache of a core."""
+
+_MORE_REARRANGED = 4
+"""Times as many cells are made together if blocks are swapped, as few maps are left in most of the sweeps."""
 
 _CELLS_SCALED_AT_ONCE = 2**15
 """Cells that are scaled to their difficulty together, in several arrays of numbers at a time."""
@@ -94,6 +98,7 @@ def fill(levels: Any, recipe: MapDesign, indices: Sequence[int], cells: int, sca
         return
     obstacles = [(row, _InManyMaps(recipe, obstacle)) for row, obstacle in recipe.enabled_obstacles]
     of_a_map = recipe.grid.n_x * recipe.grid.n_y
+    cells *= _MORE_REARRANGED if any(obstacle.draws_alike for _, obstacle in recipe.enabled_obstacles) else 1
     # As `building.build` does for one map, in the same order: obstacles, difficulty, ground, step limit.
     for part, own in _parts(levels, indices, cells // of_a_map):
         for row, obstacle in obstacles:
@@ -149,7 +154,7 @@ class _InManyMaps:
             self._impose(levels, self._drawn_anywhere(region, streams, levels))
         elif obstacle.draws_nothing and is_small:
             self._impose(levels, self._patches(streams))
-        elif is_small and isinstance(obstacle, Layout) and obstacle.draws_alike:
+        elif (is_small or self._ends) and isinstance(obstacle, Filling) and _is_drawn_alike(obstacle):
             (x1, y1), (x2, y2) = self._ends_of(streams)
             ends = np.stack([np.stack([x1, y1], axis=-1), np.stack([x2, y2], axis=-1)], axis=1)
             self._impose(levels, obstacle.patches_drawn(self._grid, ends, streams))
@@ -193,6 +198,11 @@ class _InManyMaps:
             drawn = np.array([obstacle.ends(grid, first, last, rng) for rng in streams.generators()])
             (x1, y1), (x2, y2) = np.moveaxis(drawn, 0, -1)
         return (x1, y1), (x2, y2)
+
+
+def _is_drawn_alike(obstacle: Filling) -> bool:
+    """Return whether obstacles of many maps are made together, by the numbers that follow those of their ends."""
+    return obstacle.draws_alike and is_elementwise(obstacle.ends)
 
 
 def _is_drawn_anywhere(obstacle: Region) -> bool:

@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from rsegen.field.stepfield import Array, Ints, StepField
 from rsegen.obstacles.rearranged import cells_with_neighbours, fill_order, rearranged_like
+from rsegen.params.streams import Streams
 
 Blocks = NDArray[np.int64]
 """Number of blocks in stock of each level; of level 0, which needs no block, more than enough."""
@@ -236,7 +237,7 @@ class Stock:
     limit: int
 
     def arranged(
-        self, field: StepField, like: Array, rng: np.random.Generator, caps: Ints | None = None, empty: int = 0
+        self, field: StepField, like: Array, stream: Streams, caps: Ints | None = None, empty: int = 0
     ) -> Ints | None:
         """Return levels with about the counts of a field, as near to `like` as swaps bring them, and not above `caps`.
 
@@ -252,7 +253,7 @@ class Stock:
         counts = BlockCounts(self.owned, self.limit, n).nearest(wished, int((like[there] > 0).sum()), low)
         levels = np.full(field.shape, -1)
         levels[there] = np.repeat(np.arange(len(counts)), counts)
-        arranged = rearranged_like(levels, self.limit, rng, like, caps)
+        arranged = rearranged_like(levels, self.limit, stream, like, caps)
         return None if arranged is None else np.maximum(arranged, 0)
 
 

@@ -32,7 +32,7 @@ from rsegen.field.crossing import NO_CAP, CrossingModel
 from rsegen.field.stepfield import Array, Ints, Mask, StepField
 from rsegen.obstacles.random import Random
 from rsegen.params.arrays import maps_first, maps_last, namespace
-from rsegen.params.streams import generator
+from rsegen.params.streams import Streams, generator
 from rsegen.params.watch import report_share
 from rsegen.recipe.constraints.inventory import (
     Blocks,
@@ -174,11 +174,11 @@ def _counts_blocks(design: MapDesign) -> bool:
 def _arranged(wished: StepField, like: Array, design: MapDesign, index: int, inventory: Sequence[int]) -> StepField:
     """Return the blocks of an inventory near `like`, with about the counts of a field; all constraints are met."""
     owned = block_counts(inventory, max(len(inventory), int(wished.levels.max(initial=0))) + 1)
-    stock, rng = Stock(owned=owned, limit=design.max_step or 1), generator(design.seed, index, "arrangement")
+    stock, stream = Stock(owned=owned, limit=design.max_step or 1), Streams.of(design.seed, [index], "arrangement")
     cells, met, caps, empty = int(np.count_nonzero(~wished.frame)), [], None, 0
     # Arrange; if the robot cannot cross, keep its way low and arrange around it. The fullest of all tries counts.
     for _ in range(_TRIES):
-        levels = stock.arranged(wished, like, rng, caps, empty)
+        levels = stock.arranged(wished, like, stream, caps, empty)
         if levels is None:
             caps, empty = None, empty + ceil(_FEWER * cells)
             continue
