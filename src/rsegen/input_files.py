@@ -84,7 +84,7 @@ _POINTER = b"version https://git-lfs.github.com/spec/"
 
 
 def refuse_pointer(path: Path) -> None:
-    """Raise a FileError for a pointer of Git LFS, which is what a clone has without Git LFS in place of a large file."""
+    """Raise a FileError for a pointer of Git LFS, which a clone without Git LFS has in place of a large file."""
     if (regular_content(path, len(_POINTER)) or b"") == _POINTER:
         raise FileError(f"{path}: a pointer of Git LFS, and not the file itself; run `git lfs pull` in its clone")
 

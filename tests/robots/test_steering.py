@@ -1,4 +1,4 @@
-"""What is steered is refused, what swivels is a caster, what is hinged drives; and wheels without friction are named."""
+"""What is steered is refused, what swivels is a caster, what is hinged drives; wheels without friction are named."""
 
 from __future__ import annotations
 
@@ -31,7 +31,14 @@ TURNED = "<joint name='{}_pin'><hardwareInterface>hardware_interface/PositionJoi
 
 def hung(folder: Path, kind: str, axis: str, limits: str = "", more: str = "", tilt: float = 0.0) -> SdfRobot:
     """Two wheels, and two more in front of them, each on a pin."""
-    values = {"kind": kind, "axis": axis, "limits": limits, "part": PART, "tilt": tilt, "back": -1.5707963267948966 - tilt}
+    values = {
+        "kind": kind,
+        "axis": axis,
+        "limits": limits,
+        "part": PART,
+        "tilt": tilt,
+        "back": -1.5707963267948966 - tilt,
+    }
     front = "".join(HUNG.format(side=side, y=y, **values) for side, y in (("left", 0.15), ("right", -0.15)))
     file = folder / "cart.urdf"
     file.write_text(two_wheels_urdf("").replace("</robot>", f"{front}{more}</robot>"))

@@ -19,7 +19,15 @@ from tests.robots.urdf_robots import two_wheels_urdf
 with_xacro = pytest.mark.skipif(find_spec("xacro") is None, reason="the package xacro is not installed")
 
 SPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
-NAMES: dict[str, Any] = {"r": 0.1, "table": {"a": [1, 2]}, "math": math, "len": len, "dict": dict, "name": "a_b", "true": True}
+NAMES: dict[str, Any] = {
+    "r": 0.1,
+    "table": {"a": [1, 2]},
+    "math": math,
+    "len": len,
+    "dict": dict,
+    "name": "a_b",
+    "true": True,
+}
 
 
 def expanding(folder: Path, inner: str, name: str = "mine.xacro") -> SdfRobot:

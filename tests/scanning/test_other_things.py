@@ -207,7 +207,9 @@ def test_what_has_no_tops_of_a_unit_is_no_field(scale: float) -> None:
     rng = np.random.default_rng(2)
     x, y = rng.uniform(-0.5, 0.5, (2, 60_000))
     cloud = scale * np.column_stack([x, y, hill(x, y) + rng.normal(0, 0.0005, x.shape)])
-    problem = "tops are not at whole multiples of a unit|no whole multiples of a unit|no grid of blocks|one raised patch"
+    problem = (
+        "tops are not at whole multiples of a unit|no whole multiples of a unit|no grid of blocks|one raised patch"
+    )
     with pytest.raises(ScanError, match=problem):
         find_field(cloud)
 

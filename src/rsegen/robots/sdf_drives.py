@@ -300,9 +300,7 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Contro
     return _of_wheels(Controller(origin, left, right), frames, ros) if paired else None
 
 
-def _of_wheels(
-    controller: Controller, frames: ModelFrames, ros: Controls, *, it: str = "it"
-) -> ReadDrive | None:
+def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it: str = "it") -> ReadDrive | None:
     """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
 
     ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves; it: what

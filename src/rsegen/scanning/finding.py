@@ -111,7 +111,7 @@ def _is_striped(scan: Scan) -> bool:
 
 
 _CLEAR_TOPS = 0.5
-"""Agreement of raised tops on the unit, at the least: 1 if all are at whole multiples of it, 0 for heights at random."""
+"""Agreement of raised tops on the unit at least: 1 if all are at whole multiples of it, 0 for heights at random."""
 
 
 def _agreement_of_tops(scan: Scan) -> float:
