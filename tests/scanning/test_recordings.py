@@ -61,14 +61,14 @@ def spherical(path: Path, place: Sequence[float]) -> None:
     for name, values in columns.items():
         prototype.set(name, make.FloatNode(image, 0.0, make.E57_DOUBLE, -1e3, 1e3))
         columns[name] = np.ascontiguousarray(values)
-        buffers.append(make.SourceDestBuffer(image, name, columns[name], len(values), True, True))
+        buffers.append(make.SourceDestBuffer(image, name, columns[name], len(values), True, True))  # noqa: FBT003  # its arguments have no names
     for name, numbers in (("rotation", {"w": 0.5**0.5, "x": 0, "y": 0, "z": 0.5**0.5}), ("translation", None)):
         node = make.StructureNode(image)
         for axis, value in (numbers or dict(zip("xyz", place, strict=True))).items():
             node.set(axis, make.FloatNode(image, float(value)))
         pose.set(name, node)
     scan.set("pose", pose)
-    points = make.CompressedVectorNode(image, prototype, make.VectorNode(image, True))
+    points = make.CompressedVectorNode(image, prototype, make.VectorNode(image, True))  # noqa: FBT003  # likewise
     scan.set("points", points)
     file.data3d.append(scan)
     writer = points.writer(buffers)
