@@ -73,6 +73,7 @@ from rsegen.recipe.recipe_file import load as load
 from rsegen.robots.commands import spots as spots
 from rsegen.robots.lookup import poses as poses
 from rsegen.robots.lookup import robot_of as robot_of
+from rsegen.robots.robot_picture import robot_picture as robot_picture
 from rsegen.scanning.scan_options import ScanOptions as ScanOptions
 from rsegen.scanning.scans import ComparedMap as ComparedMap
 from rsegen.scanning.scans import ScannedMap as ScannedMap
@@ -187,6 +188,7 @@ __all__ = [
     "remove",
     "respawn",
     "robot_of",
+    "robot_picture",
     "save",
     "scan",
     "scan_points",

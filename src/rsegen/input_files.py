@@ -79,6 +79,16 @@ def regular_content(path: str | Path, most: int) -> bytes | None:
         return None
 
 
+_POINTER = b"version https://git-lfs.github.com/spec/"
+"""Begin of the text that stands for a large file in a repository."""
+
+
+def refuse_pointer(path: Path) -> None:
+    """Raise a FileError for a pointer of Git LFS, which a clone without Git LFS has in place of a large file."""
+    if (regular_content(path, len(_POINTER)) or b"") == _POINTER:
+        raise FileError(f"{path}: a pointer of Git LFS, and not the file itself; run `git lfs pull` in its clone")
+
+
 def _opened(path: str | Path) -> BufferedReader:
     """Open a file at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))
@@ -129,6 +139,7 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
         raise FileError(f"{shown(str(path))}: {error}") from None
     if len(content) > mib * 2**20:
         raise FileError(f"{path}: larger than {mib} MiB, too large for {too_large}")
+    refuse_pointer(path)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -193,6 +204,7 @@ _Content = TypeVar("_Content")
 
 def read_by_library(path: Path, read: Callable[[], _Content]) -> _Content:
     """Return the result of `read`; a FileError for all that a library raises, but an ImportError is the caller's."""
+    refuse_pointer(path)
     try:
         with silent_libraries():
             return read()
@@ -231,18 +243,25 @@ def silent_libraries() -> Iterator[None]:
 _IMAGE_FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
 """Formats of images that are read, as Pillow names them; it would open fifty more, by their first bytes."""
 
+_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+"""First bytes of a TIFF, or of a BigTIFF, in either order of bytes."""
+
 
 @contextmanager
 def opened_image(path: Path) -> Iterator[Image]:
     """An image of which only the header is read yet; any error in it, now or later, is a FileError."""
     from PIL import Image, UnidentifiedImageError
 
+    refuse_pointer(path)
     try:
         with open_regular(path) as file, silent_libraries(), Image.open(file, formats=_IMAGE_FORMATS) as image:
             yield image  # whoever opens it checks its size
     except RsegenError:
         raise
     except UnidentifiedImageError:
+        if (regular_content(path, 4) or b"") in _TIFF:
+            advice = "write one of a single band with `gdal_translate -b 1 -co COMPRESS=DEFLATE FILE NEW.tif`"
+            raise FileError(f"{path}: a TIFF whose bands or numbers are not read (Pillow); {advice}") from None
         raise FileError(f"{path}: not an image ({', '.join(_IMAGE_FORMATS)})") from None
     except (Image.DecompressionBombError, MemoryError):
         raise FileError(f"{path}: an image too large to be read") from None

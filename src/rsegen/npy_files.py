@@ -19,7 +19,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from rsegen.errors import FileError
-from rsegen.input_files import open_regular, unreadable
+from rsegen.input_files import open_regular, refuse_pointer, unreadable
 
 _LONGEST_HEADER = 10_000
 """Bytes of a header at most: that of an array of numbers has 128, and numpy parses no more by itself."""
@@ -37,6 +37,7 @@ def npy_bytes(array: NDArray[Any]) -> bytes:
 
 def mapped(path: Path) -> NDArray[Any]:
     """Return the array in a file, mapped into memory, read-only; FileError if the file is not what its header says."""
+    refuse_pointer(path)
     try:
         with open_regular(path) as file:
             shape, is_fortran, dtype = _header(file)

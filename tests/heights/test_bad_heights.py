@@ -139,6 +139,40 @@ def test_a_picture_of_another_form_under_the_name_of_one(refused: Refused, form:
     assert f"{name}: not an image (PNG, JPEG, PPM, TIFF, BMP)" in refused("import", name, "-o", "out")
 
 
+@pytest.mark.parametrize("start", [b"II*\0", b"MM\0*", b"II+\0\b\0\0\0"])
+def test_a_tiff_that_is_not_read_says_how_to_make_one(refused: Refused, start: bytes) -> None:
+    """As of several bands of numbers, which maps of satellites have."""
+    Path("a.tif").write_bytes(start + bytes(100))
+    line = refused("import", "a.tif", "-o", "out")
+    assert "a.tif: a TIFF whose bands or numbers are not read" in line
+    assert "gdal_translate -b 1" in line
+
+
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:" + b"0" * 64 + b"\nsize 1495484\n"
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif", "a.csv", "a.yaml", "a.npy"])
+def test_a_pointer_of_git_lfs_is_named(refused: Refused, name: str) -> None:
+    Path(name).write_bytes(POINTER)
+    assert f"{name}: a pointer of Git LFS, and not the file itself; run `git lfs pull`" in refused(
+        "import", name, "-o", "out"
+    )
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.pcd", "a.laz", "a.e57", "a.glb", "a.obj", "a.dae", "a.xyz", "a.mcap"])
+def test_a_pointer_of_git_lfs_in_place_of_a_cloud_is_named(refused: Refused, name: str) -> None:
+    Path(name).write_bytes(POINTER)
+    assert f"{name}: a pointer of Git LFS, and not the file itself" in refused("scan", name, "-o", "out")
+
+
+@pytest.mark.parametrize("mesh", ["a.stl", "a.dae", "a.obj"])
+def test_a_pointer_of_git_lfs_in_place_of_a_robots_mesh_is_named(refused: Refused, mesh: str) -> None:
+    Path(mesh).write_bytes(POINTER)
+    shape = f"<collision name='c'><geometry><mesh><uri>{mesh}</uri></mesh></geometry></collision>"
+    Path("a.sdf").write_text(f"<sdf version='1.6'><model name='m'><link name='l'>{shape}</link></model></sdf>")
+    assert f"{mesh}: a pointer of Git LFS, and not the file itself" in refused("robot", "a.sdf")
+
+
 def test_a_picture_of_more_than_16_bits(refused: Refused) -> None:
     Image.fromarray(np.array([[0, 70_000]], dtype=np.int32)).save("a.tif")
     assert "a.tif: grey values of 0..70000; give an image of 8 or 16 bits" in refused("import", "a.tif", "-o", "out")

@@ -8,7 +8,7 @@ import pytest
 from rsegen import Random, Recipe, compose
 from rsegen.driving.filming import shapes_of_map
 from rsegen.field.stepfield import Array
-from rsegen.pictures.camera import Pixels, Triangles, View, south_west_of
+from rsegen.pictures.camera import Camera, Pixels, Triangles, View, south_west_of
 from rsegen.robots.lookup import robot_of
 from rsegen.robots.visuals import visuals
 
@@ -103,3 +103,12 @@ def test_what_moves_is_seen_as_if_it_had_been_there_from_the_beginning(place: tu
     assert np.array_equal(shown(still, moving), expected)
     is_seen = np.hypot(*place[:2]) < 2
     assert np.array_equal(shown(still), expected) != is_seen
+
+
+@pytest.mark.parametrize("side", [100, 300, 900])
+def test_nothing_is_seen_between_two_triangles(side: int) -> None:
+    """The ground is two of them, whose common edge goes through the middles of pixels of a square picture."""
+    camera = Camera(place=(0.3, -0.4, 0.3), pitch=0.35, yaw=2.3, view=0.6, pixels=(side, side))
+    nothing = Triangles.joined([])
+    pixels = View(camera, nothing, 1.0, (0.5, 0.5, 0.5)).picture(nothing)
+    assert len(np.unique(pixels.reshape(-1, 3), axis=0)) == 1

@@ -112,7 +112,7 @@ def test_without_a_file_every_robot_is_listed_with_what_it_climbs(capsys: pytest
     assert [line.split()[0] for line in lines[1 : len(ROBOTS) + 1]] == list(ROBOTS)
     assert "97.5 x 53 x 32 cm      22.6 kg  2 tracks, 2 flippers  20 cm" in lines[list(ROBOTS).index("crawler") + 1]
     assert main(["robot", "--wheels", "a,b"]) == 2
-    assert "--wheels: is for the robot of a file" in capsys.readouterr().err
+    assert "--wheels: is for one robot: name it first" in capsys.readouterr().err
 
 
 def test_pictures_are_where_the_list_says(capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,7 +19,15 @@ from tests.robots.urdf_robots import two_wheels_urdf
 with_xacro = pytest.mark.skipif(find_spec("xacro") is None, reason="the package xacro is not installed")
 
 SPACE = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
-NAMES: dict[str, Any] = {"r": 0.1, "table": {"a": [1, 2]}, "math": math, "len": len, "name": "a_b", "true": True}
+NAMES: dict[str, Any] = {
+    "r": 0.1,
+    "table": {"a": [1, 2]},
+    "math": math,
+    "len": len,
+    "dict": dict,
+    "name": "a_b",
+    "true": True,
+}
 
 
 def expanding(folder: Path, inner: str, name: str = "mine.xacro") -> SdfRobot:
@@ -63,10 +71,11 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
     [
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "maximum recursion depth"),
         ('<xacro:include filename="mine.xacro"/>', "maximum recursion depth"),
-        ('<xacro:include filename="none.xacro"/>', "No such file"),
+        ('<xacro:include filename="none.xacro"/>', "none.xacro, and there is no such file"),
         ('<gazebo><a b="$(find none_description)/x"/></gazebo>', "the package none_description is not found"),
         ('<gazebo><a b="$(arg none)"/></gazebo>', "Undefined substitution argument none"),
-        ('<gazebo><a b="$(eval 1 + 1)"/></gazebo>', "$(eval ...) is not evaluated; use ${...}"),
+        ('<gazebo><a b="$(eval none + 1)"/></gazebo>', "name 'none' is not defined"),
+        ('<gazebo><a b="$(eval 1 .__class__.__base__)"/></gazebo>', "is more than arithmetic"),
         ('<gazebo><a b="${[0] * 10**10}"/></gazebo>', "xacro cannot expand it"),
         ("<gazebo><a b=\"${'x' * 10**7}\"/></gazebo>", "its macros make 10 MiB of it"),
         ('<gazebo><a b="${(lambda: ().__class__)()}"/></gazebo>', "is more than arithmetic"),
@@ -109,6 +118,9 @@ def test_urdf_that_xacro_has_expanded_needs_it_no_more(tmp_path: Path, monkeypat
         ("math.cos(math.pi)", -1),
         ("name.split('_')[0] + 'c'", "ac"),
         ("[r, (1, 'x'), {'a': 1}]", [0.1, (1, "x"), {"a": 1}]),
+        ("dict(a=r, b='x')", {"a": 0.1, "b": "x"}),
+        ("name.find('b')", 2),
+        ("'-'.join([name, 'c'])", "a_b-c"),
     ],
 )
 def test_expressions_calculate(expression: str, value: object) -> None:
@@ -137,6 +149,7 @@ def test_expressions_calculate(expression: str, value: object) -> None:
         "name.split('_')[0].format(r)",
         "table['a'].append(1)",
         "sorted([1], key=len)",
+        "dict(**table)",
         "(len)(*[1])",
         "(len or len)([1])",
         "f'{r!r}'",
@@ -199,3 +212,52 @@ def test_packages_that_are_not_found_are_named_where_their_values_are_missing(tm
     (deep / "package.xml").write_text("<package><name>b_description</name></package>")
     (deep / "urdf/lengths.xacro").write_text(f"<robot {SPACE}><xacro:property name='side' value='3000'/></robot>")
     assert "<kp>3000</kp>" in expanding(tmp_path / "ws/a_description", inner).text
+
+
+@with_xacro
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("1 + 1", "2"),
+        ("tall * 2", "5.0"),
+        ("kind == 'big' and not flat", "True"),
+        ("[kind, flat][1] or pi > 3", "True"),
+    ],
+)
+def test_the_expressions_of_launch_files_calculate(tmp_path: Path, expression: str, value: str) -> None:
+    values = {"tall": "2.5", "kind": "big", "flat": "false"}
+    inner = "".join(f'<xacro:arg name="{name}" default="{value}"/>' for name, value in values.items())
+    robot = expanding(tmp_path, f'{inner}<gazebo><a b="$(eval {expression})"/></gazebo>')
+    assert f'b="{value}"' in robot.text
+
+
+PART = f"<robot {SPACE}><xacro:property name='side' value='3000'/></robot>"
+
+
+@with_xacro
+@pytest.mark.slow
+@pytest.mark.parametrize("at", ["urdf/part.xacro", "description/urdf/part.xacro", "a/urdf/part.xacro"])
+def test_a_package_is_read_as_it_is_installed(tmp_path: Path, at: str) -> None:
+    """CMake installs `description/urdf` of a package as its `urdf`, so its files say this one."""
+    package = tmp_path / "clone/b_description"
+    (package / at).parent.mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>b_description</name></package>")
+    (package / at).write_text(PART)
+    inner = '<xacro:include filename="$(find b_description)/urdf/part.xacro"/>'
+    robot = expanding(package, inner + '<gazebo reference="base"><kp>${side}</kp></gazebo>')
+    assert "<kp>3000</kp>" in robot.text
+
+
+@with_xacro
+@pytest.mark.slow
+def test_a_folder_that_is_called_as_the_package_that_it_is_in_is_not_taken_for_it(tmp_path: Path) -> None:
+    """As packages of Python are, which lie in one of ROS; the clone has any name."""
+    clone = tmp_path / "b-ros2"
+    (clone / "b_description").mkdir(parents=True)
+    (clone / "urdf").mkdir()
+    (clone / "package.xml").write_text("<package><name>b_description</name></package>")
+    (clone / "urdf/part.xacro").write_text(PART)
+    inner = '<xacro:include filename="$(find b_description)/urdf/part.xacro"/>'
+    robot = expanding(clone / "urdf", inner + '<gazebo reference="base"><kp>${side}</kp></gazebo>')
+    assert "<kp>3000</kp>" in robot.text

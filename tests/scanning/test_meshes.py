@@ -109,7 +109,7 @@ def test_nothing_that_is_covered_is_seen() -> None:
     table = trimesh.creation.box((1, 1, 0.02))
     table.apply_translation((0, 0, 0.5))
     floor = trimesh.Trimesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
-    points, _ = seen_from_above(joined(table, floor), (0, 0, 1))
+    points = seen_from_above(joined(table, floor), (0, 0, 1)).points
     assert len(points) > 100_000
     below = heights_over(points, -0.45, 0.45)
     assert len(below) > 10_000
@@ -118,7 +118,7 @@ def test_nothing_that_is_covered_is_seen() -> None:
 
 
 def test_a_box_stands_on_the_ground_around_it() -> None:
-    points, up = seen_from_above(trimesh.creation.box((2, 2, 0.5)), (0, 0, 1))
+    points, up, _ = seen_from_above(trimesh.creation.box((2, 2, 0.5)), (0, 0, 1))
     assert up is not None
     assert up == pytest.approx((0, 0, 1))
     assert np.unique(np.round(points[:, 2], 6)).tolist() == [-0.25, 0.25]
@@ -130,4 +130,22 @@ def test_a_box_stands_on_the_ground_around_it() -> None:
 def test_a_mesh_without_an_area_shows_nothing() -> None:
     assert (
         len(seen_from_above(trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False)).points) == 0
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turned", [False, True], ids=["as it is", "turned over"])
+def test_the_merged_mesh_of_five_pallets_needs_no_direction(tmp_path: Path, turned: bool) -> None:
+    """Most of it is on one level; from above and below it differs as much in height, so only its faces tell."""
+    recipe = rsegen.load(EXAMPLES["five-pallet-dash"])
+    field = rsegen.build(recipe, 0)
+    mesh = rsegen.mesh(field)
+    merged = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    if turned:
+        merged.apply_transform(trimesh.transformations.rotation_matrix(2.5, (1, 0.2, 0)))
+    merged.export(tmp_path / "dash.stl")
+    scan = rsegen.scan(tmp_path / "dash.stl").scan
+    right = np.where(field.frame, 0, field.levels)
+    assert any(
+        np.array_equal(np.rot90(scan.levels, turns), right) for turns in range(4) if scan.levels.size == right.size
     )

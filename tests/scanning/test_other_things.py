@@ -172,6 +172,56 @@ def test_one_thing_on_the_floor_is_no_field(heights: Callable[..., Array], seed:
         find_field(np.column_stack([x, y, heights(rng, x, y)]))
 
 
+def boxes(x: Array, y: Array, *heights: float) -> Array:
+    """Heights of boxes of 20 x 27 cm that stand next to each other along x, with gaps of 7 cm."""
+    tops = np.zeros(x.shape)
+    for number, height in enumerate(heights):
+        left = 0.27 * (number - len(heights) / 2)
+        tops[(x > left) & (x < left + 0.2) & (np.abs(y) < 0.135)] = height
+    return tops
+
+
+def hill(x: Array, y: Array) -> Array:
+    """Return a body without flat tops, with a low arm, as an animal of plaster."""
+    body = 0.12 * np.sqrt(np.clip(1 - (x / 0.14) ** 2 - (y / 0.2) ** 2, 0, None))
+    return np.maximum(body, np.where((np.abs(x - 0.22) < 0.12) & (np.abs(y) < 0.04), 0.05 + 0.1 * (x - 0.22), 0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "heights", [(0.07, 0.14), (0.07, 0.14, 0.07), (0.14, 0.07, 0.21)], ids=lambda each: f"{len(each)} boxes"
+)
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_few_boxes_next_to_each_other_are_no_field(heights: Sequence[float], turn: float) -> None:
+    rng = np.random.default_rng(1)
+    x, y = rng.uniform(-0.6, 0.6, (2, 80_000))
+    u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
+    cloud = np.column_stack([x, y, boxes(u, v, *heights) + rng.normal(0, 0.001, x.shape)])
+    with pytest.raises(ScanError, match=r"stripes of \d+ cells, across which nothing shows blocks|no grid of blocks"):
+        find_field(cloud)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scale", [1.0, 1.6])
+def test_what_has_no_tops_of_a_unit_is_no_field(scale: float) -> None:
+    rng = np.random.default_rng(2)
+    x, y = rng.uniform(-0.5, 0.5, (2, 60_000))
+    cloud = scale * np.column_stack([x, y, hill(x, y) + rng.normal(0, 0.0005, x.shape)])
+    problem = (
+        "tops are not at whole multiples of a unit|no whole multiples of a unit|no grid of blocks|one raised patch"
+    )
+    with pytest.raises(ScanError, match=problem):
+        find_field(cloud)
+
+
+@pytest.mark.slow
+def test_stairs_of_many_blocks_are_a_field() -> None:
+    levels = np.repeat(np.arange(8, dtype=np.int16)[:, None], 8, axis=1)
+    stairs = replace(field_of(1, boundary="none"), levels=levels, frame=np.zeros((8, 8), bool))
+    scan = find_field(cloud_of(stairs))
+    assert sorted(np.unique(scan.levels[scan.seen])) == [1, 2, 3, 4, 5, 6, 7]  # the first step is the floor
+
+
 @pytest.mark.slow
 def test_one_patch_of_blocks_is_found_if_their_width_is_given() -> None:
     rng = np.random.default_rng(3)

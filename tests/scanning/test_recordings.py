@@ -43,6 +43,40 @@ def scanner(path: Path, *places: Sequence[float]) -> None:
     file.close()
 
 
+def spherical(path: Path, place: Sequence[float]) -> None:
+    """One scan as ranges, azimuths and elevations around a scanner, as many terrestrial ones store it."""
+    file = pye57.E57(str(path), mode="w")
+    image, make = file.image_file, pye57.libe57
+    away = POINTS - place
+    local = np.stack([away[:, 1], -away[:, 0], away[:, 2]], axis=1)  # turned by 90 degrees about z
+    distance = np.linalg.norm(local, axis=1)
+    columns = {
+        "sphericalRange": distance,
+        "sphericalAzimuth": np.arctan2(local[:, 1], local[:, 0]),
+        "sphericalElevation": np.arcsin(local[:, 2] / distance),
+    }
+    scan, prototype, pose = (make.StructureNode(image) for _ in range(3))
+    scan.set("guid", make.StringNode(image, "{one}"))
+    buffers = make.VectorSourceDestBuffer()
+    for name, values in columns.items():
+        prototype.set(name, make.FloatNode(image, 0.0, make.E57_DOUBLE, -1e3, 1e3))
+        columns[name] = np.ascontiguousarray(values)
+        buffers.append(make.SourceDestBuffer(image, name, columns[name], len(values), True, True))  # noqa: FBT003  # its arguments have no names
+    for name, numbers in (("rotation", {"w": 0.5**0.5, "x": 0, "y": 0, "z": 0.5**0.5}), ("translation", None)):
+        node = make.StructureNode(image)
+        for axis, value in (numbers or dict(zip("xyz", place, strict=True))).items():
+            node.set(axis, make.FloatNode(image, float(value)))
+        pose.set(name, node)
+    scan.set("pose", pose)
+    points = make.CompressedVectorNode(image, prototype, make.VectorNode(image, True))  # noqa: FBT003  # likewise
+    scan.set("points", points)
+    file.data3d.append(scan)
+    writer = points.writer(buffers)
+    writer.write(len(POINTS))
+    writer.close()
+    file.close()
+
+
 def message(points: Array, store: Any = HUMBLE, form: str = "<f4", padding: int = 0) -> Any:
     """A cloud with an intensity, and bytes that nothing uses, in rows of 100 points."""
     kind = np.dtype([("intensity", "u1"), *((axis, form) for axis in "zyx"), ("unused", "u1", (3,))])
@@ -121,6 +155,7 @@ def collada(path: Path, unit: str = "1", scale: float = 1.0) -> None:
 
 WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "one.e57": lambda path: scanner(path, (0, 0, 0)),
+    "spherical.e57": lambda path: spherical(path, (3, -1, 1)),
     "three.e57": lambda path: scanner(path, (0, 0, 0), (3, -1, 1), (-2, 4, 0.5)),
     "one.mcap": lambda path: bag(path, {"/points": [message(POINTS)]}),
     "padded.db3": lambda path: bag(path, {"/points": [message(POINTS, padding=7)]}),
@@ -145,7 +180,7 @@ def test_the_levels_of_a_recording_come_back(name: str, tmp_path: Path) -> None:
     assert any(np.array_equal(np.rot90(scan.blocks, turns), LEVELS) for turns in range(4))
 
 
-@pytest.mark.parametrize("name", ["three.e57", "padded.db3", "big_endian.db3", "ros1.bag"])
+@pytest.mark.parametrize("name", ["three.e57", "spherical.e57", "padded.db3", "big_endian.db3", "ros1.bag"])
 def test_the_points_of_a_recording_come_back(name: str, tmp_path: Path) -> None:
     WRITERS[name](tmp_path / name)
     found = read_clouds([tmp_path / name]).points

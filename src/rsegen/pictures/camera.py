@@ -50,6 +50,9 @@ _AMBIENT = 0.52
 _RIM = 4
 """Pixels around what moves and around its shadow that may change too."""
 
+_SHARED = 1e-9
+"""Pixels by which a row of a triangle is longer: a pixel on an edge of two belongs to one of them, or to both."""
+
 _SUN_PIXELS = 2048
 """Pixels along a side of what the sun sees."""
 
@@ -281,8 +284,8 @@ def _pixels(seen: Array, shape: tuple[int, ...]) -> Iterator[tuple[Ints, Array, 
         x = x0 + share * (x1 - x0)
         left = np.where(crosses, np.minimum(left, x), left)
         right = np.where(crosses, np.maximum(right, x), right)
-    start = np.clip(np.ceil(left - 0.5), 0, wide).astype(np.int64)
-    counts = np.maximum(np.clip(np.floor(right - 0.5) + 1, 0, wide).astype(np.int64) - start, 0)
+    start = np.clip(np.ceil(left - 0.5 - _SHARED), 0, wide).astype(np.int64)
+    counts = np.maximum(np.clip(np.floor(right - 0.5 + _SHARED) + 1, 0, wide).astype(np.int64) - start, 0)
     # Nearness is linear in the picture: its slopes along x and y.
     up_b, up_c = (corner[:, 2] - a[:, 2] for corner in (b, c))
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -30,7 +30,11 @@ CAPABILITY = Capability(
             also=("robots", "urdf", "kinds"),
         ),
     ),
-    public={"rsegen.robots.commands": ("spots",), "rsegen.robots.lookup": ("poses", "robot_of")},
+    public={
+        "rsegen.robots.commands": ("spots",),
+        "rsegen.robots.lookup": ("poses", "robot_of"),
+        "rsegen.robots.robot_picture": ("robot_picture",),
+    },
     extras=(MESH, XACRO),
     crossers="rsegen.robots.lookup:crosser",
     words={"robot": "rsegen.robots.base:ROBOTS", "crossable_by": "rsegen.robots.base:ROBOTS"},

@@ -63,13 +63,15 @@ class Controls(NamedTuple):
     """The joints of a robot that ROS drives, or a file of MuJoCo.
 
     rates: joints that take a velocity, with its limit, rad/s; controllers: of wheels that are joints of the robot;
-    remarks: sentences about files that name wheels, and are not used; rated_by: what has the rates, in words
+    remarks: sentences about files that name wheels, and are not used; rated_by: what has the rates, in words; placed:
+    joints that take a position
     """
 
     rates: Mapping[str, float | None] = {}
     controllers: tuple[Controller, ...] = ()
     remarks: tuple[str, ...] = ()
     rated_by: str = "ros2_control"
+    placed: frozenset[str] = frozenset()
 
 
 def controls(robot: Element, where: Path) -> Controls:
@@ -79,7 +81,10 @@ def controls(robot: Element, where: Path) -> Controls:
     texts = ((element.text or "").strip() for element in robot.iter("parameters"))
     files = [Path(text) for text in texts if text.startswith("/")]
     remarks: list[str] = []
-    return Controls(rates, tuple(_controllers(where, files, joints, remarks)), tuple(remarks))
+    controllers = tuple(_controllers(where, files, joints, remarks))
+    is_older = robot.find("ros2_control") is None and robot.find("transmission") is not None
+    rated_by = "its <transmission>" if is_older else "ros2_control"
+    return Controls(rates, controllers, tuple(remarks), rated_by, frozenset(_placed(robot)))
 
 
 def _velocities(robot: Element) -> Iterator[tuple[Element, float | None]]:
@@ -93,6 +98,16 @@ def _velocities(robot: Element) -> Iterator[tuple[Element, float | None]]:
         texts = [(element.text or "") for element in joint.iter("hardwareInterface")]
         if any("VelocityJointInterface" in text for text in texts):
             yield joint, None
+
+
+def _placed(robot: Element) -> Iterator[str]:
+    """Yield the joints that take a position in <ros2_control> or <transmission>."""
+    for joint in robot.iterfind("ros2_control/joint"):
+        if any(interface.get("name", "").strip() == "position" for interface in joint.findall("command_interface")):
+            yield joint.get("name", "")
+    for joint in robot.iterfind("transmission/joint"):
+        if any("PositionJointInterface" in (element.text or "") for element in joint.iter("hardwareInterface")):
+            yield joint.get("name", "")
 
 
 def _yaml_files(package: Path) -> Iterator[Path]:

@@ -15,12 +15,9 @@ from xml.etree.ElementTree import Element
 from rsegen.gazebo.sdf import numbers
 from rsegen.robots.drives import Drive, Tracks, Wheels
 from rsegen.robots.mimics import MOVING, Mimic, first_leader, mimics
-from rsegen.robots.sdf_drives import is_endless
+from rsegen.robots.sdf_drives import UPRIGHT, is_endless
 from rsegen.robots.sdf_elements import put
 from rsegen.robots.sdf_shapes import ModelFrames, floats
-
-_UPRIGHT = 0.7
-"""Vertical part of an axis from which on what it carries is steered, and is no rocker."""
 
 
 def hold(model: Element, drive: Drive | None, *, follows: bool) -> tuple[str, ...]:
@@ -87,6 +84,6 @@ def _differentials(frames: ModelFrames, followed: Mapping[str, Mimic], driven: C
             carrying.add(joint)
             waiting += [above[link] for link in [frames.parent(joint)] if link in above]
     wheels = {above[link] for link in driven if link in above}
-    rockers = {name for name in carrying - wheels if abs(frames.axis(name)[2]) < _UPRIGHT}
+    rockers = {name for name in carrying - wheels if abs(frames.axis(name)[2]) < UPRIGHT}
     pairs = [(name, mimic.leader) for name, mimic in followed.items() if {name, mimic.leader} <= rockers]
     return {name for pair in pairs for name in pair}

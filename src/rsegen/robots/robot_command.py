@@ -5,15 +5,19 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 from xml.etree.ElementTree import fromstring
 
+from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report
 from rsegen.errors import ParameterError
+from rsegen.params.command import Shell, add_flags
+from rsegen.pictures.flags import PictureName, PictureRequest, picture_of
 
 if TYPE_CHECKING:
     from rsegen.robots.base import Robot
+    from rsegen.robots.lookup import DrivableRobot
     from rsegen.robots.sdf_file import SdfRobot
 
 
@@ -24,6 +28,21 @@ class Figure:
     name: str
     value: str
     origin: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Picture:
+    """The picture that the shell can ask for."""
+
+    picture: Annotated[
+        PictureName,
+        Shell(
+            ("--picture",),
+            "PICTURE",
+            "draw its visual shapes, and beside them its collision shapes: png, svg, pdf, jpg or webp, by its ending",
+        ),
+    ] = None
+    force: Force = False
 
 
 def add_robot(command: Parser) -> None:
@@ -38,6 +57,7 @@ def add_robot(command: Parser) -> None:
     group = command.group("robot")
     group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, in place of those that are found")
     group.add_argument("--tracks", metavar="LEFT,RIGHT", help="links of its tracks, in place of those that are found")
+    add_flags(command.group("output"), _Picture)
 
 
 def run_robot(arguments: argparse.Namespace) -> Report:
@@ -46,14 +66,31 @@ def run_robot(arguments: argparse.Namespace) -> Report:
     from rsegen.robots.sdf_file import SdfRobot
 
     if arguments.robot is None:
-        for name in ("wheels", "tracks"):
+        for name in ("wheels", "tracks", "picture"):
             if getattr(arguments, name):
-                raise ParameterError(f"--{name}", "is for the robot of a file: name it first")
+                raise ParameterError(f"--{name}", "is for one robot: name it first")
         return _kinds()
+    picture = picture_of(arguments.picture, force=arguments.force)
     robot = chosen_robot(arguments.robot, arguments.wheels, arguments.tracks)
+    gaps = _draw(robot, picture) if picture else ()
     if not isinstance(robot, SdfRobot):
-        return _report(robot.kind, list(_of_kind(robot)), ())
-    return _report(robot.kind, list(_of_file(robot)), tuple(_remarks(robot)))
+        return _report(robot.kind, list(_of_kind(robot)), gaps)
+    return _report(robot.kind, list(_of_file(robot)), (*_remarks(robot), *gaps))
+
+
+def _draw(robot: DrivableRobot, picture: PictureRequest) -> list[str]:
+    """Write the picture of a robot, and return what is not in it."""
+    from rsegen.robots.robot_picture import picture_and_gaps
+
+    gaps: list[str] = []
+
+    def drawn(form: str) -> bytes:
+        content, missing = picture_and_gaps(robot, form)
+        gaps.extend(missing)
+        return content
+
+    picture.write(drawn)
+    return gaps
 
 
 def _kinds() -> Report:
@@ -154,7 +191,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     read = robot.read_drive
     if read is None:
         why = (
-            f"{', '.join(robot.steered)} are steered"
+            f"{', '.join(robot.steered)} {'is' if len(robot.steered) == 1 else 'are'} steered"
             if robot.steered
             else "nothing says it, and no links look like wheels"
         )

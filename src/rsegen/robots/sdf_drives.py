@@ -33,6 +33,7 @@ DEFAULT_TURN: float = 0.5
 KNOWN = {
     "gazebo_ros_diff_drive": "wheels",
     "gazebo_ros_skid_steer_drive": "wheels",
+    "gazebo_ros_kobuki": "wheels",
     "DiffDrivePlugin": "wheels",
     "SkidSteerDrivePlugin": "wheels",
     "WheelTrackedVehiclePlugin": "wheels",
@@ -44,7 +45,7 @@ KNOWN = {
 """Plug-ins of drives that are read, without lib and .so, and how they say what they drive."""
 
 _SIDES = ("left", "right")
-_JOINTS = ("{}_joint", "{}Joint", "{}_front", "{}FrontJoint", "front_{}_joint", "{}_front_joint")
+_JOINTS = ("{}_joint", "{}Joint", "{}_front", "{}FrontJoint", "front_{}_joint", "{}_front_joint", "{}_wheel_joint_name")
 _REAR = ("{}_rear", "{}RearJoint", "back_{}_joint", "{}_rear_joint")
 """Tags of the joints of a side in plug-ins; those before name front joints, these rear ones."""
 
@@ -56,6 +57,9 @@ _TORQUES = ("max_wheel_torque", "wheelTorque", "wheel_torque", "torque")
 
 _ALONG = 0.99
 """Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""
+
+UPRIGHT = 0.7
+"""Vertical part of an axis from which on what it carries is steered, or swivels, and is no rocker."""
 
 _ENDLESS = 100.0
 """Radians between the limits of a joint from which on it may be that of a wheel: no arm turns 16 times."""
@@ -107,7 +111,7 @@ def find_drive(model: Element, frames: ModelFrames, ros: Controls) -> ReadDrive 
             drive := _of_wheels(controller, frames, ros)
         ):
             return drive
-    if steered_wheels(frames):
+    if steered_wheels(frames, ros):
         return None
     controlled = _rolling((joint for joint in ros.rates if joint in frames.joints), frames)
     return _paired(controlled, frames, ros.rated_by, ros) or _by_shapes(frames)
@@ -190,10 +194,11 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", Controls())
 
 
-def steered_wheels(frames: ModelFrames) -> list[str]:
-    """Return the joints of wheels that are steered: as large as the largest, and on a joint with limits about z.
+def steered_wheels(frames: ModelFrames, ros: Controls) -> list[str]:
+    """Return the joints of wheels that are steered: as large as the largest, and on an upright joint that is held.
 
-    Casters swivel without end. What is steered does not turn by a difference between its sides.
+    It has limits, or ROS gives it a position; casters swivel freely. A suspension and a rocker turn about level axes.
+    What is steered does not turn by a difference between its sides.
     """
     if not frames.shapes.whole:
         return []
@@ -207,8 +212,7 @@ def steered_wheels(frames: ModelFrames) -> list[str]:
             if link not in above:
                 return False
             held = above[link]
-            element = frames.joints[held]
-            if element.get("type") == "revolute" and not is_endless(element) and not _is_along_y(held, frames):
+            if _swivels(held, frames) and (held in ros.placed or not is_endless(frames.joints[held])):
                 return True
             link = frames.parent(held)
         return False
@@ -217,14 +221,20 @@ def steered_wheels(frames: ModelFrames) -> list[str]:
     return [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest and is_steered(joint)]
 
 
+def _swivels(joint: str, frames: ModelFrames) -> bool:
+    """Return whether a joint turns what it carries to the left and the right, as that of a caster or a steering."""
+    turns = frames.joints[joint].get("type") in ("revolute", "continuous")
+    return turns and bool(abs(frames.axis(joint)[2]) >= UPRIGHT)
+
+
 def _is_along_y(joint: str, frames: ModelFrames) -> bool:
     return bool(abs(frames.axis(joint)[1]) >= _ALONG)
 
 
 def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
-    """Return the joints that are endless, along y, and not on one that turns about another axis, as a caster is."""
+    """Return the joints that are endless, along y, and not on one that turns about an upright axis, as a caster is."""
     above = {frames.child(name): name for name in frames.joints}
-    swivels: dict[str, bool] = {}  # whether a link is turned about another axis than y
+    swivels: dict[str, bool] = {}  # whether a link is turned about an upright axis
 
     def is_swivelling(link: str) -> bool:
         way = []
@@ -234,9 +244,7 @@ def _rolling(joints: Iterable[str], frames: ModelFrames) -> list[str]:
             link = frames.parent(above[link])
         turned = swivels.get(link, False)
         for part in reversed(way):
-            joint = above[part]
-            turns = frames.joints[joint].get("type") in ("revolute", "continuous")
-            turned = turned or (turns and abs(frames.axis(joint)[1]) < _ALONG)
+            turned = turned or _swivels(above[part], frames)
             swivels[part] = turned
         return turned
 
@@ -292,10 +300,11 @@ def _paired(wheels: Sequence[str], frames: ModelFrames, origin: str, ros: Contro
     return _of_wheels(Controller(origin, left, right), frames, ros) if paired else None
 
 
-def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls) -> ReadDrive | None:
+def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls, *, it: str = "it") -> ReadDrive | None:
     """Return the drive of wheels on joints along y; a size that is not said is measured; None if it cannot be.
 
-    ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves
+    ros: has the limits of joints, rad/s, for a speed that is not said; else those of the joints themselves; it: what
+    says separation and radius, in words
     """
     # Left is known by the places of the joints: Classic calls left what is right.
     first, second = (_middle(frames.child(side[0]), frames)[1] for side in (controller.left, controller.right))
@@ -305,7 +314,7 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls) -> Re
     radius = controller.radius or measured
     if not separation or not radius:
         return None
-    sizes = "it" if controller.separation and controller.radius else "its wheels"
+    sizes = _sizes_by(it, separation=controller.separation, radius=controller.radius)
     if measured and abs(radius - measured) > _AGREES * measured:
         # With a controller's figure the robot would drive at another speed than it is told.
         sizes += f", the radius by its wheels and not {radius:.4g} m"
@@ -336,6 +345,15 @@ def _of_wheels(controller: Controller, frames: ModelFrames, ros: Controls) -> Re
     return ReadDrive("", drive, controller.where, sizes, (speed, turn), " and ".join(limits_by), turned)
 
 
+def _sizes_by(it: str, *, separation: float | None, radius: float | None) -> str:
+    """Return what says separation and radius, in words; what it does not say is measured on the wheels."""
+    if separation and radius:
+        return it
+    if separation:
+        return f"{it}, the radius by its wheels"
+    return f"its wheels, the radius by {it}" if radius else "its wheels"
+
+
 def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     """Return a drive of wheels, which plug-ins of Gazebo and of ROS name by their joints."""
     left, right = (_named(plugin, [tag.format(side) for tag in (*_JOINTS, *_REAR)]) for side in _SIDES)
@@ -345,13 +363,12 @@ def _wheels(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
     separation = _number(plugin, frames, "wheel_separation", "wheelSeparation", "tracks_separation")
     diameter = _number(plugin, frames, "wheel_diameter", "wheelDiameter")
     radius = _number(plugin, frames, "wheel_radius", "default_wheel_radius") or (diameter or 0) / 2
-    read = _of_wheels(Controller("", left, right, separation, radius, *_limits(plugin, frames)), frames, Controls())
+    said = Controller("", left, right, separation, radius, *_limits(plugin, frames))
+    read = _of_wheels(said, frames, Controls(), it="its plug-in")
     if read is None or not isinstance(read.drive, Wheels):
         return None
     drive = replace(read.drive, torque=_number(plugin, frames, *_TORQUES))
-    sizes = "its plug-in" if separation and radius else "its wheels"
-    sizes += "".join(read.sizes.partition(",")[1:])  # what contradicts the wheels
-    return read._replace(drive=drive, sizes=sizes, limits_by="its model", turned=())
+    return read._replace(drive=drive, limits_by="its model", turned=())
 
 
 def _tracks(plugin: Element, frames: ModelFrames) -> ReadDrive | None:
@@ -445,6 +462,23 @@ def motor(drive: Wheels, joint: str, frames: ModelFrames) -> Motor:
         if torque is not None
     ]
     return min(known, default=Motor(None, "neither an <effort> of its joint nor the torque of a plug-in"))
+
+
+_SLIPPERY = 0.01
+"""Friction coefficient up to which wheels do not push: makers of omnidirectional robots have 0, and slide them."""
+
+
+def slippery_wheels(drive: Drive, frames: ModelFrames) -> str:
+    """Return a sentence if what a robot drives on has no friction; an empty one if it has."""
+    links = {frames.child(name) if name in frames.joints else name for name in (*drive.left, *drive.right)}
+    shapes = [collision for link, collision, _ in frames.collisions() if link in links]
+    most = max((float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes), default=1.0)
+    if most > _SLIPPERY:
+        return ""
+    return (
+        f"the friction of what it drives on is {most:g} (<mu>, <mu1> in URDF), so it stands still: its maker slides it"
+        " by a plug-in, which is not used, as it would push it through blocks; write 1 there"
+    )
 
 
 _STEP = 0.001

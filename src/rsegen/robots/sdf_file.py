@@ -44,6 +44,7 @@ from rsegen.robots.sdf_drives import (
     named_tracks,
     named_wheels,
     plugin_key,
+    slippery_wheels,
     steered_wheels,
 )
 from rsegen.robots.sdf_shapes import Extents, ModelFrames, impossible_inertias, inertials, take_out_flat
@@ -317,6 +318,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     if drive:
         refuse_outside(WHEEL, drive.drive.separation, f"{where}: the separation of its wheels or tracks")
         refuse_outside(WHEEL, drive.drive.radius, f"{where}: the radius of its wheels or tracks")
+        remarks += filter(None, [slippery_wheels(drive.drive, frames)])
     size, (speed, turn) = _size(shapes, where), drive.limits if drive else (None, None)
     values = {"size": size, "speed": speed, "turn": turn}
     remarks += [
@@ -335,7 +337,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         backend=_backend(model, drive),
         read_drive=drive,
         joints=tuple(name for name, joint in frames.joints.items() if joint.get("type") in ("revolute", "continuous")),
-        steered=() if drive else tuple(steered_wheels(frames)),
+        steered=() if drive else tuple(steered_wheels(frames, ros)),
         size=size or (0.5, 0.5, 0.5),
         speed=speed or DEFAULT_SPEED,
         turn=turn or DEFAULT_TURN,

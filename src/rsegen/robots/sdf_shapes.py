@@ -105,7 +105,10 @@ class ModelFrames:
     def local(self, element: Element) -> Array:
         """Return the <pose> of an element as it stands, (4, 4)."""
         pose = element.find("pose")
-        return np.eye(4) if pose is None else _matrix(pose, self.where)
+        if pose is None:
+            return np.eye(4)
+        name = f" {shown(element.get('name'))}" if element.get("name") else ""
+        return _matrix(pose, f"{self.where}: the <pose> of {element.tag}{name}")
 
     def shape(self, link: str, shape: Element) -> Array:
         """Return the pose of a collision or visual of a link in the model's frame, (4, 4)."""

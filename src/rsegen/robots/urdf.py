@@ -182,6 +182,10 @@ def converted(robot: Element, where: str, separate: Collection[str] = ()) -> Con
             _append_parts(link, name, place, counts, source)
         if head in above and _JOINTS[above[head].kind]:
             _append_joint(model, above[head], source)
+    if model.find("link") is None:
+        raise FileError(
+            f"{where}: links {', '.join(map(shown, masses))} have no mass; a simulator needs their <inertial>"
+        )
     for elements in extensions.get("", {}).values():
         model.extend(map(deepcopy, elements))
     return Converted(sdf, tuple(left_out))

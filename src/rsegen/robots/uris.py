@@ -75,8 +75,29 @@ def _advice(uri: str, file: Path) -> str:
 
 
 def found_package(name: str, file: Path) -> Path | None:
-    """Return the folder of a package that a file names, None if it is not found."""
-    return found_uri(f"package://{name}", file)
+    """Return the folder of a package that a file names, None if it is not found.
+
+    One with a package.xml comes first: in a package there often is a folder of its name, with its Python.
+    """
+    folders = (folder for folder in _of_package(name, file) if os.path.isdir(folder))
+    first = next(folders, None)
+    if first is None or os.path.isfile(first / _MANIFEST):
+        return first
+    return next((folder for folder in folders if os.path.isfile(folder / _MANIFEST)), first)
+
+
+def installed(path: Path) -> Path:
+    """Return a path in a package, or the one that is installed there: CMake leaves out the folder above many folders.
+
+    So PACKAGE/description/urdf of a clone is PACKAGE/urdf where it is installed, and this is what files say.
+    """
+    package = None if os.path.exists(path) else next((f for f in path.parents if os.path.isfile(f / _MANIFEST)), None)
+    if package is None:
+        return path
+    inner, folders = path.relative_to(package), []
+    with suppress(OSError), os.scandir(package) as entries:
+        folders = sorted(entry.path for entry in islice(entries, _MOST_FOLDERS) if entry.is_dir())
+    return next((found for folder in folders if os.path.exists(found := Path(folder, inner))), path)
 
 
 class Manifest(NamedTuple):
@@ -164,7 +185,7 @@ def _of_package(rest: str, file: Path) -> Iterator[Path]:
     yield from (Path(prefix, "share", rest) for prefix in _listed(_PREFIXES))
     for folder in packages_around(file):
         if manifest_of(folder).name == name:
-            yield folder / inner
+            yield installed(folder / inner)
 
 
 def _listed(variable: str) -> list[str]:

@@ -1,14 +1,14 @@
-"""The visual shapes of a robot as coloured triangles, link by link: for pictures and for windows of MuJoCo.
+"""The shapes of a robot as coloured triangles, link by link: for pictures and for windows of MuJoCo.
 
 They come from its SDF <model>, so those of rsegen's robots and of files come the same way. Round shapes have 16 sides.
-A link that has no visuals, or one that cannot be read, has its collision shapes.
+In a picture of a drive, a link that has no visuals, or one that cannot be read, has its collision shapes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
@@ -17,6 +17,7 @@ from rsegen.errors import UserError
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.lookup import DrivableRobot
 from rsegen.robots.meshes import read_mesh
+from rsegen.robots.sdf_file import SdfRobot
 from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats
 from rsegen.scene.colours import Colour
 
@@ -40,28 +41,76 @@ class Visual(NamedTuple):
 
 def visuals(robot: DrivableRobot) -> Mapping[str, list[Visual]]:
     """Return the visual shapes of each link of a robot, by the link's name."""
-    frames = ModelFrames(fromstring(robot.without_plugins("robot")), robot.kind)  # noqa: S314  # ours, or found plain
-    driven = {*robot.drive.left, *robot.drive.right}  # links of tracks, or joints of wheels
-    driven |= {frames.child(joint) for joint in driven & frames.joints.keys()}
+    frames, driven = _frames_and_driven(robot)
     shapes: dict[str, list[Visual]] = {}
     for link, element in frames.links():
         default = _DRIVEN if link in driven else _BODY
         shapes[link] = []
         for tag in ("visual", "collision"):
             with suppress(UserError, ImportError):  # such as a mesh that is not here
-                shapes[link] = shapes[link] or list(_shapes(frames, link, element, tag, default))
+                every = [
+                    _shape(frames, link, shape, geometry, default) for shape, geometry in _geometries(element, tag)
+                ]
+                shapes[link] = shapes[link] or every
     return shapes
 
 
-def _shapes(frames: ModelFrames, link: str, element: Element, tag: str, default: Colour) -> Iterator[Visual]:
-    back = np.linalg.inv(frames.transform(link))
-    for shape in element.findall(tag):
+class PlacedShapes(NamedTuple):
+    """Shapes in the frame of a robot whose lowest collision shape is on the ground, and why others are not among them.
+
+    not_drawn: why, with the names of the links; as many as there are files or kinds of shapes that cannot be read
+    """
+
+    shapes: list[Visual]
+    not_drawn: Mapping[str, list[str]]
+
+
+def placed_shapes(robot: DrivableRobot, tag: Literal["visual", "collision"]) -> PlacedShapes:
+    """Return the visual or the collision shapes of a robot, with its joints as its model has them."""
+    frames, driven = _frames_and_driven(robot)
+    shapes: list[Visual] = []
+    not_drawn: dict[str, list[str]] = {}
+    for link, element in frames.links():
+        pose, default = frames.transform(link), _DRIVEN if link in driven else _BODY
+        for shape, geometry in _geometries(element, tag):
+            uri = (geometry[0].findtext("uri") or "").strip()
+            try:
+                points, corners, colour = _shape(frames, link, shape, geometry, default)
+            except UserError as error:
+                is_nowhere = "://" in uri and not uri.startswith("file://")  # it has no path (`resolve_uris`)
+                not_drawn.setdefault(f"{uri} is not found" if is_nowhere else str(error), []).append(link)
+            except ImportError:
+                not_drawn.setdefault(f"{uri} is read by trimesh, which is not installed", []).append(link)
+            else:
+                if not len(corners):
+                    not_drawn.setdefault(f"a <{geometry[0].tag}> is not drawn", []).append(link)
+                placed = points @ pose[:3, :3].T + pose[:3, 3] + (0.0, 0.0, robot.lift)
+                shapes.append(Visual(placed, corners, colour))
+    return PlacedShapes(shapes, not_drawn)
+
+
+def _frames_and_driven(robot: DrivableRobot) -> tuple[ModelFrames, set[str]]:
+    """Return the model of a robot without its plug-ins, and the links that drive it; none without a drive."""
+    frames = ModelFrames(fromstring(robot.without_plugins("robot")), robot.kind)  # noqa: S314  # ours, or found plain
+    if isinstance(robot, SdfRobot) and not robot.read_drive:
+        return frames, set()
+    driven = {*robot.drive.left, *robot.drive.right}  # links of tracks, or joints of wheels
+    return frames, driven | {frames.child(joint) for joint in driven & frames.joints.keys()}
+
+
+def _geometries(link: Element, tag: str) -> Iterator[tuple[Element, Element]]:
+    """Yield the visuals or collisions of a link that have an end, and their geometries."""
+    for shape in link.findall(tag):
         geometry = shape.find("geometry")
-        if geometry is None or not len(geometry) or geometry[0].tag in ("empty", "plane"):
-            continue
-        points, corners = _triangles(geometry[0], frames.where)
-        pose = back @ frames.shape(link, shape)
-        yield Visual(points @ pose[:3, :3].T + pose[:3, 3], corners, _colour(shape, frames.where, default))
+        if geometry is not None and len(geometry) and geometry[0].tag not in ("empty", "plane"):
+            yield shape, geometry
+
+
+def _shape(frames: ModelFrames, link: str, shape: Element, geometry: Element, default: Colour) -> Visual:
+    """Return a shape in the frame of its link."""
+    points, corners = _triangles(geometry[0], frames.where)
+    pose = np.linalg.inv(frames.transform(link)) @ frames.shape(link, shape)
+    return Visual(points @ pose[:3, :3].T + pose[:3, 3], corners, _colour(shape, frames.where, default))
 
 
 def _colour(shape: Element, where: str, default: Colour) -> Colour:

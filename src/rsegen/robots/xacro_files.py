@@ -4,7 +4,7 @@ Xacro evaluates Python, and what it forbids is not enough to keep a file from ru
 arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS, and a package in $(find ...) is
 found as that of a mesh is, without ROS. A file of a package that is not found is not included: makers' robots include
 the macros of sensors that most of them do not carry. The process has little time and memory, as macros may call
-themselves. What breaks it: lambdas, comprehensions and $(eval ...); `xacro FILE > r.urdf` expands them.
+themselves. What breaks it: lambdas and comprehensions; `xacro FILE > r.urdf` expands them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rsegen.errors import FileError, UserError, library_message, line_of
 from rsegen.input_files import xml_root
 from rsegen.params.extras import pip_install
 from rsegen.robots import XACRO
-from rsegen.robots.uris import found_package
+from rsegen.robots.uris import found_package, installed
 
 _SECONDS = 20
 """CPU time of the other process; the macros of a robot with an arm and a gripper take about one second."""
@@ -53,7 +53,8 @@ _CALLED = {
 """Functions that an expression may call: none of them gives a way to Python's own."""
 
 _METHODS = {
-    *("endswith", "lower", "lstrip", "replace", "rstrip", "split", "startswith", "strip", "upper"),
+    *("count", "endswith", "find", "index", "isdigit", "join", "lower", "lstrip", "replace", "rfind", "rstrip"),
+    *("split", "startswith", "strip", "title", "upper"),
     *("get", "items", "keys", "values"),
 }
 """Methods that an expression may call: those of texts and of tables that are read from YAML."""
@@ -61,7 +62,7 @@ _METHODS = {
 _ALLOWED = (
     *(ast.Expression, ast.Constant, ast.Name, ast.Load, ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp),
     *(ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.Subscript, ast.Slice, ast.List, ast.Tuple, ast.Dict),
-    *(ast.Call, ast.Attribute),
+    *(ast.Call, ast.keyword, ast.Attribute),
 )
 
 
@@ -155,6 +156,8 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
     inner = getattr(error, "exc", None)
     # Xacro says the class and the message of what $(...) raises, and the message once more.
     reason = library_message(inner if inner and str(error).startswith("<class") else error)
+    if isinstance(inner, FileNotFoundError):
+        return f"it includes {inner.filename}, and there is no such file"
     undefined = re.search(r"Undefined substitution argument (\w+)", reason)
     if undefined:
         return f"{reason}; give it after the file, as in 'FILE {undefined[1]}:=VALUE'"
@@ -182,7 +185,7 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
     def found_files(filename: str, symbols: Any) -> Iterator[str]:
         """Yield the files that an element includes; none if their package is not found."""
         try:
-            yield from include_files(filename, symbols)
+            yield from (str(installed(Path(name))) for name in include_files(filename, symbols))
         except Exception as error:
             inner: Any = error
             while inner is not None and not isinstance(inner, _Missing):  # xacro wraps ours in one or two of its own
@@ -193,8 +196,8 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
 
     xacro.get_include_files = found_files
     xacro.safe_eval = _evaluated
-    substitution_args._eval = _refused
     substitution_args._eval_find = partial(_package, where)
+    substitution_args._eval = _calculated
     xacro.init_stacks(where)
     document = xacro.parse(text)
     xacro.process_doc(document, mappings=dict(arguments))
@@ -219,7 +222,8 @@ def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:
     if isinstance(node, ast.Call):
         function = node.func
         if isinstance(function, ast.Name):
-            return function.id in _CALLED and not node.keywords
+            named = all(word.arg for word in node.keywords) if function.id == "dict" else not node.keywords
+            return function.id in _CALLED and named
         callable_names = _CALLED if _is_of_namespace(function) else _METHODS
         return isinstance(function, ast.Attribute) and not node.keywords and function.attr in callable_names
     if isinstance(node, ast.Attribute):
@@ -235,8 +239,12 @@ def _is_of_namespace(node: ast.AST) -> bool:
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in _NAMESPACES
 
 
-def _refused(*_: object) -> str:
-    raise ValueError("$(eval ...) is not evaluated; use ${...}")
+def _calculated(expression: str, context: Mapping[str, Any]) -> str:
+    """Return the value of $(eval ...), in which arguments stand by their names; it ends at the first parenthesis."""
+    from xacro import substitution_args
+
+    values = {name: substitution_args.convert_value(text, "auto") for name, text in context.get("arg", {}).items()}
+    return str(_evaluated(expression, {**values, **substitution_args._eval_dict}))
 
 
 def _package(where: str, name: str) -> str:

@@ -96,7 +96,8 @@ def read_clouds(
     with np.errstate(all="ignore"):  # what is no number, or too large for one, is left out when a field is looked for
         clouds = [_read(path, values, intrinsics, up, topic) for path in paths]
     known = next((cloud.up for cloud in clouds if cloud.up is not None), None)
-    return Cloud(np.concatenate([cloud.points for cloud in clouds]), known)
+    facing = next((cloud.facing for cloud in clouds if cloud.facing is not None), None)
+    return Cloud(np.concatenate([cloud.points for cloud in clouds]), known, facing)
 
 
 def _read(
@@ -104,24 +105,25 @@ def _read(
 ) -> Cloud:
     if not is_cloud(path):
         raise FileError(f"{path}: clouds are read from files named {', '.join('*' + suffix for suffix in CLOUDS)}")
-    form = CLOUDS[path.suffix.lower()]
+    form, mesh = CLOUDS[path.suffix.lower()], Cloud(np.empty((0, 3)))
     if topic is not None and form != "bag":
         raise ParameterError("topic", f"{path} is no bag, and has no topics")
     if values is not None and path.suffix.lower() == ".dae":
         raise ParameterError("values", f"{path} says itself what its unit is; leave it out")
     if form == "bag":
-        numbers, usual, direction = _bag(path, topic), "m", None
+        numbers, usual = _bag(path, topic), "m"
     elif form == "mesh":
-        (numbers, direction), usual = _mesh(path, up), "m"
+        mesh, usual = _mesh(path, up), "m"
+        numbers = mesh.points
     else:
-        (numbers, usual), direction = _READERS[form](path), None
+        numbers, usual = _READERS[form](path)
     if numbers.ndim == 2 and numbers.shape[1] != 3:
         points = _of_depth(path, numbers, intrinsics)
     elif intrinsics is not None:
         raise ParameterError("intrinsics", f"{path} has points, not the depths of an image")
     else:
         points = np.asarray(numbers.reshape(-1, 3), dtype=np.float64)
-    return Cloud(points * (CENTIMETRES[values or usual] / 100), direction)
+    return mesh._replace(points=points * (CENTIMETRES[values or usual] / 100))
 
 
 def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
@@ -219,7 +221,7 @@ def _mesh(path: Path, up: Sequence[float] | None) -> Cloud:
         return Cloud(np.asarray(getattr(loaded, "vertices", np.empty((0, 3)))))
 
     cloud = _by_library(path, read)
-    return Cloud(_checked(path, cloud.points), cloud.up)
+    return cloud._replace(points=_checked(path, cloud.points))
 
 
 def _pcd(path: Path) -> tuple[Array, str]:

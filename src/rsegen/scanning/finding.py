@@ -75,11 +75,14 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     scan = _found_field(_gridded(near, middle, settings, None), settings)
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
-    if settings.block_width is None and settings.blocks is None and _is_one_patch(scan):
-        raise ScanError(
-            "one raised patch of one height, in which nothing shows blocks, is no field; "
-            "give block_width_cm if it is made of blocks"
-        )
+    if settings.block_width is None and settings.blocks is None:
+        advice = "is no field; give block_width_cm if it is made of blocks"
+        if _is_one_patch(scan):
+            raise ScanError(f"one raised patch of one height, in which nothing shows blocks, {advice}")
+        if scan.levels.size < _FEWEST_CELLS and _is_striped(scan):
+            raise ScanError(f"a few stripes of {scan.levels.size} cells, across which nothing shows blocks, {advice}")
+    if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
+        raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; give unit_cm if they are")
     return scan
 
 
@@ -91,6 +94,32 @@ def _is_one_patch(scan: Scan) -> bool:
         return False
     # Cells that were not seen may be raised or not; with a margin all that is outside is one part.
     return _parts(np.pad(raised, 1)) == 1 and _parts(np.pad(tops == 0, 1, constant_values=True)) <= 1
+
+
+_FEWEST_CELLS = 50
+"""Cells from which on stripes may be stairs; boxes that stand next to each other on a table look like fewer."""
+
+
+def _is_striped(scan: Scan) -> bool:
+    """Return whether all cells that were seen, along one of the sides of the field, are equally high."""
+    tops, seen = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels), scan.seen
+    for levels, known in ((tops, seen), (tops.T, seen.T)):
+        both = known[1:] & known[:-1]
+        if both.any() and (levels[1:] == levels[:-1])[both].all():
+            return True
+    return False
+
+
+_CLEAR_TOPS = 0.5
+"""Agreement of raised tops on the unit at least: 1 if all are at whole multiples of it, 0 for heights at random."""
+
+
+def _agreement_of_tops(scan: Scan) -> float:
+    """Return the mean of cos(2 pi h / unit) of all tops that are raised; 1 without any."""
+    raised = scan.seen & ~scan.frame & (np.nan_to_num(scan.heights) > scan.measured_unit / 4)
+    if not raised.any():
+        return 1.0
+    return float(np.cos(2 * np.pi * scan.heights[raised] / scan.measured_unit).mean())
 
 
 def _parts(cells: Mask) -> int:

@@ -10,7 +10,8 @@ undersides. That also makes it the same which way faces are wound, which scannin
 
 Up is not known, but a field is flat: of the directions that most faces have, up is the one from which most is seen.
 From below, closed blocks are all equally high, and a surface is the same from either side; so up is where the heights
-differ more. Blocks without a floor stand on the ground: its points are added around them, as high as their undersides.
+differ more. Where they differ as much, and no field is found, up is where the faces look. Blocks without a floor stand
+on the ground: its points are added around them, as high as their undersides.
 Cost: linear in the faces; some seconds for a million. What breaks it: a wall that is larger than the field and its
 floor, if `up` is not given.
 """
@@ -56,11 +57,19 @@ _FLATTER = 1.25
 open, both have the same, and up is found by the ground (ground.py)."""
 
 
+_LOOKING = 0.9
+"""Share of the area of a surface, less that which looks the other way, from which on it looks to one side."""
+
+
 class Cloud(NamedTuple):
-    """Points (n, 3), and the direction up (3,) of the object in them, None if it is not known."""
+    """Points (n, 3), and the direction up (3,) of the object in them, None if it is not known.
+
+    facing: the direction (3,) to which an open surface looks, as its faces are wound: up, if they are wound rightly
+    """
 
     points: Array
     up: Array | None = None
+    facing: Array | None = None
 
 
 def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) -> Cloud:
@@ -84,8 +93,12 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range
     if other > side:
         direction, side, other = -direction, other, side
-    is_closed = side > _FLATTER * other
-    return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points[:_SAMPLED], direction if is_closed else None)
+    points = _view(mesh, normals, areas, direction, _SPREAD).points[:_SAMPLED]
+    if side > _FLATTER * other:
+        return Cloud(points, direction)
+    along = areas * (normals @ direction)
+    looks = float(along.sum() / np.abs(along).sum())
+    return Cloud(points, None, direction * np.sign(looks) if abs(looks) > _LOOKING else None)
 
 
 def _directions(normals: Array, areas: Array) -> Iterator[Array]:

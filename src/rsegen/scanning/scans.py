@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rsegen.errors import FileError
+from rsegen.errors import FileError, ScanError
 from rsegen.field.stepfield import Array, StepField
 from rsegen.heights.base import Heights, filled, recipe_of
 from rsegen.recipe.building import build
@@ -21,6 +21,7 @@ from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
 from rsegen.scanning.comparison import Comparison, compared
 from rsegen.scanning.finding import find_field
+from rsegen.scanning.meshes import Cloud
 from rsegen.scanning.pictures import comparison_plot, scan_plot
 from rsegen.scanning.scan import Scan, ScanSettings
 from rsegen.scanning.scan_options import ScanOptions
@@ -112,9 +113,9 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
         If there is no field in the cloud.
     """
     options = options or ScanOptions()
-    points, settings, name = _points(clouds, options)
-    field = find_field(points, settings)
-    return ScannedMap(scan=field, recipe=_recipe(field, name, fill_holes=options.fill_holes), points=points)
+    cloud, settings, name = _cloud(clouds, options)
+    field = _found(cloud, settings)
+    return ScannedMap(scan=field, recipe=_recipe(field, name, fill_holes=options.fill_holes), points=cloud.points)
 
 
 def compare(
@@ -150,8 +151,8 @@ def compare(
     if isinstance(stands, (Recipe, StepField)):
         return ComparedMap(comparison=compared(_field(stands), field), units=units)
     options = options or ScanOptions()
-    points, settings, _ = _points(stands, options)
-    built = find_field(points, settings, known=field)
+    cloud, settings, _ = _cloud(stands, options)
+    built = _found(cloud, settings, field)
     stretch = built.unit / built.measured_unit
     comparison = Comparison(heights=built.heights * stretch, wanted=field, tolerance=field.unit / 2)
     return ComparedMap(comparison=comparison, scan=built, units=units)
@@ -161,17 +162,34 @@ def _field(shown: Recipe | StepField) -> StepField:
     return build(shown, shown.first_map) if isinstance(shown, Recipe) else shown
 
 
-def _points(clouds: Clouds, options: ScanOptions) -> tuple[Array, ScanSettings, str]:
+def _cloud(clouds: Clouds, options: ScanOptions) -> tuple[Cloud, ScanSettings, str]:
     """Return the points [m], what is known of the field in them, and a name for what they show."""
     settings = options.settings
     if isinstance(clouds, np.ndarray):
-        return clouds, settings, "scan"
+        return Cloud(clouds), settings, "scan"
     paths = [Path(clouds)] if isinstance(clouds, (str, Path)) else [Path(path) for path in clouds]
     if not paths:
         raise FileError("no cloud is given")
     cloud = read_clouds(paths, options.values, options.intrinsics, settings.up, options.topic)
-    up = settings.up if cloud.up is None else (float(cloud.up[0]), float(cloud.up[1]), float(cloud.up[2]))
-    return cloud.points, replace(settings, up=up), paths[0].stem
+    return cloud, settings if cloud.up is None else replace(settings, up=_vector(cloud.up)), paths[0].stem
+
+
+def _found(cloud: Cloud, settings: ScanSettings, known: StepField | None = None) -> Scan:
+    """Return the field in a cloud; of a surface in which none is found, as its faces look up."""
+    try:
+        return find_field(cloud.points, settings, known)
+    except ScanError as error:
+        if cloud.facing is None:
+            raise
+        try:
+            return find_field(cloud.points, replace(settings, up=_vector(cloud.facing)), known)
+        except ScanError:
+            raise error from None
+
+
+def _vector(direction: Array) -> tuple[float, float, float]:
+    x, y, z = direction.tolist()
+    return x, y, z
 
 
 def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:
