@@ -2,7 +2,7 @@
 
 PPO of Stable-Baselines3 trains Ant-v5 with its own rewards, on another field of low blocks at each reset, whose heights
 around it it sees. Then policies walk on fields of another seed: trained, and the same network untrained. Kept in
-benchmarks/results/ant.json; docs/flippers.md has it. Needs `pip install stable-baselines3 "gymnasium[mujoco]"`.
+benchmarks/results/ant.json; docs/learned.md has it. Needs `pip install stable-baselines3 "gymnasium[mujoco]"`.
 """
 
 from __future__ import annotations
@@ -12,78 +12,21 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from statistics import fmean, median
-from tempfile import TemporaryDirectory
 from typing import Any
 
-import gymnasium
-import mujoco
-import numpy as np
-
-import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
-from rsegen.learning.gymnasium import NewFieldAtReset
-from rsegen.learning.mujoco import BlockGrid
 
 FILE = RESULTS / "ant.json"
-ANT = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets" / "ant.xml"
-MIDDLE, FAR = 5.0, 3.0
-"""Metres from the start to the middle of the field, and the way that counts as far: 2 m of it are on blocks."""
-PATTERN = rsegen.scan_points((1.6, 1.2), 0.2) + np.array([0.4, 0.0])
-FIELDS, EPISODE = 100, 500
-"""Fields of the evaluation, and steps of 0.05 s of an episode."""
-
-
-class AntOnBlocks(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Ant-v5 on a new field at each reset, which sees the ground around it; infos have its `touches` of blocks."""
-
-    def __init__(self, seed: int) -> None:
-        recipe = rsegen.Recipe(
-            name="low-blocks",
-            seed=seed,
-            unit_cm=4,
-            block_width_cm=40,
-            chunks=(2, 1),
-            chunk_size=10,
-            boundary="none",
-            obstacles=[rsegen.Random(levels=4)],
-        )
-        grid, spec = BlockGrid(recipe, pos=(MIDDLE, 0, 0)), mujoco.MjSpec.from_file(str(ANT))
-        grid.add_to(spec)
-        spec.compile()
-        with TemporaryDirectory() as folder:
-            file = Path(folder, "ant.xml")
-            file.write_text(spec.to_xml(), "utf-8")
-            plain = gymnasium.make("Ant-v5", xml_file=str(file), max_episode_steps=EPISODE)
-        self._fields = NewFieldAtReset(plain, grid)
-        super().__init__(self._fields)
-        space = self.observation_space
-        assert space.shape is not None
-        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (space.shape[0] + len(PATTERN),))
-        model = plain.unwrapped.model  # type: ignore[attr-defined]
-        first = model.geom(grid.names[0]).id
-        self._blocks = range(first, first + len(grid.names))
-
-    def reset(self, **given: Any) -> tuple[Any, dict[str, Any]]:
-        """As NewFieldAtReset, with what it sees."""
-        observation, info = self.env.reset(**given)
-        return self._with_ground(observation), info
-
-    def step(self, action: Any) -> Any:
-        """As Ant-v5, with what it sees and touches."""
-        observation, reward, is_over, is_late, info = self.env.step(action)
-        pairs = self.env.unwrapped.data.contact.geom  # type: ignore[attr-defined]
-        info["touches"] = int(np.isin(pairs, self._blocks).any(axis=1).sum()) if len(pairs) else 0
-        return self._with_ground(observation), reward, is_over, is_late, info
-
-    def _with_ground(self, observation: Any) -> Any:
-        x, y, z, w, i, j, k = self.env.unwrapped.data.qpos[:7]  # type: ignore[attr-defined]
-        yaw = np.arctan2(2 * (i * j + w * k), 1 - 2 * (j * j + k * k))
-        return np.concatenate([observation, self._fields.ground.scan(PATTERN, np.array([x, y, z, yaw]))])
+FAR = 3.0
+"""The way, metres, that counts as far: 2 m of it are on blocks."""
+FIELDS = 100
+"""Of the evaluation."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -123,8 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _made(seed: int) -> Callable[[], AntOnBlocks]:
-    from functools import partial
+def _made(seed: int) -> Callable[[], Any]:
+    from benchmarks.ant import AntOnBlocks
 
     return partial(AntOnBlocks, seed)
 
@@ -156,7 +99,7 @@ class _Watch:
 
 def _walked(model: Any, worlds: Any) -> dict[str, Any]:
     """On fields of another seed: how far the Ant gets in an episode, metres, and how often it touches blocks."""
-    env, ways, touching = AntOnBlocks(32), [], []
+    env, ways, touching = _made(32)(), [], []
     for field in range(FIELDS):
         observation, _ = env.reset(seed=1000 + field)
         touches, is_over, is_late = 0, False, False
@@ -171,7 +114,7 @@ def _walked(model: Any, worlds: Any) -> dict[str, Any]:
 
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures, as lines of Markdown."""
-    yield f"| policy | way in {EPISODE * 0.05:.0f} s: mean, median | farther than {FAR:g} m | fields on which it touched blocks |"
+    yield f"| policy | way in 25 s: mean, median | farther than {FAR:g} m | fields on which it touched blocks |"
     yield "|---|---|---|---|"
     for policy, found in record["walked"].items():
         ways, touching = found["metres"], found["touching_steps"]

@@ -47,6 +47,8 @@ UNSEEN = 12
 """Seed of the recipe of the fields of the evaluation."""
 FIELDS = 2560
 """Of them."""
+JUDGED = 200
+"""Fields on which a learned policy is judged in MuJoCo once more."""
 TITLES = {
     "moved": "learned, flippers moved",
     "held": "learned, flippers held",
@@ -162,7 +164,8 @@ def _run(policy: str, seed: int, options: argparse.Namespace) -> dict[str, Any]:
     count = min(options.fields, options.worlds)
     fresh = CrossingWorlds(unseen, count, device=device, maps=count, seed=1000 + seed)
     crossed = evaluated(fresh, act)
-    return {"policy": policy, "seed": seed, "seconds": seconds, "curve": curve, "crossed": crossed}
+    run = {"policy": policy, "seed": seed, "seconds": seconds, "curve": curve, "crossed": crossed}
+    return run | {"in_mujoco": judged(unseen, act)} if curve else run
 
 
 def _straight(observation: Any) -> Any:
@@ -227,6 +230,27 @@ def evaluated(worlds: Any, act: Callable[[Any], Any]) -> dict[str, list[int]]:
     }
 
 
+def judged(crossing: Crossing, act: Callable[[Any], Any]) -> dict[str, list[int]]:
+    """The same of other fields in one world of MuJoCo, of 64 bits, whose contacts are found by other code."""
+    import torch
+
+    from rsegen.learning.crossing_env import CrossingEnv
+
+    env = CrossingEnv(crossing)
+    counts = {str(row): [0, 0, 0] for row in range(ROWS)}
+    for field in range(FIELDS, FIELDS + JUDGED):
+        seen, _ = env.reset(seed=field, options={"map": field})
+        touched = is_over = is_late = False
+        while not (is_over or is_late):
+            with torch.inference_mode():
+                action = act({"policy": torch.as_tensor(seen)[None]})[0]
+            seen, _, is_over, is_late, info = env.step(action.cpu().numpy())
+            touched |= info["touches"] > 0
+        row = counts[str(field % ROWS)]
+        row[:] = row[0] + info["is_across"], row[1] + 1, row[2] + touched
+    return counts
+
+
 def table(record: Mapping[str, Any]) -> Iterator[str]:
     """The figures, as lines of Markdown."""
     runs = record["runs"]
@@ -238,6 +262,10 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
             cells = [_cell([run["crossed"][str(row)] for run in own]) for row in range(ROWS)]
             every = [counts for run in own for counts in run["crossed"].values()]
             yield f"| {title} | {' | '.join(cells)} | {_cell(every)} |"
+        if again := [run["in_mujoco"] for run in own if "in_mujoco" in run]:
+            cells = [_cell([counts[str(row)] for counts in again]) for row in range(ROWS)]
+            every = [counts for found in again for counts in found.values()]
+            yield f"| the same in one world of MuJoCo | {' | '.join(cells)} | {_cell(every)} |"
     seeds = sorted({run["seed"] for run in runs})
     touched = [counts for run in runs for counts in run["crossed"].values()]
     yield ""

@@ -1,9 +1,9 @@
 """mjlab's Unitree Go1 learns to walk on step fields: `python -m benchmarks.go1_on_blocks`, on a GPU.
 
-The task, the rewards and PPO are mjlab's own (Mjlab-Velocity-Rough-Unitree-Go1, rsl_rl); only its terrain is rsegen's, four
-columns of random blocks in a curriculum of rows. Then policies walk on a terrain of other seeds: trained, and the same
-network untrained. What touches blocks is counted in MuJoCo's contacts. Kept in benchmarks/results/go1.json;
-docs/flippers.md has it. Needs `pip install mjlab`.
+The task, the rewards and PPO are mjlab's own (Mjlab-Velocity-Rough-Unitree-Go1, rsl_rl); its terrain alone is rsegen's,
+four columns of random blocks in a curriculum of rows. Then policies walk on a terrain of other seeds: the trained one,
+and the same network untrained. What touches blocks is counted in MuJoCo's contacts. Kept in
+benchmarks/results/go1.json; docs/learned.md has it. Needs `pip install mjlab`.
 """
 
 from __future__ import annotations
@@ -98,7 +98,9 @@ def _worlds(count: int, seed: int, options: argparse.Namespace, seconds: float |
 
     settings = load_env_cfg(TASK)
     # mjlab has a column for each sub-terrain.
-    columns = {f"rubble_{column}": StepFieldTerrainCfg(recipe=rubble(seed), proportion=1.0) for column in range(COLUMNS)}
+    columns = {
+        f"rubble_{column}": StepFieldTerrainCfg(recipe=rubble(seed), proportion=1.0) for column in range(COLUMNS)
+    }
     settings.scene.terrain.terrain_generator = TerrainGeneratorCfg(
         curriculum=True, size=(SIDE, SIDE), border_width=10.0, num_rows=ROWS, num_cols=COLUMNS, seed=seed,
         sub_terrains=columns,
@@ -124,14 +126,11 @@ def _runner(worlds: Any, options: argparse.Namespace) -> Any:
 
 
 def _row(worlds: Any, runner: Any, seconds: float) -> dict[str, float]:
-    """A row of the curve: rewards and lengths of the last episodes, the mean row, and what robots touch now."""
-    rewards, lengths = runner.logger.rewbuffer, runner.logger.lenbuffer
+    """A row of the curve: the mean row of the curriculum, and what robots touch now."""
     blocks, ground = _touched(worlds)
     row = {
         "seconds": round(seconds, 1),
         "iterations": runner.current_learning_iteration,
-        "reward": round(float(np.mean(rewards)), 3) if rewards else 0.0,
-        "length_s": round(float(np.mean(lengths)) * worlds.unwrapped.step_dt, 2) if lengths else 0.0,
         "row": round(float(worlds.unwrapped.scene.terrain.terrain_levels.float().mean()), 3),
         "on_blocks": int(blocks.sum()),
         "on_ground": int(ground.sum()),
@@ -162,7 +161,7 @@ def _touched(worlds: Any) -> tuple[Any, Any]:
 
 
 def _walked(worlds: Any, act: Any) -> dict[str, Any]:
-    """Of each row: robots, those that did not fall, those that touched blocks, metres that they walked, in the median."""
+    """Of each row: robots, those that did not fall, those that touched blocks, and the median of their ways, metres."""
     import torch
 
     environment = worlds.unwrapped
@@ -201,22 +200,25 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     yield f"|---|{'---|' * ROWS}"
     for policy, rows in record["walked"].items():
         yield f"| {policy} | {' | '.join(_cell(rows[str(row)]) for row in range(ROWS))} |"
-    first, last = record["curve"][0], record["curve"][-1]
-    yield f"\nShare of robots that are up after {SECONDS:g} s at {SPEED} m/s, its 95 % interval, their count, and the median way,"
-    yield "on a terrain of other seeds. While learning, the mean row of the curriculum went from"
-    yield f"{first['row']} to {last['row']} in {last['seconds'] / 60:.0f} minutes, and the mean reward from {first['reward']} to"
-    yield f"{last['reward']}; at the end {last['on_blocks']:,} contacts were with blocks and {last['on_ground']:,} with level"
+    last = record["curve"][-1]
+    blocks, ground, minutes = last["on_blocks"], last["on_ground"], last["seconds"] / 60
+    yield f"\nShare of robots that are up after {SECONDS:g} s at {SPEED} m/s, its 95 % interval, their count, and"
+    yield f"the median way, on a terrain of other seeds, after {last['iterations']} updates in {minutes:.0f} minutes."
+    yield f"At their end the mean row of the curriculum was {last['row']}, and {blocks:,} contacts were with blocks,"
     touched = [row for rows in record["walked"].values() for key, row in rows.items() if key != "0"]
-    yield f"ground. On rows with blocks {sum(row['touched'] for row in touched):,} of {sum(row['robots'] for row in touched):,}"
+    some, robots = sum(row["touched"] for row in touched), sum(row["robots"] for row in touched)
+    yield f"{ground:,} with level ground. On rows with blocks {some:,} of {robots:,} robots touched some."
     versions = ", ".join(f"{name} {number}" for name, number in record["versions"].items())
-    yield f"robots touched some. Measured by `python -m benchmarks.go1_on_blocks` on: {record['machine']}; {versions}."
+    yield f"Measured by `python -m benchmarks.go1_on_blocks` on: {record['machine']}; {versions}."
 
 
 def _cell(row: Mapping[str, Any]) -> str:
     if not row["robots"]:
         return ""
     low, high = wilson(row["up"], row["robots"])
-    return f"{row['up'] / row['robots']:.0%} ({low:.0%}-{high:.0%}; {row['up']} of {row['robots']}), {row['metres']:.2g} m"
+    return (
+        f"{row['up'] / row['robots']:.0%} ({low:.0%}-{high:.0%}; {row['up']} of {row['robots']}), {row['metres']:.2g} m"
+    )
 
 
 if __name__ == "__main__":

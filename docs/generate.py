@@ -17,16 +17,21 @@ from functools import partial
 from math import radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import rsegen
 from benchmarks import (
     agreement,
+    ant_on_blocks,
     busy,
     certainty,
     crossable,
     crossings,
     datasets,
+    flippers,
+    go1_on_blocks,
     learning,
+    many_worlds,
     rating,
     rests,
     scan,
@@ -81,6 +86,7 @@ LEARNING = DOCS / "learning.md"
 MUJOCO = DOCS / "mujoco.md"
 CERTAINTY = DOCS / "certainty.md"
 TRAINING = DOCS / "training.md"
+LEARNED = DOCS / "learned.md"
 POSES = DOCS / "poses.md"
 CONSTRAINTS = DOCS / "constraints.md"
 RATING = DOCS / "rating.md"
@@ -205,6 +211,7 @@ def texts() -> dict[Path, str]:
         RATING: filled(RATING.read_text("utf-8"), rating.table(rated)),
         README: filled(README.read_text("utf-8"), rating.summary(rated)),
         TRAINING: filled(TRAINING.read_text("utf-8"), training.table(json.loads(training.FILE.read_text("utf-8")))),
+        LEARNED: filled(LEARNED.read_text("utf-8"), _learned()),
         MUJOCO: filled(MUJOCO.read_text("utf-8"), agreement.table(agreement.loaded(), agreement.recorded_lanes())),
         SCAN: filled(SCAN.read_text("utf-8"), scan.table(json.loads(scan.FILE.read_text("utf-8")))),
         CERTAINTY: filled(CERTAINTY.read_text("utf-8"), certainty.table(certainty.loaded())),
@@ -294,9 +301,27 @@ def main(arguments: list[str]) -> int:
         path.write_bytes(_rise(same_field=same_field))
     plan, results, *_ = load_summary(EXPERIMENT)
     (DOCS / "pictures" / "experiment.png").write_bytes(experiments.plot(plan, results))
+    (DOCS / "pictures" / "flippers.png").write_bytes(flippers.plot(_record(flippers.FILE)))
     learned = training.plot(json.loads(training.FILE.read_text("utf-8")))
     (DOCS / "pictures" / "training.png").write_bytes(learned)
     return 0
+
+
+def _record(path: Path) -> Mapping[str, Any]:
+    return json.loads(path.read_text("utf-8"))  # type: ignore[no-any-return]
+
+
+def _learned() -> Iterator[str]:
+    """What robots learned in many worlds, and what these cost."""
+    yield "## A crawler and its flippers\n"
+    yield "![The share of fields crossed while learning, and of unseen fields by their blocks](pictures/flippers.png)\n"
+    yield from flippers.table(_record(flippers.FILE))
+    yield "\n## Many worlds\n"
+    yield from many_worlds.table(_record(many_worlds.FILE))
+    yield "\n## Gymnasium's Ant\n"
+    yield from ant_on_blocks.table(_record(ant_on_blocks.FILE))
+    yield "\n## mjlab's Go1\n"
+    yield from go1_on_blocks.table(_record(go1_on_blocks.FILE))
 
 
 def _ways(scene: Scene) -> bytes:

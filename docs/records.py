@@ -48,6 +48,11 @@ SOURCES: Mapping[str, Source] = {
         "python -m benchmarks.agreement",
         ("benchmarks/agreement.py", "src/rsegen/simulators", *_IN_MUJOCO),
     ),
+    "ant": Source(
+        "[Gymnasium's Ant](learned.md)",
+        "python -m benchmarks.ant_on_blocks",
+        ("benchmarks/ant_on_blocks.py", "benchmarks/ant.py", "src/rsegen/learning"),
+    ),
     "burgers": Source("[at full speed](burgers.md)", "rsegen experiment burgers", _TRIALS),
     "busy": Source(
         "[busy machines](busy.md)", "python -m benchmarks.busy", ("benchmarks/busy.py", "src/rsegen/simulators")
@@ -97,6 +102,21 @@ SOURCES: Mapping[str, Source] = {
         ("benchmarks/rating.py", "src/rsegen/rating", *_IN_MUJOCO),
     ),
     "representations": Source("[boxes and models](representations.md)", "rsegen experiment representations", _TRIALS),
+    "flippers": Source(
+        "[a crawler that learns](learned.md)",
+        "python -m benchmarks.flippers",
+        ("benchmarks/flippers.py", "src/rsegen/learning", "src/rsegen/mujoco"),
+    ),
+    "go1": Source(
+        "[mjlab's Go1](learned.md)",
+        "python -m benchmarks.go1_on_blocks",
+        ("benchmarks/go1_on_blocks.py", "src/rsegen/learning"),
+    ),
+    "many_worlds": Source(
+        "[many worlds](learned.md)",
+        "python -m benchmarks.many_worlds",
+        ("benchmarks/many_worlds.py", "src/rsegen/learning", "src/rsegen/mujoco"),
+    ),
     "rests": Source(
         "[robots at rest](poses.md)",
         "python -m benchmarks.rests",
