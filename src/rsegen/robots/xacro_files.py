@@ -4,7 +4,8 @@ Xacro evaluates Python, and what it forbids is not enough to keep a file from ru
 arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS, and a package in $(find ...) is
 found as that of a mesh is, without ROS. A file of a package that is not found is not included: makers' robots include
 the macros of sensors that most of them do not carry. Elements are counted, as macros may call themselves, and the
-process and each expression have little time and memory. What breaks it: lambdas, comprehensions and $(eval ...); `xacro FILE > r.urdf` expands them.
+process and each expression have little time and memory. What breaks it: lambdas, comprehensions and $(eval ...);
+`xacro FILE > r.urdf` expands them.
 """
 
 from __future__ import annotations
@@ -43,8 +44,9 @@ _LARGEST = 4 * 2**20
 """Characters of an expanded file, as many as of one that is none."""
 
 _ELEMENTS = 20_000
-"""Elements that are expanded, of which a call of a macro counts as two: a robot with two arms has some thousand. A macro
-that calls itself twice would go on until time or memory is over."""
+"""Elements that are expanded, of which a call of a macro counts as two: a robot with two arms has some thousand.
+
+A macro that calls itself twice would go on until time or memory is over."""
 
 _EXPRESSION = 1.0
 """Seconds of CPU time of one expression, which takes less than a thousandth of that."""
@@ -216,7 +218,7 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
 
 
 def _counted(expand: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the function that expands an element, which is called for each, with a ValueError when there are too many."""
+    """Return the function that expands an element, with a ValueError when it is called for too many of them."""
     calls = count(1)
 
     def counted(*arguments: Any, **named: Any) -> Any:
