@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +16,47 @@ FUZZ, CRASH = RESULTS / "fuzz.json", RESULTS / "crash.json"
 def table() -> Iterator[str]:
     """The last results as lines of Markdown."""
     crash = _loaded(CRASH)
-    tried = f"{crash['trials']:,} trials of {crash['commands']} commands, {crash['experiments']} kills of an experiment"
+    counts = crash["counts"]
+    trials = sum(count["tried"] for disks in counts.values() for count in disks.values())
+    tried = f"{trials:,} trials of {crash['commands']} commands, {crash['experiments']} kills of an experiment"
     yield "| trial | seed | tried | failed |"
     yield "|---|---|---|---|"
     for fuzz in _loaded(FUZZ):
         yield f"| `make fuzz` | {fuzz['seed']} | {fuzz['cases']:,} cases | {fuzz['fail']} |"
     yield f"| `make crash` | {crash['seed']} | {tried} | {crash['problems']} |"
+    yield "\nTrials of `make crash` by what happens, and by disk (failed / tried):\n"
+    yield from _by_disk(counts)
+    yield from (f"\nNot tried on {disk}: {why}." for disk, why in crash["skipped"].items())
     yield "\nWaiting for the disk costs:\n"
     yield from syncing.table(_loaded(syncing.FILE))
+
+
+_KINDS = {
+    "kill": "killed before a call",
+    "killafter": "killed after a call",
+    "power": "power failure",
+    "fail": "a call fails",
+    "full": "the disk is full",
+    "short": "a write is cut short",
+    "interrupt": "Ctrl-C",
+    "stuck": "renames fail from a call on",
+    "dead": "all calls fail from one on",
+    "second run": "a second run in the folder",
+    "foreign in its place": "a thing of others in the place",
+    "foreign hidden name": "a thing of others with a hidden name",
+}
+"""What happens in a trial of tests/crash, in words."""
+
+
+def _by_disk(counts: Mapping[str, Mapping[str, Mapping[str, int]]]) -> Iterator[str]:
+    """A table of trials: a row for each kind, a column for each disk."""
+    disks = list(dict.fromkeys(disk for row in counts.values() for disk in row))
+    yield f"| what happens | {' | '.join(disks)} |"
+    yield f"|---|{'---|' * len(disks)}"
+    for kind, words in _KINDS.items():
+        cells = [counts.get(kind, {}).get(disk, {"tried": 0, "failed": 0}) for disk in disks]
+        shares = [f"{cell['failed']} / {cell['tried']}" for cell in cells]
+        yield f"| {words} | {' | '.join(shares)} |"
 
 
 def _loaded(path: Path) -> Any:

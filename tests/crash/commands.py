@@ -21,7 +21,8 @@ class Run:
     """A command; paths are relative to the folder of the trial, and `{inputs}` is that of the inputs.
 
     first: commands that have filled the folder before   damage: what is then removed
-    goes_on: `resume` continues it with --resume, `again` by the same command, with --force if its output exists
+    goes_on: `resume` continues it with --resume, `again` by the same command, with --force if its output exists,
+      `itself` by the same command
     depth: how many names below the folder `out` make a unit, which is old or new as a whole; 0: all of `out`
     shares: whether foreign things may lie in the folder `out`   syncs: whether it waits for the disk
     rare: whether it takes long, and has fewer trials
@@ -39,7 +40,8 @@ class Run:
 
     def continued(self, *, exists: bool) -> list[str]:
         """The command that continues it; exists: whether a part of its output does."""
-        more = [] if "--force" in self.command else ["--resume"] if self.goes_on == "resume" else ["--force"] * exists
+        flags = {"resume": ["--resume"], "again": ["--force"] * exists, "itself": []}
+        more = [] if "--force" in self.command else flags[self.goes_on]
         return [*self.command, *(flag for flag in more if flag not in self.command)]
 
     def forced(self) -> list[str]:
@@ -104,6 +106,7 @@ _TERRAIN = ["terrain", "peak", "figure-7", "--rows", "2", "--columns", "2"]
 _SCAN = ["scan", "{inputs}/cloud.xyz"]
 _BURGER = ["--robot", "burger"]
 _EVEN = ["--obstacle", "peak levels=2 softness=100"]
+_LEVEL = ["--obstacle", "random levels=2", "--chunk-size", "3"]
 _ONE, _OTHER_ONE = [*_SMALL, *_SEED], [*_SMALL, *_OTHER_SEED]
 
 
@@ -117,6 +120,26 @@ def _datasets() -> list[Run]:
         Run(name="dataset --force", command=[*mine, "--force"], first=[other], depth=0, shares=False),
         Run(name="dataset --resume", command=[*mine, "--resume"], first=[mine], damage=damage, shares=False),
     ]
+
+
+def _drives() -> list[Run]:
+    """Drives in MuJoCo, and a rating, of which each trial is kept as soon as it is made."""
+    drive = ["drive", *_LEVEL, "--no-predict", "--duration", "0.2", "--no-contacts", *_FOLDER]
+    drives = ["drives", *_LEVEL, "--maps", "3", "--duration", "0.2", "--workers", "1", *_FOLDER]
+    rate = ["rate", "burger", "--by", "prediction", "--trials", "8", "--chunk-size", "3", "--workers", "1", *_FOLDER]
+    return [
+        Run(name="drive", command=[*drive, *_SEED], goes_on="again", depth=0, shares=False, rare=True),
+        _whole("drive", [*drive, *_SEED], [*drive, *_OTHER_SEED]),
+        Run(name="drives", command=[*drives, *_SEED], goes_on="again", depth=0, shares=False, rare=True),
+        _whole("drives", [*drives, *_SEED], [*drives, *_OTHER_SEED]),
+        Run(name="rate", command=[*rate, *_SEED], goes_on="itself", shares=False, rare=True),
+        _whole("rate", [*rate, *_SEED], [*rate, *_OTHER_SEED]),
+    ]
+
+
+def _whole(name: str, command: Sequence[str], other: Sequence[str]) -> Run:
+    """A command whose folder is replaced as a whole, over what it made of another seed."""
+    return Run(name=f"{name} --force", command=[*command, "--force"], first=[other], depth=0, shares=False, rare=True)
 
 
 RUNS: Sequence[Run] = (
@@ -152,6 +175,7 @@ RUNS: Sequence[Run] = (
     Run(name="export, joined", command=[*_EXPORT, *_ROS2]),
     _forced("export, joined", [*_EXPORT, "--to", "ros2 package=fields margin_cm=300"], [[*_EXPORT, *_ROS2]]),
     *_datasets(),
+    *_drives(),
     *_maps("terrain", _TERRAIN, ["terrain_0000/levels.csv"]),
     *_files("sheet", *_ONE, "-o", "out/a.pdf", "--csv", "out/a.csv", other=[*_OTHER_ONE, "-o", "out/a.pdf"]),
     *_files("view", *_ONE, "-o", "out/a.html", other=[*_OTHER_ONE, "-o", "out/a.html"]),
@@ -176,7 +200,7 @@ RUNS: Sequence[Run] = (
     Run(name="examples", command=["examples", *_FOLDER], goes_on="again"),
     _forced("examples", ["examples", *_FOLDER], [["examples", *_FOLDER]]),
 )
-"""All commands that write without a simulator."""
+"""All commands that write without Gazebo."""
 
 TURNS = [*[run for run in RUNS if not run.rare] * 3, *[run for run in RUNS if run.rare]]
 """The commands of the trials, in turns."""

@@ -23,18 +23,19 @@ _ROOTS = (Path(rsegen.__file__).parents[1], Path(__file__).parents[2])
 class Server:
     """Runs commands in `folder/trial/root`; one at a time, or two if the first is stopped.
 
+    control: a file of the memory that it shares with its driver, on this machine's own disk
     lacks: what its disk lacks, as fields of an Injection
     """
 
-    def __init__(self, folder: Path, library: Path, inputs: Path) -> None:
+    def __init__(self, folder: Path, control: Path, library: Path, inputs: Path) -> None:
         folder.mkdir(parents=True)
         self.trial: Path = folder / "trial"
         self.root: Path = self.trial / "root"
         self._inputs, self._said = inputs, folder / "stderr"
         self.lacks: Mapping[str, Any] = {}
-        mapped_control(folder / "control")
+        mapped_control(control)
         environment = os.environ | {
-            CONTROL: str(folder / "control"),
+            CONTROL: str(control),
             "LD_PRELOAD": str(library),
             "PYTHONPATH": os.pathsep.join(map(str, _ROOTS)),
             "OPENBLAS_NUM_THREADS": "1",  # a fork has none of them

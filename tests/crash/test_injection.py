@@ -27,7 +27,7 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     folder = tmp_path_factory.mktemp("crash")
-    with Server(folder / "server", compiled(folder), made_inputs(folder / "inputs")) as server:
+    with Server(folder / "server", folder / "control", compiled(folder), made_inputs(folder / "inputs")) as server:
         yield server
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.crash.commands import RUNS, TURNS, Run
+from tests.crash.disks import Disk
 from tests.crash.foreign import NAMES, add_foreign, put_foreign
 from tests.crash.injection import ERRORS, Injection
 from tests.crash.judging import (
@@ -58,17 +59,21 @@ class Undisturbed:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trial:
-    """The command of a trial, what happens to it, what its disk lacks, and the generator that draws the rest."""
+    """The command of a trial, what happens to it, what its disk lacks, and the generator that draws the rest.
+
+    lacks: what is taken from the disk   exchanges: whether two names can then be exchanged at once
+    """
 
     run: Run
     kind: str
     shared: bool
     lacks: Mapping[str, Any]
+    exchanges: bool
     rng: random.Random
 
     @classmethod
-    def drawn(cls, seed: int, number: int, *, exchanges: bool = True) -> Trial:
-        """Trial `number` of a seed; exchanges: on a disk that exchanges two names at once."""
+    def drawn(cls, seed: int, number: int, *, exchanges: bool = True, disk: Disk | None = None) -> Trial:
+        """Trial `number` of a seed; exchanges: on a disk that exchanges two names at once, unless it is another one."""
         rng = random.Random(f"{seed} {number}")  # noqa: S311  # moments, not secrets
         run = TURNS[number % len(TURNS)]
         kinds = {**KINDS, **_OTHERS}
@@ -79,8 +84,9 @@ class Trial:
         kind = rng.choices(list(kinds), list(kinds.values()))[0]
         shared, no_locks = run.shares and rng.random() < 0.7, rng.random() < 0.07
         unable = rng.choice((errno.EINVAL, errno.ENOSYS))
-        lacks = ({"no_locks": True} if no_locks else {}) | ({} if exchanges else {"no_exchange": unable})
-        return cls(run=run, kind=kind, shared=shared, lacks=lacks, rng=rng)
+        lacks = ({"no_locks": True} if no_locks else {}) | ({} if exchanges or disk else {"no_exchange": unable})
+        able = disk.exchanges if disk else exchanges
+        return cls(run=run, kind=kind, shared=shared, lacks=lacks, exchanges=able, rng=rng)
 
 
 def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undisturbed:
@@ -125,7 +131,7 @@ def _disturbed(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, l
         if injection.power:
             cut_power(server.root, end)
         done.append(f"{replace(injection, **trial.lacks)}: {end.call or 'never reached'}")
-        gaps |= bool("no_exchange" in trial.lacks and end.signal)
+        gaps |= bool(not trial.exchanges and end.signal)
         named += end.err.partition("could not be put back")[2]
         now, interrupted = tree(server.trial), injection.mode == "interrupt" and bool(end.call)
         wrong += _judged(trial.run, alone, now, before, gaps=gaps, named=named)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import resource
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -77,7 +78,8 @@ def test_expressions_make_a_file_xacro_whatever_its_name(tmp_path: Path) -> None
         ('<gazebo><a b="$(eval none + 1)"/></gazebo>', "name 'none' is not defined"),
         ('<gazebo><a b="$(eval 1 .__class__.__base__)"/></gazebo>', "is more than arithmetic"),
         ('<gazebo><a b="${[0] * 10**10}"/></gazebo>', "xacro cannot expand it"),
-        ("<gazebo><a b=\"${'x' * 10**7}\"/></gazebo>", "its macros make 10 MiB of it"),
+        ("<gazebo><a b=\"${'x' * 10**7}\"/></gazebo>", "an expression makes a value of 10,000,000 parts"),
+        ("<gazebo>" + "<a b=\"${'x' * 10**6}\"/>" * 5 + "</gazebo>", "its macros make 5 MiB of it"),
         ('<gazebo><a b="${(lambda: ().__class__)()}"/></gazebo>', "is more than arithmetic"),
     ],
 )
@@ -88,13 +90,45 @@ def test_macros_that_cannot_be_expanded_are_refused_in_one_line(tmp_path: Path, 
     assert "\n" not in str(caught.value)
 
 
+def doubling(body: str, most: int = 40) -> str:
+    """Macros of which each calls the one below it twice."""
+    pairs = "".join(
+        f'<xacro:macro name="m{i}"><xacro:m{i - 1}/><xacro:m{i - 1}/></xacro:macro>' for i in range(1, most)
+    )
+    return f'<xacro:macro name="m0">{body}</xacro:macro>{pairs}<xacro:m{most - 1}/>'
+
+
+ITSELF = """<xacro:macro name="m" params="n"><xacro:if value="${n > 0}">
+    <xacro:m n="${n - 1}"/><xacro:m n="${n - 1}"/></xacro:if></xacro:macro><xacro:m n="40"/>"""
+TEXTS = "".join(f'<xacro:property name="p{i}" value="${{p{i - 1} * 10}}"/>' for i in range(1, 12))
+
+
 @with_xacro
 @pytest.mark.slow
-def test_macros_that_never_end_are_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """After 2 s of CPU time, or after 6 s on a busy machine."""
-    monkeypatch.setattr(xacro_files, "_SECONDS", 2)
-    with pytest.raises(FileError, match=r"mine\.xacro: its macros are not expanded after [26] s"):
-        expanding(tmp_path, '<gazebo><a b="${len(str(10**10**9))}"/></gazebo>')
+@pytest.mark.parametrize(
+    ("inner", "says"),
+    [
+        (doubling("<gazebo/>"), "its macros make more than 20,000 elements"),
+        (doubling(""), "its macros make more than 20,000 elements"),
+        (ITSELF, "its macros make more than 20,000 elements"),
+        (doubling("<gazebo>" + "<a/>" * 500 + "</gazebo>", 9), "its macros make more than 20,000 elements"),
+        (
+            f'<xacro:property name="p0" value="xxxxxxxxxx"/>{TEXTS}<gazebo><a b="${{p11}}"/></gazebo>',
+            "an expression makes",
+        ),
+        ('<gazebo><a b="${len(str(10**10**9))}"/></gazebo>', "an expression takes more than 1 s"),
+        ('<gazebo><a b="${max(range(10**12))}"/></gazebo>', "an expression takes more than 1 s"),
+    ],
+    ids=["twice", "nothing", "itself", "elements", "texts", "power", "range"],
+)
+def test_macros_that_make_very_much_are_refused_at_once(tmp_path: Path, inner: str, says: str) -> None:
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with pytest.raises(FileError, match=r"mine\.xacro: xacro cannot expand it: ") as caught:
+        expanding(tmp_path, inner)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 4  # 2 s, and the start of Python
 
 
 def test_without_xacro_the_way_to_get_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from queue import SimpleQueue
@@ -11,6 +12,7 @@ from queue import SimpleQueue
 import psutil
 import pytest
 
+from rsegen.errors import SimulatorFailed
 from rsegen.simulators.classic_transport import TransportClient, transport_client
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.wire import CLASSIC
@@ -167,3 +169,29 @@ def connected() -> tuple[socket.socket, socket.socket]:
     with socket.create_server(("127.0.0.1", 0)) as server:
         ours = socket.create_connection(server.getsockname(), 5)
         return ours, server.accept()[0]
+
+
+def test_a_subscriber_that_reads_nothing_is_given_up_after_the_patience() -> None:
+    with a_client() as client, subscriber(client) as other:
+        other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
+        client.wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]))
+        client.patience = Patience(seconds=0.5, sign=0.5)
+        began = time.monotonic()
+        with pytest.raises(SimulatorFailed, match=r"the server takes no message for 0\.5 s"):
+            client.publish("~/request", "GzString", {"data": "x" * 2**25})
+        assert 0.4 < time.monotonic() - began < 15
+
+
+def test_a_subscriber_that_reads_slowly_gets_all() -> None:
+    with a_client() as client, subscriber(client) as other:
+        other.sendall(packet("sub", "Subscribe", {"topic": TOPIC, "host": "127.0.0.1", "port": 1}))
+        client.wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]))
+        text = "".join(chr(97 + i % 26) for i in range(2**22))
+        sending = threading.Thread(target=client.publish, args=("~/request", "GzString", {"data": text}))
+        sending.start()
+        with other.makefile("rb") as stream:
+            time.sleep(0.3)
+            assert sending.is_alive()
+            assert CLASSIC.decode("GzString", stream.read(int(stream.read(8), 16))) == {"data": text}
+        sending.join(10)
+        assert not sending.is_alive()

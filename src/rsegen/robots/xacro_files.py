@@ -3,8 +3,9 @@
 Xacro evaluates Python, and what it forbids is not enough to keep a file from running code. Here an expression may be
 arithmetic, comparisons, subscripts, and calls of the functions in _CALLED and _METHODS, and a package in $(find ...) is
 found as that of a mesh is, without ROS. A file of a package that is not found is not included: makers' robots include
-the macros of sensors that most of them do not carry. The process has little time and memory, as macros may call
-themselves. What breaks it: lambdas and comprehensions; `xacro FILE > r.urdf` expands them.
+the macros of sensors that most of them do not carry. Elements are counted, as macros may call themselves, and the
+process and each expression have little time and memory. What breaks it: lambdas and comprehensions;
+`xacro FILE > r.urdf` expands them.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -40,6 +42,14 @@ _MEMORY = 2 * 2**30
 
 _LARGEST = 4 * 2**20
 """Characters of an expanded file, as many as of one that is none."""
+
+_ELEMENTS = 20_000
+"""Elements that are expanded, of which a call of a macro counts as two: a robot with two arms has some thousand.
+
+A macro that calls itself twice would go on until time or memory is over."""
+
+_EXPRESSION = 1.0
+"""Seconds of CPU time of one expression, which takes less than a thousandth of that."""
 
 _NAMESPACES = ("math", "python", "xacro")
 """Names before the dot of a function."""
@@ -125,6 +135,8 @@ def expanded(text: str, where: str, arguments: Mapping[str, str]) -> tuple[str, 
         raise FileError(f"{where}: its macros are not expanded after {_WAIT * _SECONDS} s") from None
     except (OSError, ValueError) as error:  # a name with a null character, or an output that is no text
         raise FileError(f"{where}: {library_message(error)}") from None
+    if ended.returncode == -getattr(signal, "SIGPROF", 0):
+        raise FileError(f"{where}: xacro cannot expand it: an expression takes more than {_EXPRESSION:g} s")
     if ended.returncode == -getattr(signal, "SIGXCPU", 0):
         raise FileError(f"{where}: its macros are not expanded after {_SECONDS} s")
     if ended.returncode:
@@ -195,6 +207,7 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
             missing[inner.package] = None
 
     xacro.get_include_files = found_files
+    xacro.eval_all = _counted(xacro.eval_all)
     xacro.safe_eval = _evaluated
     substitution_args._eval_find = partial(_package, where)
     substitution_args._eval = _calculated
@@ -207,6 +220,18 @@ def _expanded(text: str, where: str, arguments: Mapping[str, str], missing: dict
     return result
 
 
+def _counted(expand: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the function that expands an element, with a ValueError when it is called for too many of them."""
+    calls = count(1)
+
+    def counted(*arguments: Any, **named: Any) -> Any:
+        if next(calls) > _ELEMENTS:
+            raise ValueError(f"its macros make more than {_ELEMENTS:,} elements")
+        return expand(*arguments, **named)
+
+    return counted
+
+
 def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | None = None) -> Any:
     """Return the value of an expression; ValueError if it has anything that may do more than calculate."""
     tree = ast.parse(expression.strip(), mode="eval")
@@ -215,7 +240,24 @@ def _evaluated(expression: str, names: dict[str, Any], inner: dict[str, Any] | N
         if not _is_harmless(node, is_before_dot=id(node) in roots):
             raise ValueError(f"{ast.unparse(node)} is more than arithmetic, and is not evaluated")
     names.update(__builtins__={})
-    return eval(compile(tree, "<expression>", "eval"), names, inner)  # noqa: S307  # only what was looked at
+    with _timed():
+        value = eval(compile(tree, "<expression>", "eval"), names, inner)  # noqa: S307  # only what was looked at
+    if isinstance(value, str | list | tuple) and len(value) > _LARGEST:
+        raise ValueError(f"an expression makes a value of {len(value):,} parts")
+    return value
+
+
+@contextmanager
+def _timed() -> Iterator[None]:
+    """End this process if what is done inside takes long, even within one call of Python's own code, as of a power."""
+    if not hasattr(signal, "setitimer"):  # Windows
+        yield
+        return
+    signal.setitimer(signal.ITIMER_PROF, _EXPRESSION)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
 
 
 def _is_harmless(node: ast.AST, *, is_before_dot: bool) -> bool:

@@ -14,6 +14,7 @@ so each step of a drive takes 0.4 s. What breaks it: disconnecting while a publi
 from __future__ import annotations
 
 import re
+import select
 import socket
 import threading
 import time
@@ -22,7 +23,7 @@ from collections.abc import Callable, Iterator, Set
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from functools import partial
 
-from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed
+from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed, library_message
 from rsegen.simulators.inbox import Inbox
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.wire import CLASSIC, Message
@@ -34,6 +35,11 @@ _QUIET_AFTER, _QUIET_TIME = 0.4, 0.05
 """Seconds after which all requests are answered, two periods of a paused server, and those without a message after
 which none is on its way. With less, a client may disconnect while a publisher sends; more delays every command.
 """
+
+_DONT_WAIT = getattr(socket, "MSG_DONTWAIT", 0)  # Windows has none: there a message may wait longer
+
+_LOOK = 0.1
+"""Seconds between two looks whether the wait for a server that takes no message is over."""
 
 _HEAD = re.compile(rb"[0-9A-Fa-f]{8}")
 """The length before each message, by Gazebo's transport."""
@@ -78,7 +84,7 @@ class TransportClient(Inbox):
             self._announce(self._master, "advertise", full, type_name)
             self.wait(f"no subscriber of {full}", lambda: bool(self._subscribers[full]))
         for subscriber in self._subscribers[full]:
-            _send(subscriber, CLASSIC.encode(type_name, message))
+            self._send(subscriber, CLASSIC.encode(type_name, message))
 
     @contextmanager
     def muted(self, topic: str) -> Iterator[None]:
@@ -149,7 +155,21 @@ class TransportClient(Inbox):
         inside = CLASSIC.encode("Publish" if kind == "advertise" else "Subscribe", message)
         seconds, nanoseconds = divmod(time.time_ns(), 10**9)
         stamp = {"sec": seconds, "nsec": nanoseconds}
-        _send(other, CLASSIC.encode("Packet", {"stamp": stamp, "type": kind, "serialized_data": inside}))
+        self._send(other, CLASSIC.encode("Packet", {"stamp": stamp, "type": kind, "serialized_data": inside}))
+
+    def _send(self, other: socket.socket, content: bytes) -> None:
+        """Send a message; a SimulatorFailed if the other is gone, or takes nothing for longer than one has patience."""
+        left, wait = memoryview(b"%08X" % len(content) + content), self.patience.begin()
+        try:
+            while left:
+                _, ready, _ = select.select((), (other,), (), _LOOK)
+                if ready:
+                    sent = other.send(left, _DONT_WAIT)
+                    left, wait = left[sent:], self.patience.begin()
+                elif wait.is_over:
+                    raise SimulatorFailed(f"Gazebo Classic: the server takes no message for {self.patience}")
+        except (OSError, ValueError) as error:  # ValueError: it is closed already
+            raise SimulatorFailed(f"Gazebo Classic: the server is gone ({library_message(error)})") from None
 
     def _read_master(self) -> None:
         for content in _received(self._master):
@@ -235,13 +255,6 @@ def transport_client(address: tuple[str, int], patience: Patience) -> AbstractCo
     except OSError as error:
         host, port = address
         raise NothingRuns(f"Gazebo Classic: nobody answers at {host}:{port} ({error.strerror or error})") from None
-
-
-def _send(other: socket.socket, content: bytes) -> None:
-    try:
-        other.sendall(b"%08X" % len(content) + content)
-    except OSError as error:
-        raise SimulatorFailed(f"Gazebo Classic: the server is gone ({error.strerror})") from None
 
 
 def _disconnect(other: socket.socket) -> None:

@@ -49,7 +49,7 @@ UNPAINTED = -1
 def act(session: Session, actions: Sequence[Action], index: int) -> int:
     """Apply actions, all or none of them, on a page that shows map `index`; return the row that the last was about."""
     selected = -1
-    with session.all_or_nothing():
+    with session.all_or_nothing(), session.together():
         for number, action in enumerate(actions):
             with inside(f"actions[{number}]"):
                 selected = _apply(session, action, index)
@@ -63,6 +63,8 @@ def _apply(session: Session, action: Action, index: int) -> int:
     name = given.pop("do", None)
     if not isinstance(name, str) or name not in _ACTIONS:
         raise UnknownName.among("do", "action", name, _ACTIONS)
+    if name not in _WITHOUT_RECIPE:
+        session.settle()
     known = checked_arguments(_ACTIONS[name], given)
     for where in ("row", "to"):
         if where in known and not (name == "paint" and known["row"] == -1):
@@ -107,6 +109,10 @@ def add(session: Session, _index: int, *, entry: Entry, at: int | None = None) -
 def duplicate(session: Session, _index: int, *, row: int) -> int:
     """Copy a row to the row below it."""
     return add(session, 0, entry=dict(session.draft.rows[row]), at=row + 1)
+
+
+_WITHOUT_RECIPE = frozenset({*_OF_SESSION, add.__name__, duplicate.__name__})
+"""Actions that read no more than the draft, of which very many in one edit take little longer than one."""
 
 
 @_action

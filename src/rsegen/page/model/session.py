@@ -111,6 +111,8 @@ class Session:
     _undone: list[Draft] = field(default_factory=list)
     _done: list[Draft] = field(default_factory=list)
     _gesture: str | None = None
+    _is_waiting: bool = False
+    _is_unsettled: bool = False
 
     def __post_init__(self) -> None:
         self._check()
@@ -137,14 +139,16 @@ class Session:
     def add(self, entry: Entry, at: int | None = None, *, gesture: str | None = None) -> int:
         """Add an obstacle, at the end by default; return its row."""
         at = len(self.draft.rows) if at is None else at
-        self._put(self.with_row(entry, at), gesture)
+        self._put(self._with_row(entry, at), gesture)
         return at
 
     def with_row(self, entry: Entry, at: int | None = None) -> Draft:
         """Return the draft with another obstacle, at the end by default; its key follows from its content."""
-        at = len(self.draft.rows) if at is None else at
+        return self._with_row(entry, len(self.draft.rows) if at is None else at).keyed()
+
+    def _with_row(self, entry: Entry, at: int) -> Draft:
         row = MappingProxyType({name: value for name, value in entry.items() if name != "key"})
-        return _raised(replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:])), row).keyed()
+        return _raised(replace(self.draft, rows=(*self.draft.rows[:at], row, *self.draft.rows[at:])), row)
 
     def remove(self, *, row: int) -> None:
         """Remove a row."""
@@ -179,13 +183,13 @@ class Session:
         """Undo the last change."""
         if self._done:
             self._undone.append(self.draft)
-            self._show(self._done.pop())
+            self._show(self._done.pop().keyed())
 
     def redo(self) -> None:
         """Redo the change that was undone last."""
         if self._undone:
             self._done.append(self.draft)
-            self._show(self._undone.pop())
+            self._show(self._undone.pop().keyed())
 
     def restore(self, draft: Draft) -> None:
         """Take over a draft as one change, which undo takes back."""
@@ -220,12 +224,32 @@ class Session:
                 self.changed()
             raise
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """Check the list of obstacles once for all changes that are made inside, at their end, or when `settle` asks.
+
+        Each check goes over the whole list. Until then the draft and its history lack keys, and the recipe is older.
+        """
+        self._is_waiting = True
+        try:
+            yield
+            self.settle()
+        finally:
+            self._is_waiting = False
+
+    def settle(self) -> None:
+        """Give rows their keys, and take over the recipe, if changes made `together` wait for that."""
+        if self._is_unsettled:
+            self.draft, self._is_unsettled = self.draft.keyed(), False
+            self._check()
+            self.changed()
+
     def _replace(self, row: int, entry: Entry, gesture: str | None = None) -> None:
         rows = (*self.draft.rows[:row], MappingProxyType(dict(entry)), *self.draft.rows[row + 1 :])
         self._put(_raised(replace(self.draft, rows=rows), entry), gesture)
 
     def _put(self, draft: Draft, gesture: str | None = None) -> None:
-        if draft.rows is not self.draft.rows:
+        if draft.rows is not self.draft.rows and not self._is_waiting:
             draft = draft.keyed()
         if draft == self.draft:
             return
@@ -238,6 +262,9 @@ class Session:
     def _show(self, draft: Draft) -> None:
         self.draft, self._gesture = draft, None
         self.revision += 1
+        if self._is_waiting:
+            self._is_unsettled = True
+            return
         self._check()
         self.changed()
 

@@ -1,0 +1,101 @@
+"""Very many actions in one edit: as if each was an edit of its own, in a time that grows with their number alone."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import pytest
+
+from rsegen.errors import ParameterError
+from rsegen.page.model.actions import Action, act
+from rsegen.page.model.session import Session
+from rsegen.recipe.recipe import Recipe
+
+MANY, SECONDS = 2000, 5.0
+PEAK = {"kind": "peak", "levels": 3, "first": [0, 0], "last": [2, 2]}
+RANDOM = {"kind": "random", "levels": 4}
+ADD: Action = {"do": "add", "entry": PEAK}
+
+
+@pytest.mark.parametrize(
+    "actions",
+    [
+        [ADD] * MANY,
+        [ADD, *[{"do": "duplicate", "row": 0}] * (MANY - 1)],
+        [{"do": "add", "entry": PEAK, "at": 0}] * MANY,
+        [{"do": "add", "entry": {**PEAK, "levels": 0}}] * MANY,
+    ],
+    ids=["at the end", "copies", "at the beginning", "not valid"],
+)
+def test_two_thousand_obstacles_are_added_within_seconds(actions: Sequence[Action]) -> None:
+    session, began = Session.of(), time.process_time()
+    act(session, actions, 0)
+    assert len(session.draft.rows) == MANY
+    assert time.process_time() - began < SECONDS
+
+
+def test_many_changes_of_a_long_list_take_seconds() -> None:
+    session = Session.of()
+    act(session, [ADD] * 500, 0)
+    began = time.process_time()
+    act(session, [{"do": "change", "row": row, "entry": {**PEAK, "levels": 4}} for row in range(500)], 0)
+    act(session, [{"do": "enable", "row": row, "enabled": False} for row in range(500)], 0)
+    act(session, [{"do": "move", "row": 499, "to": 0}] * 500, 0)
+    act(session, [{"do": "remove", "row": 0}] * 500, 0)
+    assert session.draft.rows == ()
+    assert time.process_time() - began < SECONDS
+
+
+ACTIONS: Sequence[Action] = [
+    ADD,
+    ADD,
+    {"do": "add", "entry": RANDOM, "at": 1},
+    {"do": "set", "name": "chunks", "value": [2, 1]},
+    {"do": "duplicate", "row": 1},
+    {"do": "move_end", "row": 0, "end": "last", "cell": [14, 4]},
+    {"do": "change", "row": 2, "entry": {**RANDOM, "levels": 6}},
+    {"do": "undo"},
+    {"do": "enable", "row": 3, "enabled": False},
+    {"do": "paint", "row": -1, "cells": [[19, 3]], "level": 2},
+    {"do": "move", "row": 0, "to": 3},
+    {"do": "remove", "row": 1},
+    {"do": "undo"},
+    {"do": "redo"},
+]
+
+
+def test_actions_of_one_edit_make_what_they_make_one_by_one() -> None:
+    together, apart = Session.of(Recipe(seed=7)), Session.of(Recipe(seed=7))
+    selected = act(together, ACTIONS, 0)
+    for action in ACTIONS:
+        last = act(apart, [action], 0)
+    assert selected == last
+    assert together.draft == apart.draft
+    assert together.recipe.obstacles == apart.recipe.obstacles
+    assert all("key" in row for row in together.draft.rows)
+    while apart.can_undo:
+        assert together.can_undo
+        together.undo()
+        apart.undo()
+        assert together.draft == apart.draft
+        assert together.recipe == apart.recipe
+    assert not together.can_undo
+
+
+def test_an_edit_that_fails_after_many_actions_changes_nothing() -> None:
+    session = Session.of()
+    act(session, [ADD], 0)
+    before, recipe = session.draft, session.recipe
+    with pytest.raises(ParameterError, match=r"actions\[2\]\.row"):
+        act(session, [ADD, ADD, {"do": "remove", "row": 9}], 0)
+    assert (session.draft, session.recipe) == (before, recipe)
+    act(session, [ADD], 0)
+    assert len(session.recipe.obstacles) == 2
+
+
+def test_pages_hear_once_of_an_edit() -> None:
+    session, heard = Session.of(), list[int]()
+    session.changed = lambda: heard.append(session.revision)
+    act(session, [ADD, ADD, {"do": "reroll"}], 0)
+    assert heard == [session.revision]
