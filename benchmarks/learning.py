@@ -94,12 +94,6 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
 LARGE = ("random", "diagonal barrier", "peak", "random, difficulty 0.5", "random, max_step of the recipe")
 """Designs of which maps of 40 x 40 blocks are measured too."""
 
-MAP_BY_MAP: Mapping[str, Mapping[str, Any]] = {
-    "pallet": {"obstacles": [Pallet(levels=LEVELS)]},
-    "random with its own max_step": {"obstacles": [Random(levels=LEVELS, max_step=2)]},
-}
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Row:
     """One work beside another: seconds of CPU of both, how many things it makes, and the median of their ratios."""
@@ -185,8 +179,6 @@ def _many() -> Iterator[Row]:
     for side, count, names in ((10, 4096, DESIGNS), (40, 512, LARGE)):
         for name in names:
             yield _beside_build(f"{name} {side} x {side}", replace(_recipe(side), **DESIGNS[name]), count)
-    for name, changes in MAP_BY_MAP.items():
-        yield _beside_build(f"{name} 10 x 10, map by map", replace(_recipe(10), **changes), 64)
     yield from _on_a_device()
 
 
