@@ -94,16 +94,12 @@ def _worlds(count: int, seed: int, options: argparse.Namespace, seconds: float |
     from mjlab.tasks.registry import load_env_cfg
     from mjlab.terrains.terrain_generator import TerrainGeneratorCfg
 
-    from rsegen.learning.mjlab import StepFieldTerrainCfg
+    from rsegen.learning.mjlab import columns
 
     settings = load_env_cfg(TASK)
-    # mjlab has a column for each sub-terrain.
-    columns = {
-        f"rubble_{column}": StepFieldTerrainCfg(recipe=rubble(seed), proportion=1.0) for column in range(COLUMNS)
-    }
     settings.scene.terrain.terrain_generator = TerrainGeneratorCfg(
         curriculum=True, size=(SIDE, SIDE), border_width=10.0, num_rows=ROWS, num_cols=COLUMNS, seed=seed,
-        sub_terrains=columns,
+        sub_terrains=columns([rubble(seed)], COLUMNS),
     )  # fmt: skip
     settings.scene.num_envs, settings.seed = count, options.seed
     if seconds is not None:

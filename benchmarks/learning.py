@@ -94,6 +94,7 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
 LARGE = ("random", "diagonal barrier", "peak", "random, difficulty 0.5", "random, max_step of the recipe")
 """Designs of which maps of 40 x 40 blocks are measured too."""
 
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Row:
     """One work beside another: seconds of CPU of both, how many things it makes, and the median of their ratios."""

@@ -13,7 +13,7 @@ from rsegen.driving.many import wilson
 
 
 def _record(module: Any) -> dict[str, Any]:
-    return json.loads(module.FILE.read_text("utf-8"))
+    return dict(json.loads(module.FILE.read_text("utf-8")))
 
 
 def _crossed(policy: str, part: str = "crossed") -> tuple[int, int]:

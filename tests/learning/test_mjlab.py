@@ -250,3 +250,33 @@ def test_impossible_values_are_refused(mjlab: Any) -> None:
         _compiled(mjlab, size=(0.5, 0.5))
     with pytest.raises(ParameterError, match="difficulty"):
         mjlab.StepFieldTerrainCfg(recipe=rsegen.Recipe(seed=1, difficulty=(0, 1)))
+
+
+def test_a_curriculum_has_as_many_columns_as_asked_each_with_maps_of_its_own(mjlab: Any) -> None:
+    from mjlab.terrains.terrain_generator import TerrainGenerator, TerrainGeneratorCfg
+
+    other = replace(RECIPE, name="other", seed=8)
+    sub_terrains = mjlab.columns([RECIPE, other], 5, spawn_radius=0.5)
+    assert [name.partition("_")[0] for name in sub_terrains] == [RECIPE.name] * 3 + ["other"] * 2
+    assert {cfg.spawn_radius for cfg in sub_terrains.values()} == {0.5}
+    generator, spec = (
+        TerrainGenerator(
+            TerrainGeneratorCfg(
+                sub_terrains=sub_terrains, size=(2.0, 2.0), num_rows=3, curriculum=True, seed=1, border_width=1.0
+            )
+        ),
+        mujoco.MjSpec(),
+    )
+    generator.compile(spec)
+    assert generator.terrain_origins.shape == (3, 5, 3)
+    model = spec.compile()
+    state = mujoco.MjData(model)
+    mujoco.mj_forward(model, state)
+    cells = np.arange(-5, 5) * 0.1 + 0.05
+    tiles = {
+        tuple(_height(model, state, x + dx, y + dy)[0] for dx in cells for dy in cells)
+        for x, y, _ in generator.terrain_origins[2]
+    }
+    assert len(tiles) == 5, "no two columns have the same map"
+    with pytest.raises(ParameterError, match="1 columns for 2 recipes"):
+        mjlab.columns([RECIPE, other], 1)

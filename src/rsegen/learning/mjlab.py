@@ -10,7 +10,9 @@ geom for a tile of any size; it slopes from the edge of a block to the next samp
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -87,6 +89,21 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
             geom = add_box(body, column, self.contact.attributes(float(friction[column.material])))
             geometries.append(TerrainGeometry(geom=geom, color=(*colour, 1.0)))
         return geometries
+
+
+def columns(recipes: Sequence[Recipe], count: int, **values: Any) -> dict[str, StepFieldTerrainCfg]:
+    """Return sub-terrains for so many columns of a curriculum, which has one for each of them, whatever `num_cols` is.
+
+    Recipes have as many columns as each other, but for one; values: of each sub-terrain. ParameterError if there are
+    fewer columns than recipes.
+    """
+    if not 0 < len(recipes) <= count:
+        raise ParameterError("count", f"{count} columns for {len(recipes)} recipes; give one for each, or more")
+    chosen = [recipes[column * len(recipes) // count] for column in range(count)]
+    return {
+        f"{recipe.name}_{column}": StepFieldTerrainCfg(recipe=recipe, proportion=1.0 / count, **values)
+        for column, recipe in enumerate(chosen)
+    }
 
 
 def _patches(ground: Tile, wanted: FlatPatchSamplingCfg, rng: np.random.Generator) -> Array:
