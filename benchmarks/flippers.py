@@ -26,7 +26,7 @@ import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
-from rsegen.learning.crossing import Crossing
+from rsegen.training.crossing import Crossing
 
 FILE = RESULTS / "flippers.json"
 ROWS = 5
@@ -139,7 +139,7 @@ def _run(policy: str, seed: int, options: argparse.Namespace) -> dict[str, Any]:
     import torch
     from rsl_rl.runners import OnPolicyRunner
 
-    from rsegen.learning.crossing_worlds import CrossingWorlds
+    from rsegen.training.worlds import CrossingWorlds
 
     torch.manual_seed(seed)
     moves, device = policy in ("moved", "untrained"), options.device
@@ -234,7 +234,7 @@ def judged(crossing: Crossing, act: Callable[[Any], Any]) -> dict[str, list[int]
     """The same of other fields in one world of MuJoCo, of 64 bits, whose contacts are found by other code."""
     import torch
 
-    from rsegen.learning.crossing_env import CrossingEnv
+    from rsegen.training.gymnasium import CrossingEnv
 
     env = CrossingEnv(crossing)
     counts = {str(row): [0, 0, 0] for row in range(ROWS)}

@@ -26,8 +26,8 @@ import rsegen
 from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen.driving.many import wilson
-from rsegen.learning.crossing import NAME, Crossing
 from rsegen.mujoco.settings import STEP
+from rsegen.training.crossing import NAME, Crossing
 
 FILE = RESULTS / "many_worlds.json"
 SECONDS = 10.0

@@ -105,7 +105,7 @@ SOURCES: Mapping[str, Source] = {
     "flippers": Source(
         "[a crawler that learns](learned.md)",
         "python -m benchmarks.flippers",
-        ("benchmarks/flippers.py", "src/rsegen/learning", "src/rsegen/mujoco"),
+        ("benchmarks/flippers.py", "src/rsegen/training", "src/rsegen/mujoco"),
     ),
     "go1": Source(
         "[mjlab's Go1](learned.md)",
@@ -115,7 +115,7 @@ SOURCES: Mapping[str, Source] = {
     "many_worlds": Source(
         "[many worlds](learned.md)",
         "python -m benchmarks.many_worlds",
-        ("benchmarks/many_worlds.py", "src/rsegen/learning", "src/rsegen/mujoco"),
+        ("benchmarks/many_worlds.py", "src/rsegen/mujoco"),
     ),
     "rests": Source(
         "[robots at rest](poses.md)",

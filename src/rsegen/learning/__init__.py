@@ -10,8 +10,6 @@
     mujoco_warp  BlocksOfWorlds: a map of its own for each world
     newton       add_map to a ModelBuilder; BlockGrid
     gymnasium    NewFieldAtReset, a wrapper around an environment
-    crossing     Crossing: a robot on tracks or wheels that learns to cross fields; crossing_env is one world of it for
-                 Gymnasium, crossing_worlds are thousands in mujoco_warp for trainers of torch
     torch        build_many, the blocks of many maps in a tensor on any device
 
 Only the file of a framework imports it, so none of them is needed for the others.
@@ -24,7 +22,7 @@ MESH = Extra("mesh", "trimesh", "terrain for Isaac Lab")
 
 CAPABILITY = Capability(
     summary="step fields where robots learn",
-    needs=("datasets", "measuring", "mujoco", "robots", "simulators", "standing"),
+    needs=("datasets", "measuring"),
     commands=(
         Command(
             "terrain",

@@ -14,12 +14,12 @@ from tests.support.late_import import LateImport
 
 for name, what in (("mujoco", "MuJoCo"), ("gymnasium", "Gymnasium"), ("torch", "PyTorch"), ("rsl_rl", "rsl_rl")):
     pytest.importorskip(name, reason=f"{what} is not installed")
-from rsegen.learning.crossing import NAME, Crossing  # noqa: E402  # they need all of these
-from rsegen.learning.crossing_env import CrossingEnv  # noqa: E402
 from rsegen.simulators.poses import Pose  # noqa: E402
+from rsegen.training.crossing import NAME, Crossing  # noqa: E402  # they need all of these
+from rsegen.training.gymnasium import CrossingEnv  # noqa: E402
 
 torch = LateImport("torch", reason="PyTorch is not installed")
-adapter = LateImport("rsegen.learning.crossing_worlds", reason="mujoco_warp is not installed")
+adapter = LateImport("rsegen.training.worlds", reason="mujoco_warp is not installed")
 
 pytestmark = [
     pytest.mark.long(reason="Warp and PyTorch, which no make brings"),

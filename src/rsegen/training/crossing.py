@@ -1,8 +1,8 @@
 """A robot on tracks or wheels that learns to cross fields: what it sees, what it does, what it gets for that.
 
     crossing = Crossing(recipe, robot="crawler")
-    CrossingEnv(crossing)                 # gymnasium_crossing: one world of MuJoCo
-    CrossingWorlds(crossing, 4096)        # warp_crossing: thousands of mujoco_warp, on a GPU
+    CrossingEnv(crossing)             # of `gymnasium`: one world of MuJoCo
+    CrossingWorlds(crossing, 4096)    # of `worlds`: thousands of mujoco_warp, on a GPU
 
 It begins west of a field, each time another one, and has to get behind the east end of it, as `rsegen drive` has it.
 Every `period` it chooses the speeds of both sides and the angles of its flippers (servos on which belts hang), and

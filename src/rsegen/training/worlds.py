@@ -17,12 +17,12 @@ import warp as wp
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
-from rsegen.learning.crossing import Crossing
 from rsegen.learning.ground import Ground
 from rsegen.learning.mujoco_warp import BlocksOfWorlds
 from rsegen.mujoco.many_worlds import ManyWorlds
 from rsegen.params.streams import SEEDS
 from rsegen.recipe.batch import build_many
+from rsegen.training.crossing import Crossing
 
 
 class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for mypy

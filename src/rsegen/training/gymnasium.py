@@ -15,10 +15,10 @@ import gymnasium
 import numpy as np
 
 from rsegen.field.stepfield import Array
-from rsegen.learning.crossing import NAME, Crossing
 from rsegen.learning.ground import Ground
 from rsegen.learning.gymnasium import MapDraws
 from rsegen.recipe.batch import build_many
+from rsegen.training.crossing import NAME, Crossing
 
 
 class CrossingEnv(gymnasium.Env[Any, Any]):

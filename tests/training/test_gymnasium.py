@@ -15,8 +15,8 @@ gymnasium = pytest.importorskip("gymnasium", reason="Gymnasium is not installed"
 pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
-from rsegen.learning.crossing import Crossing  # noqa: E402  # they need MuJoCo
-from rsegen.learning.crossing_env import CrossingEnv  # noqa: E402
+from rsegen.training.crossing import Crossing  # noqa: E402  # they need MuJoCo
+from rsegen.training.gymnasium import CrossingEnv  # noqa: E402
 
 RECIPE = Recipe(seed=11, unit_cm=5, chunks=(2, 1), boundary="none", obstacles=[Random(levels=3)])
 EAST, REST = 1.0, -0.275  # actions: full speed; the angle at which flippers are held
