@@ -83,9 +83,14 @@ _POINTER = b"version https://git-lfs.github.com/spec/"
 """Begin of the text that stands for a large file in a repository."""
 
 
-def refuse_pointer(path: Path) -> None:
-    """Raise a FileError for a pointer of Git LFS, which a clone without Git LFS has in place of a large file."""
-    if (regular_content(path, len(_POINTER)) or b"") == _POINTER:
+def refuse_pointer(path: Path, content: bytes | None = None) -> None:
+    """Raise a FileError for a pointer of Git LFS, which a clone without Git LFS has in place of a large file.
+
+    content: of the file, where it has been read
+    """
+    if content is None:
+        content = regular_content(path, len(_POINTER)) or b""
+    if content.startswith(_POINTER):
         raise FileError(f"{path}: a pointer of Git LFS, and not the file itself; run `git lfs pull` in its clone")
 
 
@@ -139,7 +144,7 @@ def text_of(path: Path, mib: int, too_large: str) -> str:
         raise FileError(f"{shown(str(path))}: {error}") from None
     if len(content) > mib * 2**20:
         raise FileError(f"{path}: larger than {mib} MiB, too large for {too_large}")
-    refuse_pointer(path)
+    refuse_pointer(path, content)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -151,3 +151,13 @@ def test_fields_of_several_frictions_are_refused() -> None:
 def test_a_period_of_no_time_is_refused() -> None:
     with pytest.raises(ParameterError, match="period"):
         Crossing(recipe=RECIPE, period=0.0)
+
+
+def test_an_episode_does_not_depend_on_how_the_one_before_it_ended(env: CrossingEnv) -> None:
+    def places() -> list[float]:
+        env.reset(seed=5, options={"map": 3})
+        return [env.step(np.array([0.6, 0.0, REST, REST]))[4]["x"] for _ in range(5)]
+
+    first = places()
+    env.world.belts._wedged = {0}  # as if the last step had wedged it
+    assert places() == first

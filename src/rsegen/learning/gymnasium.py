@@ -36,8 +36,11 @@ class MapDraws:
         self._recipe, self._rng = recipe, rng
         self._drawn: list[tuple[int, Levels]] = []
 
-    def next(self) -> tuple[int, Levels]:
-        """Return the next map, its index and its levels."""
+    def next(self, options: dict[str, Any] | None = None) -> tuple[int, Levels]:
+        """Return the index and the levels of the next map, or of that which the options of a reset name as `map`."""
+        if options and "map" in options:
+            index = options["map"]
+            return index, build_many(self._recipe, [index])[0]
         if not self._drawn:  # many are drawn and made together
             recipe = self._recipe
             draws = self._rng.integers(SEEDS if recipe.maps == 1 else recipe.maps, size=_AHEAD).tolist()
@@ -73,11 +76,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
         """
         if seed is not None:
             self._draws = MapDraws(self.grid.recipe, np.random.default_rng(seed))
-        if options and "map" in options:
-            index = options["map"]
-            levels = build_many(self.grid.recipe, [index])[0]
-        else:
-            index, levels = self._draws.next()
+        index, levels = self._draws.next(options)
         for model in (self.unwrapped.model, self._seats.model):  # type: ignore[attr-defined]
             self.grid.write(model, levels)
         self.ground.write(levels)

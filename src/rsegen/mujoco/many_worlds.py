@@ -67,7 +67,7 @@ class ManyWorlds:
             self._keep_shapes(world)
             self._keep_wheels(world)
             self.speeds: Any = wp.zeros((worlds, 2), dtype=wp.float32)
-            self._wedged: Any = wp.zeros(worlds, dtype=wp.int32)
+            self.wedged: Any = wp.zeros(worlds, dtype=wp.int32)
             self.limit = world.belts.limits[0]
         self._gain = world.gains[0]
         self.model.callback.contactfilter, self.model.callback.control = self._turn, self._before_solving
@@ -80,8 +80,7 @@ class ManyWorlds:
 
     def sides(self, v: Any, w: Any) -> tuple[Any, Any]:
         """Return the speeds of the left and the right sides, m/s, for v, m/s, and w, rad/s."""
-        aside = w * self._gain * self.robot.drive.separation / 2
-        return v - aside, v + aside
+        return self.robot.drive.sides(v, w, self._gain)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps."""
@@ -90,15 +89,13 @@ class ManyWorlds:
             if not device.is_cuda:
                 self._step(steps)
                 return
-            if steps not in self._graphs:
-                self._step(1)  # kernels are compiled before a graph is captured
-                with wp.ScopedCapture() as capture:
-                    self._step(steps)
-                self._graphs[steps] = capture.graph
-                steps -= 1
-                self._step(steps)
+            if steps in self._graphs:
+                wp.capture_launch(self._graphs[steps])
                 return
-            wp.capture_launch(self._graphs[steps])
+            self._step(steps)  # kernels are compiled before a graph is captured, in which nothing is done
+            with wp.ScopedCapture() as capture:
+                self._step(steps)
+            self._graphs[steps] = capture.graph
 
     def poses(self) -> Array:
         """Return where the robots' origins are, (worlds, 7): x, y, z in metres and a quaternion, w first."""
@@ -130,7 +127,7 @@ class ManyWorlds:
                 )
             mjw.step(self.model, self.data)
             if self._has_belts:
-                self._wedged.zero_()
+                self.wedged.zero_()
                 contact = self.data.contact
                 wp.launch(
                     kernels.find_wedged,
@@ -139,7 +136,7 @@ class ManyWorlds:
                         self.data.nacon, contact.geom, contact.worldid, contact.efc_address,
                         self.data.efc.force, self._belt, self.limit,
                     ],
-                    outputs=[self._wedged],
+                    outputs=[self.wedged],
                 )  # fmt: skip
 
     def _turn(self, model: Any, data: Any) -> None:  # as mujoco_warp calls it
@@ -149,7 +146,7 @@ class ManyWorlds:
             dim=data.naconmax,
             inputs=[
                 data.nacon, contact.geom, contact.worldid, data.xmat,
-                self._body, self._axis, self._mu, self._belt, self.speeds, self._wedged,
+                self._body, self._axis, self._mu, self._belt, self.speeds, self.wedged,
             ],
             outputs=[contact.frame, contact.friction, contact.surfacevel],
         )  # fmt: skip

@@ -103,6 +103,7 @@ class MujocoWorld(EmbeddedWorld):
         at = self._qpos[self._numbers[name]]
         self.data.qpos[at : at + 7] = (start.x, start.y, start.z, *turn)
         self.wheels.stop()
+        self.belts.stop(self.shapes)
         self.shapes.counts = [0] * len(self.shapes.counts)
         self._begin()
 
@@ -128,11 +129,11 @@ class MujocoWorld(EmbeddedWorld):
     def drive(self, name: str, robot: DrivableRobot, v: float, w: float) -> None:
         """Have a robot drive at v, m/s forward, and w, rad/s counterclockwise, from now on."""
         number = self._numbers[name]
-        aside = w * self.gains[number] * robot.drive.separation / 2
+        left, right = robot.drive.sides(v, w, self.gains[number])
         if isinstance(robot.drive, Wheels):
-            self.wheels.command(number, (v - aside) / robot.drive.radius, (v + aside) / robot.drive.radius)
+            self.wheels.command(number, left / robot.drive.radius, right / robot.drive.radius)
         else:
-            self.belts.command(self.shapes, number, v - aside, v + aside)
+            self.belts.command(self.shapes, number, left, right)
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
@@ -411,6 +412,12 @@ class _Belts:
         """Set the speeds of a robot's belts, m/s."""
         self._speeds[robot] = left, right
         self._run(shapes, robot)
+
+    def stop(self, shapes: _Shapes) -> None:
+        """Let all belts stand, none of which is wedged."""
+        self._wedged = set()
+        for robot in range(len(self._speeds)):
+            self.command(shapes, robot, 0.0, 0.0)
 
     def after_step(self, data: Any, shapes: _Shapes) -> None:
         """Let the belts of robots stall, in the next step, that are wedged in this one."""

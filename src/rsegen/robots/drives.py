@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import cos, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rsegen.gazebo.sdf import numbers, system_name
 
@@ -91,6 +91,11 @@ class Drive(ABC):
     radius: float
     speed: float
     turn: float
+
+    def sides(self, v: Any, w: Any, gain: float = 1.0) -> tuple[Any, Any]:
+        """Return the speeds of its left and its right side, m/s, for numbers or arrays; gain: of the turn rate."""
+        aside = w * gain * self.separation / 2
+        return v - aside, v + aside
 
     @abstractmethod
     def plugins(self, simulator: str, odometry: str = "") -> str:

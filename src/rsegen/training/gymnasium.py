@@ -17,7 +17,6 @@ import numpy as np
 from rsegen.field.stepfield import Array
 from rsegen.learning.ground import Ground
 from rsegen.learning.gymnasium import MapDraws
-from rsegen.recipe.batch import build_many
 from rsegen.training.crossing import NAME, Crossing
 
 
@@ -35,6 +34,7 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         self.ground: Ground = crossing.grid.ground(crossing.grid.highest[None])
         self._draws = MapDraws(crossing.recipe, np.random.default_rng())
         self._angles_at = [flipper.angle_at for flipper in self.flippers]
+        self._targets_at = [flipper.target_at for flipper in self.flippers]
         self.action_space = gymnasium.spaces.Box(-1, 1, (2 + len(self.flippers),), np.float32)
         self._action = np.zeros((1, 2 + len(self.flippers)))
         self._periods, self._map = 0, -1
@@ -48,11 +48,7 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         super().reset(seed=seed)
         if seed is not None:
             self._draws = MapDraws(self.crossing.recipe, np.random.default_rng(seed))
-        if options and "map" in options:
-            self._map = options["map"]
-            levels = build_many(self.crossing.recipe, [self._map])[0]
-        else:
-            self._map, levels = self._draws.next()
+        self._map, levels = self._draws.next(options)
         self.crossing.grid.write(self.world.model, levels)
         self.ground.write(levels[None])
         self.world.restart(NAME, self.crossing.start(*self.np_random.uniform(-1, 1, 2)))
@@ -66,7 +62,7 @@ class CrossingEnv(gymnasium.Env[Any, Any]):
         before = np.array([data.qpos[0]])
         v, w = crossing.speeds(self._action)
         self._targets = crossing.angles(self._action, self._targets, self.flippers)
-        data.ctrl[[flipper.target_at for flipper in self.flippers]] = self._targets[0]
+        data.ctrl[self._targets_at] = self._targets[0]
         self.world.drive(NAME, crossing.driven, float(v[0]), float(w[0]))
         self.world.step(crossing.steps)
         self._periods += 1

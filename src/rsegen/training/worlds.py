@@ -51,7 +51,10 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         self._random = torch.Generator(device).manual_seed(seed)
         state = self.many.data
         self._qpos, self._qvel, self._ctrl = (wp.to_torch(part) for part in (state.qpos, state.qvel, state.ctrl))
-        self._still = [wp.to_torch(part) for part in (state.qvel, state.qacc, state.qacc_warmstart, self.many.now)]
+        self._still = [
+            wp.to_torch(part)
+            for part in (state.qvel, state.qacc, state.qacc_warmstart, self.many.now, self.many.wedged)
+        ]
         self._speeds = wp.to_torch(self.many.speeds)
         self._first = self._qpos[0].clone()
         self._angles_at = [flipper.angle_at for flipper in self.flippers]
