@@ -104,6 +104,7 @@ class Page:
 
     def choose(self, menu: str, item: str) -> None:
         self.button(menu).click()
+        self.chrome.find_element(By.CSS_SELECTOR, ":popover-open button")
         items = self.chrome.find_elements(By.CSS_SELECTOR, ":popover-open button")
         next(each for each in items if each.text.lower().startswith(item.lower())).click()
         self.settled()
@@ -112,13 +113,10 @@ class Page:
         """Choose a file or a folder in the dialog of Open."""
         self.js("state.dialog.value = { name: 'open' }")
         path = f"//dialog//button[starts-with(normalize-space(), '{name}')]"
-        until(lambda: self.chrome.find_elements(By.XPATH, path))
         self.chrome.find_element(By.XPATH, path).click()
 
     def field(self, label: str) -> WebElement:
-        inputs = self.chrome.find_elements(By.CSS_SELECTOR, f'[data-field="{label}"] input[type=text]')
-        assert inputs, f"no field {label}"
-        return inputs[0]
+        return self.chrome.find_element(By.CSS_SELECTOR, f'[data-field="{label}"] input[type=text]')
 
     def type(self, label: str, text: str) -> WebElement:
         field = self.field(label)

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from tests.support.missing import missing
+from tests.support.patience import until
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome
@@ -28,12 +29,21 @@ BLURRED = 0.5
 
 @contextmanager
 def chromium(*flags: str) -> Iterator[Chrome]:
-    """A browser that Python drives, with more flags; the test is skipped, and in CI fails, if there is none."""
+    """A browser that Python drives, with more flags; the test is skipped, and in CI fails, if there is none.
+
+    `find_element` waits until there is one, as a page draws what changed in its next frame; `find_elements` does not.
+    """
     browser = next(filter(None, map(which, ("chromium", "chromium-browser", "google-chrome"))), None)
     driver = which("chromedriver")
     if not browser or not driver:
         missing("no Chromium: apt-get install chromium chromium-driver")
     from selenium.webdriver import Chrome, ChromeOptions, ChromeService
+    from selenium.webdriver.remote.webelement import WebElement
+
+    class PatientChrome(Chrome):
+        def find_element(self, by: str = "id", value: str | None = None) -> WebElement:
+            until(lambda: self.find_elements(by, value))
+            return super().find_element(by, value)
 
     options = ChromeOptions()
     options.binary_location = browser
@@ -41,7 +51,7 @@ def chromium(*flags: str) -> Iterator[Chrome]:
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         for flag in (*_QUIET, *flags, f"user-data-dir={profile}"):
             options.add_argument(f"--{flag}")
-        opened = Chrome(options=options, service=ChromeService(executable_path=driver))
+        opened = PatientChrome(options=options, service=ChromeService(executable_path=driver))
         try:
             yield opened
         finally:
