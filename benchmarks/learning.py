@@ -25,8 +25,10 @@ from benchmarks.figures import RESULTS
 from benchmarks.machine import machine
 from rsegen import (
     DiagonalBarrier,
+    DiscreteObstacles,
     HorizontalBarrier,
     Matrix,
+    Noise,
     NormalRandom,
     Pallet,
     Peak,
@@ -35,9 +37,11 @@ from rsegen import (
     Rails,
     Random,
     Recipe,
+    Slope,
     Stairs,
     Stones,
     Terrain,
+    Waves,
 )
 from rsegen.params.sorts import ANYWHERE
 
@@ -87,6 +91,11 @@ OF_KINDS: Mapping[str, tuple[Mapping[str, Any], int]] = {
     "pit": ({"ground_level": 4, "obstacles": [Pit(levels=LEVELS)]}, 4096),
     "stones": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS)]}, 4096),
     "stones, uneven": ({"ground_level": 4, "obstacles": [Stones(levels=LEVELS, uneven=2)]}, 4096),
+    "rails, uneven": ({"obstacles": [Rails(levels=LEVELS, uneven=2)]}, 4096),
+    "slope": ({"obstacles": [Slope(levels=LEVELS)]}, 4096),
+    "waves": ({"obstacles": [Waves(levels=LEVELS)]}, 4096),
+    "noise": ({"obstacles": [Noise(levels=LEVELS)]}, 4096),
+    "discrete obstacles": ({"obstacles": [DiscreteObstacles(levels=LEVELS)]}, 4096),
     "pallet": ({"obstacles": [Pallet(levels=LEVELS)]}, 4096),
 }
 """What changes of a recipe of random blocks for each kind of map, and how many maps are made."""

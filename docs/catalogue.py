@@ -16,6 +16,7 @@ _STAIRS = ("0 0 1 1 2 2 3 3 4 4",) * 5 + ("4 4 3 3 2 2 1 1 0 0",) * 5
 _ROWS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "diagonal_barrier": {"softness": 20, "first": (0, 0), "last": (9, 9)},
+        "discrete_obstacles": {"count": 5},
         "horizontal_barrier": {"softness": 20, "first": (0, 5), "last": (9, 5)},
         "matrix": {"rows": _STAIRS},
         "pallet": {"pattern": ("flat", "hill", "diagonal")},

@@ -44,7 +44,9 @@ from rsegen.obstacles import KINDS as KINDS
 from rsegen.obstacles import Obstacle as Obstacle
 from rsegen.obstacles.barrier import DiagonalBarrier as DiagonalBarrier
 from rsegen.obstacles.barrier import HorizontalBarrier as HorizontalBarrier
+from rsegen.obstacles.discrete_obstacles import DiscreteObstacles as DiscreteObstacles
 from rsegen.obstacles.matrix import Matrix as Matrix
+from rsegen.obstacles.noise import Noise as Noise
 from rsegen.obstacles.pallet import Pallet as Pallet
 from rsegen.obstacles.peak import Peak as Peak
 from rsegen.obstacles.pit import Pit as Pit
@@ -52,8 +54,10 @@ from rsegen.obstacles.platform import Platform as Platform
 from rsegen.obstacles.rails import Rails as Rails
 from rsegen.obstacles.random import NormalRandom as NormalRandom
 from rsegen.obstacles.random import Random as Random
+from rsegen.obstacles.slope import Slope as Slope
 from rsegen.obstacles.stairs import Stairs as Stairs
 from rsegen.obstacles.stones import Stones as Stones
+from rsegen.obstacles.waves import Waves as Waves
 from rsegen.page.service import Gui as Gui
 from rsegen.page.service import gui as gui
 from rsegen.page.view import View as View
@@ -110,6 +114,7 @@ __all__ = [
     "CutSettings",
     "Dataset",
     "DiagonalBarrier",
+    "DiscreteObstacles",
     "DriveResult",
     "ExperimentResult",
     "Exported",
@@ -124,6 +129,7 @@ __all__ = [
     "Mesh",
     "Metric",
     "Metrics",
+    "Noise",
     "NormalRandom",
     "Obstacle",
     "OpenResult",
@@ -147,6 +153,7 @@ __all__ = [
     "ScannedMap",
     "Scene",
     "Series",
+    "Slope",
     "SpawnResult",
     "Spot",
     "Stairs",
@@ -158,6 +165,7 @@ __all__ = [
     "UserError",
     "Verified",
     "View",
+    "Waves",
     "__version__",
     "boxes",
     "build",

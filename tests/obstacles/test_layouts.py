@@ -1,4 +1,4 @@
-"""Stairs, pits, stepping stones and rails: equal steps, gaps as wide and pits as deep as asked, closed rings."""
+"""What is laid out block by block: equal steps, even slopes, gaps as wide and pits as deep as asked, rings, boxes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rsegen import Obstacle, Pit, Rails, Random, Recipe, Stairs, Stones, build
+from rsegen import (
+    DiscreteObstacles,
+    Noise,
+    Obstacle,
+    Pit,
+    Rails,
+    Random,
+    Recipe,
+    Slope,
+    Stairs,
+    Stones,
+    Waves,
+    build,
+    build_many,
+)
 from rsegen.errors import ParameterError
 from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Ints
@@ -181,9 +195,148 @@ def test_rings_are_closed(shape: tuple[int, int], levels: int, rings: int, width
         assert _pieces(~raised) == rings + 1
 
 
+@given(SIDES, LEVELS, WIDTHS, WIDTHS, st.sampled_from(["x", "y", "rings"]), st.data())
+def test_each_uneven_rail_or_gap_has_one_height_within_the_range(
+    shape: tuple[int, int], levels: int, rails: int, width: int, along: str, data: st.DataObject
+) -> None:
+    uneven = data.draw(st.integers(1, max(levels - 2, 1)))
+    alike = Rails(levels=levels, shape=along, rails=rails, rail_width=width)
+    for direction, sign in (("up", 1), ("down", -1)):
+        covered = _laid(replace(alike, direction=direction), shape) == sign * (levels - 1)
+        inner = sign * _laid(replace(alike, direction=direction, uneven=uneven), shape)
+        assert covered.any()
+        assert (inner[~covered] == 0).all()
+        assert levels - 1 - uneven <= inner[covered].min()
+        assert inner.max() <= levels - 1
+        if along != "rings":
+            lines = inner if along == "x" else inner[: shape[0] + 6, : shape[1] + 6].T
+            assert (lines[:, 3:4] == lines[:, 3:-3]).all()
+
+
+def test_a_rail_wider_than_its_rectangle_fills_it() -> None:
+    assert (_laid(Rails(levels=3, shape="x", rails=1, rail_width=5), (3, 4))[3:-3, 3:-3] == 2).all()
+
+
+def test_heights_of_uneven_hurdles_are_uniform() -> None:
+    hurdles = Rails(levels=9, shape="x", rails=1000, rail_width=1, uneven=3)
+    recipe = Recipe(seed=1, chunk_size=200, chunks=(10, 1), boundary="none", obstacles=(hurdles,))
+    heights = build(recipe).levels[:, 0]
+    counts = np.bincount(8 - heights[heights > 0], minlength=4)
+    assert counts.sum() == 1000
+    assert np.abs(counts - 250).max() < 5 * (1000 * 0.25 * 0.75) ** 0.5
+
+
+@given(SIDES, LEVELS, WIDTHS, st.sampled_from(["pyramid", "x", "y"]))
+def test_a_slope_rises_evenly_to_its_highest_level(
+    shape: tuple[int, int], levels: int, platform: int, way: str
+) -> None:
+    slope = Slope(levels=levels, shape=way, platform_width=platform)
+    inner = _laid(slope, shape)[3:-3, 3:-3]
+    assert inner.max() == levels - 1
+    if way == "pyramid":
+        line = inner[: (shape[0] + 1) // 2, shape[1] // 2]
+        on_top = [np.ptp(indices) + 1 for indices in np.nonzero(inner == levels - 1)]
+        assert min(on_top) >= min(platform, *shape)
+        for flip in (inner[::-1], inner[:, ::-1]):
+            np.testing.assert_array_equal(inner, flip)
+    else:
+        lines = inner if way == "x" else inner.T
+        assert (lines == lines[:, :1]).all()
+        line = lines[:, 0]
+        # The straight line from the ground to the top of the last cell, to less than a unit.
+        exact = (levels - 1) * (np.arange(len(line)) + 1) / len(line)
+        assert ((exact - line > -1e-9) & (exact - line < 1)).all()
+    steps = np.diff(line)
+    assert (steps >= 0).all()
+    assert np.ptp(steps[: max(int(np.argmax(line == line.max())), 1)]) <= 1 if len(steps) else True
+    np.testing.assert_array_equal(_laid(replace(slope, direction="down"), shape)[3:-3, 3:-3], -inner)
+
+
+@given(st.integers(2, 60), LEVELS, WIDTHS, st.sampled_from(["x", "y"]))
+def test_waves_have_as_many_crests_as_asked(cells: int, levels: int, waves: int, way: str) -> None:
+    shape = (cells, 3) if way == "x" else (3, cells)
+    inner = _laid(Waves(levels=levels, shape=way, waves=waves), shape)[3:-3, 3:-3]
+    lines = inner if way == "x" else inner.T
+    assert (lines == lines[:, :1]).all()
+    line = lines[:, 0]
+    assert line.min() >= 0
+    assert line.max() <= levels - 1
+    np.testing.assert_array_equal(line, line[::-1])
+    if cells >= 8 * waves:  # crests are as high and troughs as low as half a cell beside them allows
+        assert line.min() == 0
+        assert line.max() == levels - 1
+        high = line > (levels - 1) / 2
+        assert (np.diff(high.astype(int)) == 1).sum() == waves
+
+
+def test_waves_across_both_axes_are_the_mean_of_the_two() -> None:
+    both, x, y = (_laid(Waves(levels=10_001, shape=way), (20, 14))[3:-3, 3:-3] for way in ("both", "x", "y"))
+    assert np.abs(both - (x + y) / 2).max() <= 1
+    assert both.max() > 9000
+
+
+@given(SIDES, LEVELS, WIDTHS)
+def test_noise_has_straight_slopes_between_its_points(shape: tuple[int, int], levels: int, spacing: int) -> None:
+    inner = _laid(Noise(levels=levels, spacing=spacing), shape)[3:-3, 3:-3]
+    assert inner.min() >= 0
+    assert inner.max() <= levels - 1
+    points = inner[::spacing, ::spacing]
+    for i, j in np.ndindex(points.shape[0] - 1, points.shape[1] - 1):
+        corners = points[i : i + 2, j : j + 2].astype(float)
+        part = inner[i * spacing : (i + 1) * spacing + 1, j * spacing : (j + 1) * spacing + 1]
+        along = np.linspace(0, 1, spacing + 1)
+        x = corners[0] + (corners[1] - corners[0]) * along[:, None]
+        between = x[:, :1] + (x[:, 1:] - x[:, :1]) * along
+        assert (np.abs(part - between) < 1).all()  # both of heights rounded down
+
+
+def test_noise_of_spacing_1_is_uniform_and_of_wider_spacing_smooth() -> None:
+    recipe = Recipe(seed=1, chunk_size=200, boundary="none", obstacles=(Noise(levels=5, spacing=1),))
+    counts = np.bincount(build(recipe).levels.ravel(), minlength=5)
+    assert np.abs(counts - 8000).max() < 5 * (40_000 * 0.2 * 0.8) ** 0.5
+    smooth = build(replace(recipe, obstacles=(Noise(levels=5, spacing=8),))).levels.astype(int)
+    assert np.abs(np.diff(smooth, axis=0)).max() <= 1
+    assert np.ptp(smooth) == 4
+
+
+@given(st.integers(6, 24), LEVELS, st.integers(1, 4), st.integers(0, 2), st.integers(0, 3), st.data())
+def test_one_box_has_sides_and_a_height_within_the_range_and_is_whole(
+    side: int, levels: int, least: int, more: int, platform: int, data: st.DataObject
+) -> None:
+    direction = data.draw(st.sampled_from(["up", "down", "both"]))
+    boxes = DiscreteObstacles(levels=levels, count=1, least_width=least, most_width=least + more, direction=direction)
+    inner = _laid(boxes, (side, side))[3:-3, 3:-3]
+    x, y = np.nonzero(inner)
+    assert len(x)
+    height = inner[x[0], y[0]]
+    assert 1 <= abs(height) <= levels - 1
+    assert direction == "both" or (height > 0) == (direction == "up")
+    assert (inner[x.min() : x.max() + 1, y.min() : y.max() + 1] == height).all()
+    assert {np.ptp(x) + 1, np.ptp(y) + 1} <= set(range(least, least + more + 1))
+    free = _laid(replace(boxes, count=50, platform_width=platform), (side, side))[3:-3, 3:-3]
+    low = (side - platform) // 2
+    assert (free[low : low + platform, low : low + platform] == 0).all()
+    assert free.any()
+
+
+def test_boxes_are_uniform_in_side_height_and_place() -> None:
+    boxes = DiscreteObstacles(levels=5, count=1, least_width=2, most_width=4, direction="both")
+    maps = build_many(Recipe(seed=1, chunk_size=12, boundary="none", ground_level=4, obstacles=(boxes,)), range(4000))
+    relative = maps.astype(int) - 4
+    covered = relative != 0
+    widths, depths = covered.any(axis=2).sum(axis=1), covered.any(axis=1).sum(axis=1)
+    heights = np.array([one[one != 0][0] for one in relative])
+    for found, shares in ((widths, [1 / 3] * 3), (depths, [1 / 3] * 3), (heights, [1 / 8] * 8)):
+        counts = np.unique(found, return_counts=True)[1]
+        assert len(counts) == len(shares)
+        assert np.abs(counts - 4000 * np.array(shares)).max() < 5 * (4000 * max(shares)) ** 0.5
+    corner, middle = covered[:, 0, 0].mean(), covered[:, 6, 6].mean()
+    assert 0 < corner < middle
+
+
 def test_softness_lowers_a_layout_towards_the_ground() -> None:
-    for cls in (Stairs, Pit, Stones, Rails):
-        hard, soft, level = (_laid(cls(levels=9, softness=softness), (12, 12)) for softness in (0, 50, 100))
+    for cls in (Stairs, Pit, Stones, Rails, Slope, Waves, Noise, DiscreteObstacles):
+        hard, soft, level = (_laid(cls(levels=9, softness=softness, key="same"), (12, 12)) for softness in (0, 50, 100))
         assert not level.any()
         np.testing.assert_array_equal(np.abs(soft), np.abs(hard) // 2)
         assert (soft * hard >= 0).all()
@@ -194,6 +347,8 @@ def test_softness_lowers_a_layout_towards_the_ground() -> None:
     [
         (lambda: Stairs(levels=3, step_height=3), "step_height: 3 is more than the highest level, 2"),
         (lambda: Stones(levels=3, uneven=3), "uneven: 3 is more than the depth of the gaps, 2"),
+        (lambda: Rails(levels=3, uneven=3), "uneven: 3 is more than the highest level, 2"),
+        (lambda: DiscreteObstacles(levels=3, least_width=5), "least_width: 5 is more than the greatest, 4"),
         (lambda: Pit(levels=3, beam_along="z"), "beam_along: 'z' is not one of x, y"),
     ],
 )

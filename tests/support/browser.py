@@ -41,9 +41,9 @@ def chromium(*flags: str) -> Iterator[Chrome]:
     from selenium.webdriver.remote.webelement import WebElement
 
     class PatientChrome(Chrome):
-        def find_element(self, by: str = "id", value: str | None = None) -> WebElement:
-            until(lambda: self.find_elements(by, value))
-            return super().find_element(by, value)
+        def find_element(self, *how: Any, **named: Any) -> WebElement:
+            until(lambda: self.find_elements(*how, **named))
+            return super().find_element(*how, **named)
 
     options = ChromeOptions()
     options.binary_location = browser

@@ -433,6 +433,14 @@ def to_rim(shape: Cell) -> Ints:
     return np.minimum(i[:, None], j)
 
 
+def inward(way: str, shape: Cell) -> Ints:
+    """Return how many cells lie before each cell of a rectangle on a way into it, (n_x, n_y).
+
+    way: "x" or "y", along that axis from its first cell; any other word: from the rim to the middle.
+    """
+    return np.indices(shape)["xy".index(way)] if way in ("x", "y") else to_rim(shape)
+
+
 def _window(grid: Grid, first: Cell, last: Cell, margin: int) -> tuple[slice, slice]:
     """Return the rectangle of both cells, wider by `margin` on every side, clipped to the map."""
     parts = [

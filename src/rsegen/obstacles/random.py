@@ -72,7 +72,7 @@ class Random(Region):
     """Random blocks, each cell independent, with equally likely levels or by `weights`; softness scales them down."""
 
     kind: ClassVar[str] = "random"
-    also: ClassVar[tuple[str, ...]] = ("noise", "rough", "uniform")
+    also: ClassVar[tuple[str, ...]] = ("rough", "uniform")
 
     weights: Annotated[
         tuple[float, ...] | None, Weights(help="relative frequency of each level, lowest first; default: all equal")

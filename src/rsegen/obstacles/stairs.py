@@ -17,7 +17,7 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Levels, Mask
-from rsegen.obstacles.base import Layout, Obstacle, register, to_rim
+from rsegen.obstacles.base import Layout, Obstacle, inward, register
 from rsegen.params.sorts import Cell, Choice, Integer
 
 
@@ -63,11 +63,7 @@ class Stairs(Layout):
         """Return the level of each step; all cells are covered."""
         steps = (self.levels - 1) // self.step_height
         if self.shape == "pyramid":
-            cells = to_rim(shape)
             steps = max(1, min(steps, (min(shape) - self.platform_width) // 2 // self.step_width + 1))
-        else:
-            along = "xy".index(self.shape)
-            cells = np.indices(shape)[along]
-        levels = np.minimum(cells // self.step_width + 1, steps) * self.step_height
+        levels = np.minimum(inward(self.shape, shape) // self.step_width + 1, steps) * self.step_height
         levels = levels if self.direction == "up" else -levels
         return levels.astype(np.int16), np.ones(shape, dtype=bool)
