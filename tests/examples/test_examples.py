@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import runpy
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +15,7 @@ from typing import Any
 import pytest
 
 import rsegen
+from rsegen.rating.rating import Rating
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "examples").glob("*.py"))}
@@ -119,6 +123,67 @@ def test_the_ant_walks_on_the_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mujoco, "mj_step", watched)
     assert example["ant"](rsegen.build(replace(example["BLOCKS"], seed=3, unit_cm=1)), 0)
     assert len([name for name in touched if name.startswith("rse_0000_")]) > 8, touched
+
+
+@pytest.mark.long
+def test_a_ros_stack_rated(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    from rsegen.training.gymnasium import CrossingEnv
+
+    alone = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>
+      </General><Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer Address="localhost"/></Peers>
+      </Discovery></Domain></CycloneDDS>"""
+    monkeypatch.setenv("CYCLONEDDS_URI", alone)
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(os.getpid() % 100))
+    touches, step = [], CrossingEnv.step
+
+    def watched(self: CrossingEnv, action: Any) -> Any:
+        touches.append((result := step(self, action))[4]["touches"])
+        return result
+
+    monkeypatch.setattr(CrossingEnv, "step", watched)
+    example = runpy.run_path(str(EXAMPLES["a_ros_stack_rated"]))
+    drives = example["RosStack"]()
+    with subprocess.Popen([sys.executable, str(EXAMPLES["a_ros_stack_rated"]), "--stack"]) as stack:
+        try:
+            assert drives(rsegen.build(replace(example["RUBBLE"], unit_cm=0.5)), 0)
+            assert max(touches) > 1  # wheels on blocks
+            assert not drives(rsegen.build(replace(example["RUBBLE"], unit_cm=10)), 0)
+            rating = rsegen.rate(drives, example["RUBBLE"], seed=7, trials=8)
+            assert isinstance(rating, Rating)
+            assert {trial.crossed for trial in rating.curves[0].trials} == {True, False}
+        finally:
+            stack.terminate()
+    monkeypatch.setitem(example["RosStack"].command_at.__globals__, "PATIENCE", 0.5)
+    with pytest.raises(SystemExit, match="nothing answers /odom with /cmd_vel"):
+        drives(rsegen.build(example["RUBBLE"]), 0)
+
+
+def test_messages_of_the_ros_example_are_those_of_ros() -> None:
+    pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+    typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed")
+    example, store = (
+        runpy.run_path(str(EXAMPLES["a_ros_stack_rated"])),
+        typesys.get_typestore(typesys.Stores.ROS2_HUMBLE),
+    )
+    stamp = example["Time"](7, 5)
+    pose = example["Pose"](example["Point"](1.0, 2.0, 3.0), example["Quaternion"](0.1, 0.2, 0.3, 0.9))
+    whole = example["Odometry"](
+        example["Header"](stamp, "odom"),
+        "base_link",
+        example["PoseCovariance"](pose, [*map(float, range(36))]),
+        example["TwistCovariance"](example["twist"](0.4, -0.2), [0.5] * 36),
+    )
+    assert example["Odometry"].__idl_typename__ == "nav_msgs.msg.dds_.Odometry_"
+    read = store.deserialize_cdr(whole.serialize(), "nav_msgs/msg/Odometry")
+    assert (read.header.stamp.sec, read.header.frame_id, read.child_frame_id) == (7, "odom", "base_link")
+    assert (read.pose.pose.position.z, read.pose.pose.orientation.w) == (3.0, 0.9)
+    assert read.pose.covariance.tolist() == list(range(36))
+    assert (read.twist.twist.linear.x, read.twist.twist.angular.z) == (0.4, -0.2)
+    clock = store.deserialize_cdr(example["Clock"](stamp).serialize(), "rosgraph_msgs/msg/Clock")
+    assert (clock.clock.sec, clock.clock.nanosec) == (7, 5)
+    told = store.deserialize_cdr(example["twist"](0.4, -0.2).serialize(), "geometry_msgs/msg/Twist")
+    assert (told.linear.x, told.angular.z) == (0.4, -0.2)
 
 
 def test_every_example_is_run_here() -> None:
