@@ -51,6 +51,25 @@ def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     return found
 
 
+@pytest.mark.long(reason="two drives, for a rounding")
+def test_a_drive_twelve_metres_from_the_origin_is_as_long_as_one_near_it_in_classic(
+    gazebo_classic: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Classic's record has three digits, which told 1.14 m for 1.09."""
+    lengths = []
+    for chunks in (1, 24):
+        level = Recipe(name=f"level-{chunks}", chunks=(chunks, 1), boundary="none", seed=1)
+        folder = generate(level, tmp_path).maps[0].folder
+        words = ["drive", str(folder), "--duration", "5", "--no-contacts", "--json", "-o", str(tmp_path / level.name)]
+        assert main([*words, "--simulator", "classic"]) == 0
+        (robot,) = told(capsys)
+        lengths.append(robot["distance"])
+        rows = np.loadtxt(tmp_path / level.name / "burger_0.csv", delimiter=",", skiprows=1)
+    assert abs(rows[0, 1]) > 12
+    assert lengths[0] > 1
+    assert lengths[1] == pytest.approx(lengths[0], abs=0.003)
+
+
 @pytest.mark.parametrize(
     ("unit_cm", "crosses"), [(1, True), pytest.param(4, False, marks=pytest.mark.long(reason="a second drive"))]
 )

@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
 from itertools import permutations
-from math import ceil, isfinite
+from math import ceil, isfinite, pi
 from pathlib import Path
 from typing import NamedTuple
 
@@ -77,6 +77,9 @@ def contacts_csv(samples: ContactSamples, robots: Iterable[str]) -> Iterator[str
 
 PERIOD = 0.05
 """Seconds between two rows of a trajectory: at 0.4 m/s 2 cm, a tenth of a block or less; logs grow with its inverse."""
+
+_LEAST = 1e-3
+"""Metres or radians: smaller numbers in a record count as written as exactly as this one."""
 
 _SAME = 1e-4
 """Seconds between two times that are one: a tenth of a physics step."""
@@ -190,6 +193,8 @@ def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
                 record = simulator.read_record(server.home) or recorded or poses
             if poses and record[0][0] > poses[0][0] + _SAME:  # a server that records later has no start
                 record = [*poses[:1], *record]
+            if simulator.digits:
+                record = with_more_digits(record, poses, simulator.digits)
             driven = trajectories(record, runs, end)
             if missing := [run.name for run in runs if run.name not in driven]:
                 raise SimulatorFailed(f"the simulator kept no record of {missing[0]}")
@@ -212,7 +217,8 @@ def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
     """Drive, and return the contact samples: each period, routes decide, robots get commands, the world steps.
 
     It ends after `seconds` of simulation time, or when all routes are done. step: seconds of a physics step of the
-    world; the poses at the beginning of each period are appended to `record`. Without `contacts` there are no samples.
+    world; the poses at the beginning of each period, and at the end, are appended to `record`. Without `contacts` there
+    are no samples.
     """
     # All robots share the period of the quickest route; it is a whole number of physics steps, so no time is lost.
     routes = {run.name: run.route() for run in runs}
@@ -232,7 +238,35 @@ def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
         else:
             world.step(steps)
         progress(done)
+    else:
+        if record is not None:
+            poses = world.poses()
+            record.append((seconds, {run.name: list(astuple(poses[run.name])) for run in runs}))
     return samples
+
+
+def with_more_digits(record: Record, exact: Record, digits: int) -> Record:
+    """Return a record of poses of few significant digits, with those that are exact at some of its times.
+
+    Between these a robot goes straight as far as the record allows: each number stays within half of its last digit. So
+    poses are exact where they are known, and change evenly where the record says nothing, as in `11.2, 11.2, 11.3`.
+    """
+    times = [second for second, _ in exact]
+    known = {name: np.array([poses[name] for _, poses in exact]) for name in (exact[0][1] if exact else ())}
+    for rows in known.values():
+        rows[:, 3:] = np.unwrap(rows[:, 3:], axis=0)
+    result: Record = []
+    for second, poses in record:
+        sharp = dict(poses)
+        for name in known.keys() & poses.keys():
+            between = np.array([np.interp(second, times, along) for along in known[name].T])
+            pose = np.array(poses[name])
+            off = between - pose
+            off[3:] = (off[3:] + pi) % (2 * pi) - pi
+            half = 0.5 * 10.0 ** (np.floor(np.log10(np.maximum(np.abs(pose), _LEAST))) + 1 - digits)
+            sharp[name] = [*map(float, pose + np.clip(off, -half, half))]
+        result.append((second, sharp))
+    return result
 
 
 def send_commands(

@@ -95,7 +95,8 @@ class Simulator(ABC):
     of advice; address_variables: the variables that select one server among others; harmless_messages: parts of error
     lines that say nothing against a world; load_failures: parts of lines that say that the world was not loaded;
     drives_without: what a drive in it does not give, in words; frames: what draws frames that can be counted, of
-    `camera` (a sensor of the model `eye`, named `link` and `camera`) and `window`.
+    `camera` (a sensor of the model `eye`, named `link` and `camera`) and `window`; digits: significant ones of the
+    poses in its record, None if they are enough.
     """
 
     name: ClassVar[str]
@@ -107,6 +108,7 @@ class Simulator(ABC):
     load_failures: ClassVar[tuple[str, ...]] = ()
     drives_without: ClassVar[tuple[str, ...]] = ()
     frames: ClassVar[tuple[str, ...]] = ()
+    digits: ClassVar[int | None] = None
 
     @abstractmethod
     def installation(self) -> Installation | None:

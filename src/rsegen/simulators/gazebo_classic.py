@@ -2,7 +2,8 @@
 
 Two servers need two ports of GAZEBO_MASTER_URI, and the internet's database of models is switched off, or they wait for
 it. A paused server begins its record when its world is complete, which tells that it has loaded; the record later tells
-where models were, to three digits, which is all that Gazebo writes. The world is reached through Gazebo's transport:
+where models were, to three digits, which is all that Gazebo writes; answers have all of them. The world is reached
+through Gazebo's transport:
 
 ~/world_control, request, factory, model/modify     topics that change the world, or ask about it
 ~/response                                          the answer to a request, with its number
@@ -77,6 +78,7 @@ class GazeboClassic(Simulator):
         "parse as old deprecated model file failed",
     )
     frames: ClassVar[tuple[str, ...]] = ("camera", "window")
+    digits: ClassVar[int | None] = 3
     load_failures: ClassVar[tuple[str, ...]] = ("Falling back on worlds/empty.world", "Unable to start server[bind")
 
     def installation(self) -> Installation | None:
