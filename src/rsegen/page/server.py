@@ -206,11 +206,12 @@ async def _refusal(_: Request, error: Exception) -> Response:
         case RecursionError():
             failure["text"] = "the arguments are nested too deeply"
         case OSError():
-            failure["text"] = line_of(system_message(error))
+            failure["text"] = system_message(error)
         case ParameterError():
             failure = {"where": error.where, "text": error.problem}
         case calls.Question():
             status, failure["kind"] = 409, error.kind
+    failure["text"] = line_of(failure["text"])
     # The rest of the body, if there is one, is not read, so nothing else can come on this connection.
     return Answer({"error": failure}, status, {"Connection": "close"})
 
