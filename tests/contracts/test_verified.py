@@ -71,7 +71,7 @@ def test_a_byte_that_changes_in_any_file_is_noticed(
                 rsegen.verify(folder)
             assert str(path) in str(noticed.value)
         path.write_bytes(content[:-1])
-        with pytest.raises(FilesDamaged, match="was changed|is missing or empty"):
+        with pytest.raises(FilesDamaged, match=r"was changed|is missing or empty"):
             rsegen.verify(folder)
         path.write_bytes(content)
     capsys.readouterr()

@@ -174,6 +174,7 @@ def _few_points(rng: random.Random, numbers: np.random.Generator, cloud: _Spoile
 
 def _other_units(rng: random.Random, _: np.random.Generator, cloud: _Spoiled) -> None:
     cloud.points = cloud.points * rng.choice((0.001, 0.0254, 0.3048, 3.28, 39.37, 1000.0))
+    cloud.known.pop("block_width_cm", None)  # a cloud of 30 m with blocks of 10 cm is looked at for 12 s
     cloud.flaws.append("units that nobody says")
 
 
