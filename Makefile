@@ -71,6 +71,8 @@ mutants: $(VENV)/developer
 fuzz: $(VENV)/developer
 	$(BIN)/python -m tests.fuzz $(FUZZ)
 	$(BIN)/python -m tests.fuzz --family wire --cases 200
+	$(BIN)/python -m tests.fuzz --family page --cases 100
+	$(BIN)/python -m tests.fuzz --family field --cases 200
 
 crash: $(VENV)/developer compiler
 	$(BIN)/python -m tests.crash $(CRASH)

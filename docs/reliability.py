@@ -22,7 +22,9 @@ def table() -> Iterator[str]:
     yield "| trial | seed | tried | failed |"
     yield "|---|---|---|---|"
     for fuzz in _loaded(FUZZ):
-        yield f"| `make fuzz` | {fuzz['seed']} | {fuzz['cases']:,} cases | {fuzz['fail']} |"
+        family = fuzz.get("family", "all")
+        command = "`make fuzz`" if family == "all" else f"`python -m tests.fuzz --family {family}`"
+        yield f"| {command} | {fuzz['seed']} | {fuzz['cases']:,} {_CASES[family]} | {fuzz['fail']} |"
     yield f"| `make crash` | {crash['seed']} | {tried} | {crash['problems']} |"
     yield "\nTrials of `make crash` by what happens, and by disk (failed / tried):\n"
     yield from _by_disk(counts)
@@ -30,6 +32,14 @@ def table() -> Iterator[str]:
     yield "\nWaiting for the disk costs:\n"
     yield from syncing.table(_loaded(syncing.FILE))
 
+
+_CASES = {
+    "all": "cases",
+    "wire": "conversations with a Gazebo that damages messages",
+    "page": "conversations with the page's server, of more than 50 calls each",
+    "field": "clouds of fields",
+}
+"""Cases of each family of tests/fuzz that is tried by itself, in words."""
 
 _KINDS = {
     "kill": "killed before a call",

@@ -226,6 +226,12 @@ def library_message(error: Exception) -> str:
     return " ".join(str(error).split())[:_LONGEST] or type(error).__name__
 
 
+def system_message(error: OSError, about: str = "") -> str:
+    """Return why the system refused something, behind the file that it was about, or `about` if it names none."""
+    reason, where = error.strerror or str(error) or type(error).__name__, error.filename or about
+    return f"{where}: {reason}" if where else reason
+
+
 def shown(value: object) -> str:
     """`value` as an error message shows it: short, and on one line whatever it is."""
     if value is None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import random
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import psutil
@@ -58,16 +61,80 @@ def test_a_worker_that_is_killed_costs_nothing(tmp_path: Path, whole: dict[str, 
     assert contents(folder) == whole
 
 
+@contextmanager
+def cluster(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A cluster that runs in a process of its own, and its address."""
+    (folder / "cluster.py").write_text(CLUSTER)
+    process = subprocess.Popen(
+        [sys.executable, folder / "cluster.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout
+    try:
+        yield process, process.stdout.readline().strip()
+    finally:
+        process.communicate(None if process.poll() is not None else "\n", timeout=PATIENCE)
+
+
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
     """Of a cluster that runs."""
-    (tmp_path / "cluster.py").write_text(CLUSTER)
-    process = subprocess.Popen(
-        [sys.executable, tmp_path / "cluster.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout
-    yield process.stdout.readline().strip()
-    process.communicate("\n", timeout=PATIENCE)
+    with cluster(tmp_path) as (_, found):
+        yield found
+
+
+TRIALS, MORE = 1, 5
+"""Kills of each part of a cluster in `make test`, and in `make test-all`."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["client", "scheduler", "worker"])
+@pytest.mark.parametrize(
+    "trials", [TRIALS, pytest.param(MORE, marks=pytest.mark.long(reason="two runs on a cluster for each kill"))]
+)
+def test_a_cluster_of_which_a_part_is_killed_at_any_moment_is_continued_to_the_same_bytes(
+    victim: str, trials: int, tmp_path: Path, whole: dict[str, bytes]
+) -> None:
+    rng = random.Random()  # noqa: S311  # moments, not secrets
+    stopped = 0
+    for trial in range(trials):
+        # Results of some shards are on their way, with which a run may be complete without its scheduler.
+        at, delay = rng.randrange(1, 5 if victim == "scheduler" else 20), rng.uniform(0, 0.1)
+        told = f"{victim} killed after {at} shards and {delay:.3f} s"
+        stopped += kill_and_continue(victim, tmp_path / f"set {trial}", at, delay, told)
+        assert contents(tmp_path / f"set {trial}") == whole, told
+    assert stopped or trials == TRIALS or victim == "worker", "no run was stopped before it was complete"
+
+
+def kill_and_continue(victim: str, folder: Path, at: int, delay: float, told: str) -> bool:
+    """Kill a part of a cluster some time after there are so many shards, and go on, on the cluster if it lives.
+
+    Returns whether the run was stopped by it.
+    """
+    with cluster(folder.parent) as (server, where):
+        process = started(*MANY, "--scheduler", where, "-o", folder)
+        until_it_has(process, lambda: shards(folder) >= at)
+        time.sleep(delay)
+        if victim == "worker":
+            kill_a_worker(server.pid)
+        else:
+            kill_with_children(server if victim == "scheduler" else process)
+        code, err = ended(process)
+        is_stopped = code != 0
+        if victim == "client":  # the cluster may still work for it
+            code, err = ended(started(*MANY, "--scheduler", where, "--resume", "-o", folder))
+    if victim == "scheduler" and is_stopped:
+        assert code == 1, f"{told}: {err}"
+        assert f"the cluster at {where} was lost" in the_line(err), told
+        code, err = ended(started(*MANY, "--workers", "1", "--resume", "-o", folder))
+    assert code == 0, f"{told}: {err}"
+    return is_stopped
+
+
+def kill_with_children(process: subprocess.Popen[str]) -> None:
+    parts = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
+    for part in parts:
+        with suppress(psutil.NoSuchProcess):
+            part.kill()
 
 
 @pytest.mark.slow

@@ -165,7 +165,7 @@ class Judge:
             for number, errors in ((1, "strict"), (2, "backslashreplace"))
         )
         try:
-            self._sandbox.may_connect = case.family == "wire"
+            self._sandbox.may_connect = case.family in ("wire", "page")
             with self._sandbox.watched():
                 code = called(case.argv)
         finally:

@@ -76,6 +76,18 @@ def _talk(wire: str, name: str) -> None:
     until(lambda: threading.active_count() <= threads and open_sockets() <= sockets)
 
 
+def _talk_to_page(name: str) -> None:
+    from tests.fuzz import pages
+
+    pages.talk(int(Path(name).read_text("ascii")))
+
+
+def _scan_field(name: str) -> None:
+    from tests.fuzz import fields
+
+    fields.scan_of(int(Path(name).read_text("ascii")))
+
+
 def open_sockets() -> int:
     """How many sockets this process has."""
     folder = Path("/proc/self/fd")
@@ -92,5 +104,7 @@ READERS: Mapping[str, Callable[[str], None]] = {
     "@dataset": _read_data_set,
     "@classic": lambda name: _talk("classic", name),
     "@sim": lambda name: _talk("sim", name),
+    "@page": _talk_to_page,
+    "@field": _scan_field,
 }
 """Readers that no command calls alone."""

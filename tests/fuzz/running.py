@@ -35,7 +35,8 @@ def run(numbers: range, seed: int, processes: int, family: str | None, record: P
         part.result()
     report.end()
     if record:
-        found = {"python": platform.python_version(), "seed": seed, "cases": report.done, "fail": report.sorts.total()}
+        found = {"python": platform.python_version(), "family": family or "all", "seed": seed}
+        found |= {"cases": report.done, "fail": report.sorts.total()}
         before = json.loads(record.read_text("utf-8")) if record.exists() else []
         record.write_text(json.dumps([*before, found], indent=2) + "\n", "utf-8")
     return int(bool(report.sorts))

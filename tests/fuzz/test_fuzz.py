@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 import os
+import random
 import sys
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from rsegen import StepField
+from tests.fuzz import fields, pages
 from tests.fuzz.case import Case, Content, Special, read_case
 from tests.fuzz.families import FAMILIES, case_of
+from tests.page.client import Reply
 from tests.support.patience import run
 
 FOLDER = Path(__file__).parent
 FEW, MANY = 80, 300
 """Cases of `make test`, and further ones of `make test-all`."""
+FEW_SLOW = 4
+"""Cases of each family that takes seconds for one."""
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="limits of memory, and what a file is, as Linux has them"
 )
@@ -38,6 +47,74 @@ def test_no_hostile_input_breaks_a_command(cases: int, seed: int) -> None:
     print(said)  # noqa: T201  # the seed
     assert code == 0, said
     assert said.splitlines()[-1].startswith(f"0 of {cases:,} cases fail, seed ")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", ["page", "field"])
+def test_no_conversation_breaks_the_page_and_no_field_is_found_wrong(family: str) -> None:
+    code, said = fuzz("--cases", FEW_SLOW, "--family", family)
+    print(said)  # noqa: T201  # the seed
+    assert code == 0, said
+    assert said.splitlines()[-1].startswith(f"0 of {FEW_SLOW:,} cases fail, seed ")
+
+
+@pytest.mark.slow
+def test_fields_are_found_refused_and_found_in_spite_of_what_spoiled_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else the cases of the family would show nothing: each of the ways in which they should end happens."""
+    monkeypatch.chdir(tmp_path)
+    ended = Counter(fields.scan_of(number) for number in range(20))
+    assert ended["found"] >= 9
+    assert ended["found in spite of much"] >= 1
+    assert ended["refused for much"] >= 2
+    assert ended["found halved"] + ended["missed"] <= 2, "nine of ten that were spoiled a little are found"
+
+
+@pytest.mark.slow
+def test_a_field_that_is_found_wrong_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    made = fields._field
+
+    def another(rng: random.Random) -> StepField:
+        field = made(rng)
+        monkeypatch.setattr(fields, "_refuse_other", lambda scan, _, told: refuse(scan, wrong(field), told))
+        return field
+
+    def wrong(field: StepField) -> StepField:
+        levels = field.levels.copy()
+        levels[tuple(np.argwhere(~field.frame)[0])] += 1
+        return replace(field, levels=levels)
+
+    refuse = fields._refuse_other
+    monkeypatch.setattr(fields, "_field", another)
+    with pytest.raises(fields.Wrong, match="are not those of"):
+        any(fields.scan_of(number) == "found" for number in range(9))
+
+
+@pytest.mark.slow
+def test_a_conversation_asks_much_and_most_of_it_is_answered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    case_of(1, 0, "page").lay_out(tmp_path)
+    answered: Counter[int] = Counter()
+    judge = pages._judge
+
+    def count(shown: str, reply: Reply) -> None:
+        answered[reply.status] += 1
+        judge(shown, reply)
+
+    monkeypatch.setattr(pages, "_judge", count)
+    assert pages.talk(3) >= pages.CALLS
+    assert answered[200] > pages.CALLS
+    assert answered[400] > pages.CALLS / 10
+
+
+def test_a_server_that_fails_is_noticed() -> None:
+    failed = Reply(status=500, headers={}, content=b'{"error": {"where": "", "text": "internal error"}}')
+    two_lines = Reply(status=400, headers={}, content=b'{"error": {"where": "", "text": "a\nb"}}')
+    for reply in (failed, two_lines, Reply(status=400, headers={}, content=b"[]")):
+        with pytest.raises(pages.Wrong):
+            pages._judge("/api/state", reply)
 
 
 @pytest.mark.slow

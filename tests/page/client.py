@@ -33,8 +33,8 @@ class Reply:
 class Client:
     """A browser of a kind: every request is a connection of its own, with the token unless it has another header."""
 
-    def __init__(self, port: int, token: str = TOKEN) -> None:
-        self.port = port
+    def __init__(self, port: int, token: str = TOKEN, *, seconds: float = 20) -> None:
+        self.port, self._seconds = port, seconds
         self._headers = {"Host": f"localhost:{port}", "Authorization": f"Bearer {token}"}
 
     def call(self, name: str, **arguments: Any) -> Any:
@@ -53,7 +53,7 @@ class Client:
         return self.request("POST", path, body if arguments is None else json.dumps(arguments).encode(), headers)
 
     def request(self, method: str, path: str, body: bytes | Iterable[bytes], headers: Mapping[str, str]) -> Reply:
-        connection = http.client.HTTPConnection("localhost", self.port, timeout=20)
+        connection = http.client.HTTPConnection("localhost", self.port, timeout=self._seconds)
         try:
             lines = {**self._headers, **{name.replace("_", "-"): value for name, value in headers.items()}}
             connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)

@@ -179,6 +179,24 @@ def test_unknown_calls_documents_and_arguments_are_named(client: Client) -> None
         assert words in answer.failure["text"]
 
 
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("close", {"doc": "a\nb\x1b[2J"}),
+        ("state", {"doc": "a\r\nb"}),
+        ("shell_target", {"doc": "", "command": "a\nb"}),
+        ("files", {"folder": "a\n/../../../b"}),
+        ("open", {"what": "a\nb"}),
+        ("file", {"path": "a\nb"}),
+        ("made_maps", {"paths": ["a\u2028b"]}),
+    ],
+)
+def test_names_of_several_lines_are_refused_in_one(client: Client, name: str, arguments: dict[str, object]) -> None:
+    reply = client.post(f"/api/{name}", arguments)
+    assert reply.status in (400, 404)
+    assert reply.failure["text"].isprintable()
+
+
 def test_too_large_bodies_are_refused(client: Client) -> None:
     answer = client.post("/api/open", body=b" " * (MOST_CALL + 1))
     assert (answer.status, answer.failure["text"]) == (413, "more than 4 MB at once")

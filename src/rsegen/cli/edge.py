@@ -32,7 +32,16 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, TextIO
 
 from rsegen.cli.parser import FLAG, OVERVIEW, complete, load_plugins, parsed, parser_of
-from rsegen.errors import REFUSED, PluginWarning, RsegenError, Stopped, UserError, line_of, printable
+from rsegen.errors import (
+    REFUSED,
+    PluginWarning,
+    RsegenError,
+    Stopped,
+    UserError,
+    line_of,
+    printable,
+    system_message,
+)
 from rsegen.params.capabilities import commands
 from rsegen.writing import stop
 
@@ -120,8 +129,7 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
         case KeyboardInterrupt():
             return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
         case OSError():
-            where = error.filename or "what was to be printed"
-            message = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"
+            message = "" if isinstance(error, BrokenPipeError) else system_message(error, "what was to be printed")
             return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
             return 1, "out of memory; give fewer chunks or a smaller chunk_size"

@@ -26,6 +26,7 @@ from rsegen.cli.generate import SHOWN
 from rsegen.cli.parameters import Force
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, checked_flags
+from rsegen.errors import FileError
 from rsegen.params.command import Shell, add_flags, flags_in_errors
 from rsegen.params.sorts import FilePath, Flag, Integer, Text
 
@@ -105,9 +106,10 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
         end = "Ctrl-C ends it" if arguments.keep else "Ctrl-C ends it, and so does closing it"
         print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
         print(*_maps_in(arguments.recipe), sep="", end="", flush=True)
+    if service.host.read_only:
+        _warn(service.host.read_only)
     if service.is_open_to_others:
-        text = "warning: others can read what is sent, with the token in it; better: ssh -L"
-        print(text, file=sys.stderr, flush=True)
+        _warn("others can read what is sent, with the token in it; better: ssh -L")
     # Over SSH the user sits at another machine, where a browser opened here would not be seen.
     if os.environ.get("SSH_CONNECTION"):
         port = service.listening_port
@@ -116,7 +118,14 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
     elif not arguments.no_browser and has_screen():
         import webbrowser
 
-        webbrowser.open(service.write_door(url).as_uri())
+        try:
+            webbrowser.open(service.write_door(url).as_uri())
+        except FileError as error:
+            _warn(str(error))
+
+
+def _warn(text: str) -> None:
+    print(f"warning: {text}", file=sys.stderr, flush=True)
 
 
 def _maps_in(given: str | None) -> Iterator[str]:

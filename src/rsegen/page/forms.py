@@ -191,6 +191,7 @@ class Hello(TypedDict):
 
     version: str
     folder: str  # in which files may be read and written
+    read_only: str  # why nothing can be saved in it; empty: it can
     globals: list[Group]  # the parameters of a map
     kinds: list[Kind]
     examples: list[Described]
@@ -519,6 +520,7 @@ def hello(host: Host) -> Hello:
     return {
         "version": __version__,
         "folder": str(host.folder.resolve()),
+        "read_only": host.read_only,
         "globals": global_groups(),
         "kinds": kinds(),
         "examples": [{"name": name, "description": load(path).description} for name, path in EXAMPLES.items()],

@@ -7,6 +7,7 @@ those that only read. What changes is told to all pages of the document, as even
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
@@ -330,6 +331,13 @@ class Host:
         """Say to the pages of a job's document what has become of it."""
         if opened := self.documents.get(job["doc"]):
             opened.send({"event": "job", "job": job})
+
+    @property
+    def read_only(self) -> str:
+        """Return why nothing can be saved in the folder, with advice; an empty text if it can."""
+        if os.access(self.folder, os.W_OK | os.X_OK):
+            return ""
+        return f"nothing can be saved in {self.folder}, which is read-only; to save, start rsegen gui in another folder"
 
     def close(self) -> None:
         """End what runs, and remove what was uploaded; what is not saved stays in the journal."""

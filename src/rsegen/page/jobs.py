@@ -27,7 +27,7 @@ from itertools import count, islice
 from pathlib import Path
 from typing import IO, Annotated, Any, Literal, TypedDict
 
-from rsegen.errors import UserError, line_of
+from rsegen.errors import UserError, line_of, system_message
 from rsegen.page.places import HOLDS
 from rsegen.params.plugins import plugins
 from rsegen.params.sorts import Json
@@ -178,7 +178,8 @@ class Jobs:
             else:
                 self._run(run)
         except Exception as error:  # of the system: no processes, a full disk
-            run.job.state, run.job.lines = "failed", [line_of(str(error) or type(error).__name__)]
+            said = system_message(error) if isinstance(error, OSError) else str(error) or type(error).__name__
+            run.job.state, run.job.lines = "failed", [line_of(said)]
         finally:
             run.job.step = ""
             self.notify(run)

@@ -96,4 +96,4 @@ def kind_of(path: Path) -> Kind:
     """Return what a file or folder is for a page: a recipe, a data set, a drive, another folder, or anything else."""
     if not path.is_dir():
         return "recipe" if path.suffix.lower() in SUFFIXES and path.name not in _MADE else "other"
-    return next((kind for name, kind in HOLDS.items() if (path / name).is_file()), "folder")
+    return next((kind for name, kind in HOLDS.items() if os.path.isfile(path / name)), "folder")

@@ -32,7 +32,7 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rsegen.errors import FileError, ParameterError, RsegenError, library_message, shown
+from rsegen.errors import FileError, ParameterError, RsegenError, library_message, line_of, shown, system_message
 from rsegen.page import calls
 from rsegen.page.host import Event, Host, Listener, Opened
 from rsegen.page.manual import manual_page
@@ -205,10 +205,13 @@ async def _refusal(_: Request, error: Exception) -> Response:
             status = error.status
         case RecursionError():
             failure["text"] = "the arguments are nested too deeply"
+        case OSError():
+            failure["text"] = system_message(error)
         case ParameterError():
             failure = {"where": error.where, "text": error.problem}
         case calls.Question():
             status, failure["kind"] = 409, error.kind
+    failure["text"] = line_of(failure["text"])
     # The rest of the body, if there is one, is not read, so nothing else can come on this connection.
     return Answer({"error": failure}, status, {"Connection": "close"})
 
@@ -246,7 +249,7 @@ class Desk:
             Route("/api/file", self.file, methods=["POST"]),
             Route("/api/{name}", self.call, methods=["POST"]),
         ]
-        refused = dict.fromkeys((Refused, RsegenError, RecursionError), _refusal)
+        refused = dict.fromkeys((Refused, RsegenError, RecursionError, OSError), _refusal)
         handlers: dict[Any, Any] = {**refused, 500: _internal}
         app = Starlette(routes=routes, lifespan=self.lifespan, exception_handlers=handlers)
         return Guard(app, names, any_address=any_address)
@@ -309,6 +312,7 @@ class Desk:
         path = self.host.places.inside(known["path"])
         if not path.is_file():
             raise Refused(404, f"{known['path']}: there is no such file")
+        path.open("rb").close()  # what cannot be read is refused before the answer begins
         kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
         return FileResponse(path, media_type=kind, filename=path.name)
 

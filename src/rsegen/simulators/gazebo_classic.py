@@ -40,6 +40,7 @@ from rsegen.simulators.process import command_output
 from rsegen.simulators.stepped_world import Record
 from rsegen.simulators.wire import CLASSIC, contact_of, mesh_file, parse_text, pose_message, pose_of
 from rsegen.writing.programs import LaunchCommand
+from rsegen.writing.user_state import home_folder
 
 _STATE = re.compile(r"<sim_time>(\d+) (\d+)</sim_time>(.*?)</state>", re.DOTALL)
 _MODEL = re.compile(r"<model name='([^']+)'>\s*<pose>([^<]+)</pose>")
@@ -83,7 +84,7 @@ class GazeboClassic(Simulator):
 
     def installation(self) -> Installation | None:
         """Return the installation on PATH, else the one that scripts/gazebo-classic has set up."""
-        home = Path.home() / SET_UP
+        home = home_folder() / SET_UP
         elsewhere = [home / "bin"] if (home / "complete").exists() else []
         server = next(iter(commands_of("gzserver", *elsewhere)), None)
         version = re.search(r"version (11\.\S+)", command_output([server, "--version"])) if server else None

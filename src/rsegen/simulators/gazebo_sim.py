@@ -48,6 +48,7 @@ from rsegen.simulators.sim_transport import TransportClient, transport_client
 from rsegen.simulators.stepped_world import Record
 from rsegen.simulators.wire import SIM, contact_of, mesh_file, nanoseconds, parse_text, pose_message, pose_of
 from rsegen.writing.programs import LaunchCommand
+from rsegen.writing.user_state import home_folder
 
 COMMANDS = (("gz", "sim"), ("ign", "gazebo"))
 """Program and verb. Programs of these names without the verb are Gazebo Classic's, or libsdformat's alone."""
@@ -119,7 +120,7 @@ class GazeboSim(Simulator):
         launch = _launch(here, opening).with_options("-s", "-r")
         ((words, _),) = here.commands.items()
         folder, variable = _SETTINGS[words]
-        file = Path.home() / folder / here.version.partition(".")[0] / "server.config"
+        file = home_folder() / folder / here.version.partition(".")[0] / "server.config"
         if not opening.home or variable in os.environ or not file.is_file():
             return launch
         return launch.with_variables({variable: str(file)})

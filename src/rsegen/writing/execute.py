@@ -15,7 +15,7 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import CancelledError, Executor, Future
 from concurrent.futures import wait as finished
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
@@ -228,25 +228,33 @@ def _start_worker(parent_stops: Connection) -> None:
 @contextmanager
 def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
     """Yield an executor of a Dask cluster, and how many workers it has; one that is lost is replaced by another."""
+    import asyncio
+
     distributed = dask()
     from logging import CRITICAL
 
-    with ExitStack() as opened:  # closes the client, then a cluster of our own
-        address: Any = scheduler
-        if scheduler == LOCAL:
-            address = opened.enter_context(
-                distributed.LocalCluster(
-                    n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=CRITICAL
+    from distributed.comm.core import CommClosedError
+
+    # Without its scheduler, a client fails at what waits for it, or when it is closed.
+    lost = (CancelledError, asyncio.CancelledError, CommClosedError)
+    try:
+        with ExitStack() as opened:  # closes the client, then a cluster of our own
+            address: Any = scheduler
+            if scheduler == LOCAL:
+                address = opened.enter_context(
+                    distributed.LocalCluster(
+                        n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=CRITICAL
+                    )
                 )
-            )
-        try:
-            client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
-        except (OSError, ValueError) as error:
-            raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
-        try:
+            try:
+                client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
+            except (OSError, ValueError) as error:
+                raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
             yield client.get_executor(pure=False), max(workers, sum(client.ncores().values()))
-        except distributed.KilledWorker as error:
-            raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
+    except distributed.KilledWorker as error:
+        raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
+    except lost:
+        raise WorkerLost(f"the cluster at {scheduler} was lost: its scheduler ended, or is unreachable") from None
 
 
 def dask() -> Any:

@@ -16,10 +16,18 @@ from pathlib import Path
 from typing import Any
 
 
+def home_folder() -> Path:
+    """Return the user's home; of a user of whom the system knows none, as in containers, a place that has no files."""
+    try:
+        return Path.home()
+    except RuntimeError:
+        return Path(os.devnull)
+
+
 def state_folder() -> Path:
     """Return the folder for what programs keep of a user between their runs, after the XDG base directories."""
     given = os.environ.get("XDG_STATE_HOME", "")
-    return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "rsegen"
+    return (Path(given) if os.path.isabs(given) else home_folder() / ".local" / "state") / "rsegen"
 
 
 def state_file(name: str) -> Path:

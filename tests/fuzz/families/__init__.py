@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from tests.fuzz.case import Case
-from tests.fuzz.families import clouds, flags, folders, heights, others, recipes, wires
+from tests.fuzz.families import clouds, fields, flags, folders, heights, others, pages, recipes, wires
 
 Family = Callable[[random.Random], Case]
 
@@ -28,6 +28,8 @@ FAMILIES: Mapping[str, tuple[Family, int]] = MappingProxyType(
         "results": (others.results, 3),
         "plug-in": (others.plugin, 1),
         "wire": (wires.case, 0),  # by --family alone: threads and sockets take what time they like
+        "page": (pages.case, 0),
+        "field": (fields.case, 0),  # a second each, most of which makes the cloud
     }
 )
 """Family -> the function that makes its cases, and its weight."""

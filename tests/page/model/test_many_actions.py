@@ -35,6 +35,36 @@ def test_two_thousand_obstacles_are_added_within_seconds(actions: Sequence[Actio
     assert time.process_time() - began < SECONDS
 
 
+WRONG: Action = {"do": "add", "entry": {**PEAK, "levels": 0}}
+
+
+@pytest.mark.parametrize("before", [[], [WRONG]], ids=["valid", "beside a row that is not valid"])
+@pytest.mark.parametrize("row", [-1, 0], ids=["each a row of its own", "into one row"])
+def test_a_thousand_strokes_are_painted_within_seconds(row: int, before: Sequence[Action]) -> None:
+    """Each row is checked once, whatever was painted before it."""
+    session, began = Session.of(Recipe(seed=1, chunk_size=40)), time.process_time()
+    first: Action = {"do": "paint", "row": -1, "cells": [[0, 0], [39, 39]], "level": 2}
+    cells = [[at % 40, at // 40 % 40] for at in range(MANY // 2)]
+    act(session, [first, *before, *({"do": "paint", "row": row, "cells": [cell], "level": 3} for cell in cells)], 0)
+    assert time.process_time() - began < SECONDS
+    assert len(session.draft.rows) == 1 + len(before) + (len(cells) if row < 0 else 0)
+    assert bool(session.problem) is bool(before)
+    painted = session.draft.rows[0 if row == 0 else -1]["rows"]
+    assert "3" in " ".join(painted)
+
+
+def test_a_stroke_sees_the_size_that_the_same_edit_gave_the_map() -> None:
+    larger: Sequence[Action] = [{"do": "set", "name": "chunks", "value": [2, 1]}, ADD]
+    stroke: Action = {"do": "paint", "row": -1, "cells": [[15, 2]], "level": 1}
+    session = Session.of(Recipe(seed=1))
+    act(session, [*larger, stroke], 0)
+    assert session.draft.rows[-1]["first"] == [15, 2]
+    with pytest.raises(ParameterError, match="outside the map"):
+        act(Session.of(Recipe(seed=1)), [ADD, stroke], 0)
+    with pytest.raises(ParameterError, match="outside the map"):  # the map stays as it was
+        act(Session.of(Recipe(seed=1)), [{"do": "set", "name": "chunks", "value": [2, 0]}, stroke], 0)
+
+
 def test_many_changes_of_a_long_list_take_seconds() -> None:
     session = Session.of()
     act(session, [ADD] * 500, 0)
@@ -58,6 +88,10 @@ ACTIONS: Sequence[Action] = [
     {"do": "undo"},
     {"do": "enable", "row": 3, "enabled": False},
     {"do": "paint", "row": -1, "cells": [[19, 3]], "level": 2},
+    {"do": "paint", "row": 4, "cells": [[18, 3]], "level": 2, "gesture": "a"},
+    {"do": "paint", "row": 4, "cells": [[17, 3]], "level": 2, "gesture": "a"},
+    {"do": "paint", "row": 4, "cells": [[17, 3]], "level": 2},
+    {"do": "paint", "row": 2, "cells": [[0, 0]], "level": 1},
     {"do": "move", "row": 0, "to": 3},
     {"do": "remove", "row": 1},
     {"do": "undo"},

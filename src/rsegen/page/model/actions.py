@@ -63,7 +63,7 @@ def _apply(session: Session, action: Action, index: int) -> int:
     name = given.pop("do", None)
     if not isinstance(name, str) or name not in _ACTIONS:
         raise UnknownName.among("do", "action", name, _ACTIONS)
-    if name not in _WITHOUT_RECIPE:
+    if name in _OF_RECIPE:
         session.settle()
     known = checked_arguments(_ACTIONS[name], given)
     for where in ("row", "to"):
@@ -83,7 +83,7 @@ def _check_row(session: Session, where: str, row: int, extra: int = 0) -> None:
 
 
 def _check_cells(session: Session, where: str, cells: list[Cell]) -> None:
-    shape = session.recipe.grid.shape
+    shape = session.grid.shape
     for cell in cells:
         if not all(0 <= at < most for at, most in zip(cell, shape, strict=True)):
             raise ParameterError(where, f"{shown(list(cell))} is outside the map of {shape[0]} x {shape[1]} blocks")
@@ -109,10 +109,6 @@ def add(session: Session, _index: int, *, entry: Entry, at: int | None = None) -
 def duplicate(session: Session, _index: int, *, row: int) -> int:
     """Copy a row to the row below it."""
     return add(session, 0, entry=dict(session.draft.rows[row]), at=row + 1)
-
-
-_WITHOUT_RECIPE = frozenset({*_OF_SESSION, add.__name__, duplicate.__name__})
-"""Actions that read no more than the draft, of which very many in one edit take little longer than one."""
 
 
 @_action
@@ -145,6 +141,10 @@ def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: 
     if level == UNPAINTED or not cells:
         return row
     return session.add(painted(None, cells, level), gesture=gesture)
+
+
+_OF_RECIPE = frozenset({fix.__name__, move_end.__name__})
+"""Actions that read the recipe; of others, very many in one edit take little longer than one."""
 
 
 def can_paint(entry: Entry) -> bool:

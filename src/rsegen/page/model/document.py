@@ -31,7 +31,7 @@ from rsegen.params.sorts import parameters
 from rsegen.recipe.recipe import Recipe
 from rsegen.recipe.recipe_file import MAX_RECIPE_MIB, recipe_and_content
 from rsegen.writing.store import write_file
-from rsegen.writing.user_state import state_file, state_files, write_state
+from rsegen.writing.user_state import state_file, state_files, state_folder, write_state
 
 SUFFIXES = (".yaml", ".yml", ".json")
 """How the names of recipe files end."""
@@ -144,10 +144,10 @@ class Document:
 
     def _differs(self) -> bool:
         """Return whether the file has another text than the draft began with; one that is gone can be written anew."""
-        if self.path is None or not self.path.exists():
-            return False
         try:
-            return _checksum(self.path.read_bytes()) != self._began_with
+            return self.path is not None and _checksum(self.path.read_bytes()) != self._began_with
+        except (FileNotFoundError, NotADirectoryError):
+            return False
         except OSError:
             return True
 
@@ -208,7 +208,8 @@ class DraftFile:
             write_state(self._stem, content)
             self.failed = ""
         except OSError as error:
-            self.failed = f"changes cannot be kept against a crash: {error.strerror or error}"
+            reason = error.strerror or str(error)
+            self.failed = f"unsaved changes cannot be kept against a crash in {state_folder()}: {reason}"
 
     def remove(self) -> None:
         """Remove the draft, as it is saved or discarded; also those of processes that have ended."""

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Annotated
 
 from rsegen.errors import ParameterError, RsegenError, UnknownName
+from rsegen.obstacles import Grid
 from rsegen.params.sorts import Json, parameters
 from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode, decode_obstacle
@@ -236,6 +237,14 @@ class Session:
             self.settle()
         finally:
             self._is_waiting = False
+
+    @property
+    def grid(self) -> Grid:
+        """The block cells of a map of the recipe; changes that wait and cannot change them wait on."""
+        known = self.recipe.values()
+        if any(known[name] != self.draft.values.get(name) for name in ("chunk_size", "chunks")):
+            self.settle()
+        return self.recipe.grid
 
     def settle(self) -> None:
         """Give rows their keys, and take over the recipe, if changes made `together` wait for that."""

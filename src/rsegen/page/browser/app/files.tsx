@@ -96,7 +96,9 @@ export function Banners() {
   const now = state.value;
   const [kept, keep] = useState<number | null>(null);
   const [seen, see] = useState<string | null>(null);
+  const [hidden, hide] = useState("");
   if (!now) return null;
+  const unsafe = [hello.value?.read_only, now.journal].filter(Boolean).join("; ");
   const isAsked = problem.value?.kind === "changed" && dialog.value?.name !== "save"; // as it was about to be overwritten
   const isChanged = isAsked || (now.changed_on_disk && kept !== now.revision);
   return (
@@ -104,6 +106,9 @@ export function Banners() {
       {!connected.value && (
         <div class="banner"><Icon name="warn" /><p><b>rsegen gui</b> does not answer: it has ended, or the connection is lost.
           {now.unsaved ? " Your changes up to then are kept: start it again in the same folder, and open the address that it prints." : " Start it again, and open the address that it prints."}</p></div>)}
+      {unsafe.length > 0 && hidden !== unsafe && (
+        <div class="banner"><Icon name="warn" /><p>{unsafe}</p>
+          <Button icon="close" class="quiet" title="Dismiss" onClick={() => hide(unsafe)} /></div>)}
       {isChanged && (
         <div class="banner"><Icon name="warn" /><p>Another program changed <b>{now.title}</b>.</p>
           <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>

@@ -188,6 +188,7 @@ export interface Handle {
 export interface Hello {
   version: string;
   folder: string; // in which files may be read and written
+  read_only: string; // why nothing can be saved in it; empty: it can
   globals: Group[]; // the parameters of a map
   kinds: Kind[];
   examples: Described[];
