@@ -390,10 +390,10 @@ def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles
     """
     passed = lanes.passed
     for room, asked in ((BESIDE, np.ones_like(passed)), (FALL_ROOM, lanes.drops.any(axis=1))):
-        for beside in (-room, room):
-            tried = passed & asked
-            if tried.any():
-                passed[tried] = straight(field, body, axis, middles[tried] + beside).passed
+        tried = np.flatnonzero(passed & asked)
+        if len(tried):
+            beside = straight(field, body, axis, np.append(middles[tried] - room, middles[tried] + room)).passed
+            passed[tried] = beside.reshape(2, -1).all(axis=0)
     return passed
 
 
@@ -449,11 +449,9 @@ def room_beside(body: Body) -> float:
 
 def safely_passed(field: StepField, body: Body, axis: int, middles: Array) -> Mask:
     """Return which lanes at some places across, metres, are driven with room to spare."""
-    passed, careful_body, room = np.ones(len(middles), bool), careful(field, body) or body, room_beside(body)
-    for beside in (0.0, -room, room):
-        if passed.any():
-            passed[passed] = straight(field, careful_body, axis, middles[passed] + beside).passed
-    return passed
+    places = middles + room_beside(body) * np.array([[0.0], [-1.0], [1.0]])
+    passed = straight(field, careful(field, body) or body, axis, places.ravel()).passed
+    return np.asarray(passed.reshape(3, -1).all(axis=0))
 
 
 def lines_along(field: StepField, axis: int) -> Mask:
