@@ -25,8 +25,8 @@ benchmarks/crossings that told 202 rightly, and the other way 203, in four times
 The motors of wheels act back on the chassis, as real ones, MuJoCo's and Gazebo Sim's do. Gazebo Classic's drives do
 not: the robot pitches forward, and its caster is lifted over edges that would hold it (`reaction`).
 
-Cost: poses of all lanes at once. What breaks it: a robot that is turned by what it climbs, as by a block under one
-wheel, leaves its lane; the wheels' own dynamics.
+Cost: poses of all lanes at once, section by section, and none behind the section in which a lane ends. What breaks it:
+a robot that is turned by what it climbs, as by a block under one wheel, leaves its lane; the wheels' own dynamics.
 """
 
 from __future__ import annotations
@@ -260,7 +260,7 @@ class _Driving:
         tips, hits, held, force, surplus = (
             values[live, :end] for values in (self.tips, self.hits, self.held, self.force, self.surplus)
         )
-        # A robot that nothing balances slides: forward, if it comes down with it, which takes it on; else it is held up.
+        # A robot that nothing balances slides: forward, if it comes down, which takes it on; else it is held up.
         force = np.where((force <= SLIDING) & _falls(self.height[live, :end], seen), 0.0, force)
         # The force that lacks is taken from the kinetic energy; as soon as none lacks, the robot has its speed again.
         # What lifts parts that do not drive, beyond the wheels' work, is taken from half of it: poses jump over edges.

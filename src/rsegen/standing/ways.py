@@ -312,15 +312,13 @@ class Lattice:
     def _driven(
         self, x: Array, y: Array, yaw: Array, length: Array, ends: tuple[Ints, Ints] | None = None
     ) -> tuple[Mask, Array]:
-        """Return which lanes are driven to their ends, and the worst on each; ends: places of both, if they are some"""
+        """Return which lanes are driven to their ends, and the worst on each; ends: the places there, if known."""
         passed, worst = [], []
         numbers = [self._number_of_rest.ravel()[places] for places in ends or ()]
         for begin in range(0, len(x), _LANES):
             part = slice(begin, begin + _LANES)
             first_last = tuple(self._rest.some(number[part]) for number in numbers) or None
-            lanes = drive_lanes(
-                self.ground, self.body, x[part], y[part], yaw[part], length[part], ends=first_last
-            )
+            lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length[part], ends=first_last)
             passed.append(lanes.passed)
             count = len(lanes.poses.x) // len(lanes.end)
             values = self._worst_value(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
@@ -434,7 +432,8 @@ class Lattice:
         0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
         """
         line, heading = self._line(axis, places)
-        pieces = [(begin, end) for begin, end in pairwise(_straight_pieces(heading)) if np.any(line[begin] != line[end])]
+        turns = _straight_pieces(heading)
+        pieces = [(begin, end) for begin, end in pairwise(turns) if np.any(line[begin] != line[end])]
         begin, count = 0, 1
         while begin < len(pieces):
             some = pieces[begin : begin + count]
@@ -466,7 +465,8 @@ class Lattice:
                 (begins[asked, axis, None] + side[asked, None] * beside).ravel()
                 for axis, side in enumerate((-np.sin(yaw), np.cos(yaw)))
             )
-            lanes = drive_lanes(self.ground, self.body, x, y, *(np.repeat(values[asked], 3) for values in (yaw, length)))
+            turned, long = (np.repeat(values[asked], 3) for values in (yaw, length))
+            lanes = drive_lanes(self.ground, self.body, x, y, turned, long)
             driven = np.where(lanes.passed, 1.0, lanes.last / lanes.count).reshape(-1, 3).min(axis=1)
             shares[asked] = driven
             falls = lanes.drops.any(axis=1).reshape(-1, 3).any(axis=1) & (room < FALL_ROOM)
@@ -724,9 +724,7 @@ def events(way: Any) -> list[str]:
     return sentences
 
 
-def _summary(
-    ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | None = None
-) -> dict[str, Any]:
+def _summary(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | None = None) -> dict[str, Any]:
     """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
     rests = of_settled(ground, body, joined([turned, lanes.poses]) if turned else lanes.poses)
     return {
