@@ -257,9 +257,8 @@ class _Driving:
     def _judge(self, live: Ints, end: int) -> None:
         """Find which lanes end before a pose, and why, as far as enough poses after it are known."""
         seen, number = self.seen[live], np.arange(end)
-        tips, hits, held, force, surplus = (
-            values[live, :end] for values in (self.tips, self.hits, self.held, self.force, self.surplus)
-        )
+        tips, hits, held = (mask[live, :end] for mask in (self.tips, self.hits, self.held))
+        force, surplus = self.force[live, :end], self.surplus[live, :end]
         # A robot that nothing balances slides: forward, if it comes down, which takes it on; else it is held up.
         force = np.where((force <= SLIDING) & _falls(self.height[live, :end], seen), 0.0, force)
         # The force that lacks is taken from the kinetic energy; as soon as none lacks, the robot has its speed again.
@@ -271,7 +270,8 @@ class _Driving:
         work = surplus.cumsum(axis=1)
         asked = work - np.minimum(np.minimum.accumulate(work, axis=1), 0.0)
         is_stuck = (lacking > energy) | (asked > _USED * energy)
-        reason = np.select([tips, hits, held, is_stuck], [End.TIPS, End.HITS, End.HELD, End.STUCK], End.NONE)
+        reasons = [End.TIPS, End.HITS, End.HELD, End.STUCK]
+        reason = np.asarray(np.select([tips, hits, held, is_stuck], reasons, End.NONE))
         is_whole = (seen == self.count[live]) | tips[np.arange(len(live)), seen - 1]
         reason[number >= np.where(is_whole, seen, seen - _LATER)[:, None]] = End.NONE
         ends = np.flatnonzero(reason.any(axis=1))

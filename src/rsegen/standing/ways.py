@@ -314,10 +314,10 @@ class Lattice:
     ) -> tuple[Mask, Array]:
         """Return which lanes are driven to their ends, and the worst on each; ends: the places there, if known."""
         passed, worst = [], []
-        numbers = [self._number_of_rest.ravel()[places] for places in ends or ()]
+        numbers = [self._number_of_rest.ravel()[places] for places in ends] if ends else None
         for begin in range(0, len(x), _LANES):
             part = slice(begin, begin + _LANES)
-            first_last = tuple(self._rest.some(number[part]) for number in numbers) or None
+            first_last = (self._rest.some(numbers[0][part]), self._rest.some(numbers[1][part])) if numbers else None
             lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length[part], ends=first_last)
             passed.append(lanes.passed)
             count = len(lanes.poses.x) // len(lanes.end)
@@ -632,7 +632,8 @@ class Lattice:
         turns = _straight_pieces(heading)
         long = np.hypot(*(line[turns[1:]] - line[turns[:-1]]).T)
         begins = turns[:-1][long > 0]
-        lanes = drive_lanes(self.ground, self.body, *line[begins].T, heading[begins] * np.pi / 4, long[long > 0])
+        x, y = line[begins].T
+        lanes = drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, long[long > 0])
         turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
         x, y = np.tile(points[:-1], (3, 1)).T
         turned = settle(self.ground, self.body, x, y, turning.ravel())
