@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from rsegen.field.stepfield import Array, Ints
+from rsegen.standing.body import Body
 from rsegen.standing.lanes import FALL_ROOM, End, Lanes, _grip, drive_lanes, entry_distance, straight, surely_passed
-from rsegen.standing.settling import PaddedGround, outer_radius
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
 from rsegen.standing.ways import Lattice
 from tests.standing.stands import BODIES, cart, field_of, settled
 
@@ -122,3 +123,59 @@ def test_straight_pieces_of_ways_are_driven_and_the_lanes_3_mm_beside_them() -> 
             driven, bends = driven + len(ends), bends + len(ends[1:])
     assert driven > 4
     assert bends > 0
+
+
+def rough_lanes(kind: str, unit: float) -> tuple[PaddedGround, tuple[Array, Array, Array], Array]:
+    """A rough field, the starts of 60 lanes on it, and their lengths, which differ."""
+    rng = np.random.default_rng(4)
+    ground = PaddedGround.of(field_of(rng.integers(0, 4, (12, 12)), unit), outer_radius(BODIES[kind]))
+    starts = rng.uniform(-0.5, 0.5, 60), rng.uniform(-0.5, 0.5, 60), rng.uniform(-np.pi, np.pi, 60)
+    return ground, starts, rng.uniform(0.1, 0.9, 60)
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("burger", 0.005), ("jackal", 0.03), ("crawler", 0.05)])
+def test_lanes_of_many_lengths_that_are_driven_together_end_as_each_alone(kind: str, unit: float) -> None:
+    body, (ground, starts, lengths) = BODIES[kind], rough_lanes(kind, unit)
+    lanes = drive_lanes(ground, body, *starts, lengths)
+    assert 0 < lanes.passed.sum() < len(lanes.end)
+    for number in range(0, len(lengths), 2):
+        row = slice(number, number + 1)
+        alone = drive_lanes(ground, body, *(values[row] for values in starts), float(lengths[number]))
+        assert (alone.end, alone.last, alone.count) == (lanes.end[row], lanes.last[row], lanes.count[row])
+        driven = int(alone.last[0]) + 1
+        assert np.allclose(alone.poses.z[:driven], lanes.lane(number).poses.z[:driven], atol=1e-6)
+        assert (alone.drops[0, :driven] == lanes.drops[number, :driven]).all()
+
+
+def test_poses_at_both_ends_of_lanes_that_are_known_are_not_found_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    body, (ground, (x, y, yaw), lengths) = BODIES["jackal"], rough_lanes("jackal", 0.03)
+    asked = np.zeros(1, int)
+
+    def counted(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
+        asked[0] += len(x)
+        return settle(ground, body, x, y, yaw)
+
+    at = x + np.cos(yaw) * lengths, y + np.sin(yaw) * lengths
+    ends = settle(ground, body, x, y, yaw), settle(ground, body, *at, yaw)
+    monkeypatch.setattr("rsegen.standing.lanes.settle", counted)
+    lanes = drive_lanes(ground, body, x, y, yaw, lengths)
+    whole, asked[0] = int(asked[0]), 0
+    known = drive_lanes(ground, body, x, y, yaw, lengths, ends=ends)
+    assert (known.end == lanes.end).all()
+    assert (known.last == lanes.last).all()
+    assert asked[0] <= whole - len(x)
+
+
+def test_no_poses_are_found_behind_the_section_in_which_lanes_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    levels = np.zeros((40, 40), int)
+    levels[3:] = 30
+    body, asked = BODIES["jackal"], np.zeros(1, int)
+
+    def counted(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
+        asked[0] += len(x)
+        return settle(ground, body, x, y, yaw)
+
+    monkeypatch.setattr("rsegen.standing.lanes.settle", counted)
+    lanes = straight(field_of(levels, 0.03), body, 0)
+    assert not lanes.passed.any()
+    assert asked[0] < lanes.count.sum() / 2

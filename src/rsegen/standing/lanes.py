@@ -25,15 +25,14 @@ benchmarks/crossings that told 202 rightly, and the other way 203, in four times
 The motors of wheels act back on the chassis, as real ones, MuJoCo's and Gazebo Sim's do. Gazebo Classic's drives do
 not: the robot pitches forward, and its caster is lifted over edges that would hold it (`reaction`).
 
-Cost: poses of all lanes at once. What breaks it: a robot that is turned by what it climbs, as by a block under one
-wheel, leaves its lane; the wheels' own dynamics.
+Cost: poses of all lanes at once, section by section, and none behind the section in which a lane ends. What breaks it:
+a robot that is turned by what it climbs, as by a block under one wheel, leaves its lane; the wheels' own dynamics.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
@@ -49,11 +48,12 @@ _STEPS = 100
 _LEAST_STEP, _MOST_STEP = 0.0025, 0.01
 """Bounds of a step, metres: a wheel of 3 cm has turned by 5 degrees."""
 
-_LOOKS = 8
-"""Steps between two poses that are looked at first: most lanes of a small robot end early, where it tips over."""
+_SECTION, _TOGETHER = 8, 1000
+"""Poses of a section of each lane, and of a section of all lanes together, at least: two calls for a few cost more than
+one, and half of the lanes that end do so in their first quarter."""
 
-_FEW = 1000
-"""Poses up to which all are looked at, at once: two calls for a few cost more than one."""
+_LATER = 4
+"""Poses later at which a robot that slides is lower, if it slides forward."""
 
 _HIT = 0.001
 """Metres by which a block may be above the lower edge of an upright face: contacts give way by as much."""
@@ -97,13 +97,15 @@ class End(IntEnum):
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Lanes:
-    """Straight lanes that a robot drives, L of them with K poses each.
+    """Straight lanes that a robot drives, L of them with K poses each; at the last ones it may stay where it is.
 
-    poses: L * K robots at rest, lane by lane; end: (L,) why a lane ends; last: (L,) the number of its last pose, K - 1
-    for one that is driven to its end; drops, slips: (L, K) where the robot falls, or slides by itself
+    poses: L * K robots at rest, lane by lane; count: (L,) poses of each lane, the last ones of K left out
+    end: (L,) why a lane ends; last: (L,) the number of its last pose, count - 1 for one that is driven to its end
+    drops, slips: (L, K) where the robot falls, or slides by itself, before a lane ends
     """
 
     poses: Settled
+    count: Ints
     end: Ints
     last: Ints
     drops: Mask
@@ -118,7 +120,8 @@ class Lanes:
         """Return one of them."""
         count, row = len(self.poses.x) // len(self.end), slice(number, number + 1)
         poses = self.poses.some(slice(number * count, (number + 1) * count))
-        return Lanes(poses=poses, end=self.end[row], last=self.last[row], drops=self.drops[row], slips=self.slips[row])
+        rows = {name: getattr(self, name)[row] for name in ("count", "end", "last", "drops", "slips")}
+        return Lanes(poses=poses, **rows)
 
     def starts_of(self, which: Mask, body: Body) -> list[tuple[float, float]]:
         """Return where the robot's origin is, metres, at the beginning of each stretch of a mask (L, K) of poses."""
@@ -149,62 +152,156 @@ def steps_on(body: Body, length: float) -> int:
 
 
 def drive_lanes(  # noqa: PLR0913  # a place is three
-    ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, length: float, *, reaction: bool = True
+    ground: PaddedGround,
+    body: Body,
+    x: Array,
+    y: Array,
+    yaw: Array,
+    length: float | Array,
+    *,
+    reaction: bool = True,
+    ends: tuple[Settled, Settled] | None = None,
 ) -> Lanes:
-    """Return the lanes of a length [m] that begin at x, y [m] with a heading [rad], (L,).
+    """Return the lanes of a length [m], or of one each (L,), that begin at x, y [m] with a heading [rad], (L,).
 
     reaction: whether motors act back on the chassis; else round parts are not held at the sides of blocks
+    ends: the robot at rest at the first and at the last pose of each lane, where that is known
     """
-    count = steps_on(body, length) + 1
-    step = length / (count - 1)
-    along = np.arange(count) * step
-    lanes = len(x)
-    every_x = x[:, None] + np.cos(yaw)[:, None] * along
-    every_y = y[:, None] + np.sin(yaw)[:, None] * along
-    # A lane is looked at up to the first of some of its poses in which the robot tips over, and stays there.
-    some = np.append(np.arange(0, count - 1, _LOOKS if lanes * count > _FEW else 1), count - 1)
-    looked = settle(ground, body, every_x[:, some].ravel(), every_y[:, some].ravel(), np.repeat(yaw, len(some)))
-    tipped = ~has_stood(looked).reshape(lanes, len(some))
-    until = np.where(tipped.any(axis=1), some[tipped.argmax(axis=1)], count - 1)
-    # The poses up to there that were not looked at are found too, and all of them put in their order.
-    is_new = np.arange(count) <= until[:, None]
-    needed = is_new.copy()
-    is_new[:, some] = False
-    settled = settle(ground, body, every_x[is_new], every_y[is_new], np.repeat(yaw, is_new.sum(axis=1)))
-    place = np.empty((lanes, count), np.int64)
-    place[:, some] = np.arange(lanes * len(some)).reshape(lanes, -1)
-    place[is_new] = lanes * len(some) + np.arange(len(settled.x))
-    distinct = joined([looked, settled]).some(place[needed])
-    number = (np.cumsum(until + 1) - until - 1)[:, None] + np.minimum(np.arange(count), until[:, None])
-    rest = distinct.some(number.ravel())
-    force = force_margin(ground, body, distinct)[number]
-    height = rest.z.reshape(lanes, count)
-    tips = ~has_stood(rest).reshape(lanes, count)
-    meeting = _Steps(ground, body, rest, lanes, count)
-    hits, held = meeting.hits(), meeting.held() if reaction else np.zeros((lanes, count), bool)
-    # A robot that nothing balances slides: forward, if it comes down with it, which takes it on; else it is held up.
-    ahead = np.minimum(np.arange(count) + 4, count - 1)
-    falls = height[:, ahead] < height - _HIT
-    sliding = force <= SLIDING
-    force = np.where(sliding & falls, 0.0, force)
-    # The force that lacks is taken from the kinetic energy; as soon as none lacks, the robot has its speed again.
-    # What lifts parts that do not drive, beyond the wheels' work, is taken from half of it: poses jump over edges.
-    lacking, asked, energy = np.zeros(lanes), np.zeros(lanes), body.speed**2 / 2 / GRAVITY
-    surplus = meeting.lift() - _grip(body, distinct)[number] * step
-    end, last = np.zeros(lanes, np.int64), np.full(lanes, count - 1)
-    for k in range(count):
-        lacking = np.where(force[:, k] < 0, lacking - force[:, k] * step, 0.0)
-        asked = np.maximum(asked + surplus[:, k], 0.0)
+    driving = _Driving(ground, body, (x, y, yaw), np.broadcast_to(length, x.shape), reaction=reaction)
+    if ends is not None:
+        driving.know(*ends)
+    return driving.driven()
+
+
+class _Driving:
+    """Lanes that are driven together, section by section, L of them of at most K poses: a lane ends in its section.
+
+    count, step: (L,) poses of each lane, and metres between two of them; rest: the robot at rest at known poses
+    place: (L, K) the number of each pose in `rest`, -1 where it is not known
+    seen: (L,) how many poses of each lane were looked at, all after one in which it tips over left out
+    height, surplus, force, tips, hits, held: (L, K) of these poses; end, last: (L,) as in Lanes
+    """
+
+    def __init__(
+        self, ground: PaddedGround, body: Body, start: tuple[Array, Array, Array], length: Array, *, reaction: bool
+    ) -> None:
+        self.ground, self.body, self.start, self.reaction = ground, body, start, reaction
+        self.count = np.array([steps_on(body, along) + 1 for along in length.tolist()], np.int64)
+        self.step = length / (self.count - 1)
+        shape = len(length), int(self.count.max(initial=1))
+        self.place, self.seen = np.full(shape, -1), np.zeros(shape[0], np.int64)
+        self.height, self.surplus, self.force = (np.zeros(shape) for _ in range(3))
+        self.tips, self.hits, self.held = (np.zeros(shape, bool) for _ in range(3))
+        self.end, self.last = np.zeros(shape[0], np.int64), self.count - 1
+        self.rest = settle(ground, body, *(values[:0] for values in start))
+
+    def know(self, first: Settled, last: Settled) -> None:
+        """Take the robot at rest at the first and at the last pose of each lane as known."""
+        lanes = np.arange(len(self.count))
+        self.place[lanes, self.count - 1] = len(lanes) + lanes
+        self.place[:, 0] = lanes
+        self.rest = joined([first, last])
+
+    def driven(self) -> Lanes:
+        """Drive the lanes, and return them; each stays at the last pose that was looked at."""
+        live, begin, most = np.arange(len(self.count)), 0, self.place.shape[1]
+        while len(live):
+            end = begin + max(_SECTION, _TOGETHER // len(live))
+            end = most if end + _SECTION > most else end
+            self._look(live, begin, end)
+            self._judge(live, end)
+            begin, live = end, live[(self.end[live] == End.NONE) & (self.seen[live] < self.count[live])]
+        # A robot that tips over as it is lifted up a wall does not get there.
+        stop = self._stops()
+        self.end, self.last = np.where(stop < most, End.STOPPED, self.end), np.minimum(self.last, stop)
+        stays = np.minimum(np.arange(most), self.seen[:, None] - 1)
+        height, force, place = (
+            np.take_along_axis(values, stays, axis=1) for values in (self.height, self.force, self.place)
+        )
+        return Lanes(
+            poses=self.rest.some(place.ravel()),
+            count=self.count,
+            end=self.end,
+            last=self.last,
+            drops=np.diff(height, axis=1, prepend=height[:, :1]) < -np.maximum(_DROP, 2 * self.step)[:, None],
+            slips=(force <= SLIDING) & _falls(height, self.seen),
+        )
+
+    def _look(self, live: Ints, begin: int, end: int) -> None:
+        """Find the poses of lanes that still go on, from a number to another one, and what they are like."""
+        number = np.arange(begin, end)
+        row, column = np.nonzero((number < self.count[live, None]) & (self.place[live, begin:end] < 0))
+        lane, k = live[row], number[column]
+        x, y, yaw = (values[lane] for values in self.start)
+        along = k * self.step[lane]
+        self.place[lane, k] = len(self.rest.x) + np.arange(len(lane))
+        new = settle(self.ground, self.body, x + np.cos(yaw) * along, y + np.sin(yaw) * along, yaw)
+        self.rest = joined([self.rest, new])
+        # A lane stays at the first pose in which the robot tips over.
+        self.tips[live, begin:end] = tips = ~has_stood(self.rest)[self.place[live, begin:end]]
+        tips &= number < self.count[live, None]
+        until = np.where(tips.any(axis=1), begin + tips.argmax(axis=1) + 1, end)
+        self.seen[live] = np.minimum(until, self.count[live])
+        row, column = np.nonzero(number < self.seen[live, None])
+        lane, k = live[row], number[column]
+        rest = self.rest.some(self.place[lane, k])
+        self.height[lane, k], self.force[lane, k] = rest.z, force_margin(self.ground, self.body, rest)
+        self.surplus[lane, k] = -_grip(self.body, rest) * self.step[lane]
+        lane, k = lane[k > 0], k[k > 0]
+        step = _Steps(self.ground, self.body, self.rest, self.place[lane, k - 1], self.place[lane, k])
+        self.surplus[lane, k] += step.lift()
+        self.hits[lane, k] = step.meets(_upright_faces(self.body), _HIT)
+        if self.reaction:
+            self.held[lane, k] = step.meets(_holding_sides(self.body), 0.0)
+
+    def _judge(self, live: Ints, end: int) -> None:
+        """Find which lanes end before a pose, and why, as far as enough poses after it are known."""
+        seen, number = self.seen[live], np.arange(end)
+        tips, hits, held = (mask[live, :end] for mask in (self.tips, self.hits, self.held))
+        force, surplus = self.force[live, :end], self.surplus[live, :end]
+        # A robot that nothing balances slides: forward, if it comes down, which takes it on; else it is held up.
+        force = np.where((force <= SLIDING) & _falls(self.height[live, :end], seen), 0.0, force)
+        # The force that lacks is taken from the kinetic energy; as soon as none lacks, the robot has its speed again.
+        # What lifts parts that do not drive, beyond the wheels' work, is taken from half of it: poses jump over edges.
+        energy = self.body.speed**2 / 2 / GRAVITY
+        lacks = force < 0
+        taken = np.where(lacks, -force * self.step[live, None], 0.0).cumsum(axis=1)
+        lacking = taken - np.maximum.accumulate(np.where(lacks, 0.0, taken), axis=1)
+        work = surplus.cumsum(axis=1)
+        asked = work - np.minimum(np.minimum.accumulate(work, axis=1), 0.0)
         is_stuck = (lacking > energy) | (asked > _USED * energy)
         reasons = [End.TIPS, End.HITS, End.HELD, End.STUCK]
-        reason = np.select([tips[:, k], hits[:, k], held[:, k], is_stuck], reasons, End.NONE)
-        now = (end == End.NONE) & (reason != End.NONE)
-        end[now], last[now] = reason[now], k
-    # A robot that tips over as it is lifted up a wall does not get there.
-    stop = meeting.stops(end, last, height, step)
-    end, last = np.where(stop < count, End.STOPPED, end), np.minimum(last, stop)
-    drops = np.diff(height, axis=1, prepend=height[:, :1]) < -max(_DROP, 2 * step)
-    return Lanes(poses=rest, end=end, last=last, drops=drops, slips=sliding & falls)
+        reason = np.asarray(np.select([tips, hits, held, is_stuck], reasons, End.NONE))
+        is_whole = (seen == self.count[live]) | tips[np.arange(len(live)), seen - 1]
+        reason[number >= np.where(is_whole, seen, seen - _LATER)[:, None]] = End.NONE
+        ends = np.flatnonzero(reason.any(axis=1))
+        self.last[live[ends]] = last = (reason[ends] != End.NONE).argmax(axis=1)
+        self.end[live[ends]] = reason[ends, last]
+
+    def _stops(self) -> Ints:
+        """Return at which pose a block stops the robot on lanes that would end where it tips over, (L,); K for none.
+
+        That pose, or one before it, is up a wall, and the robot stays before that.
+        """
+        stop = np.full(len(self.count), self.place.shape[1])
+        tipped = np.flatnonzero((self.end == End.TIPS) & (self.last > 0))
+        last, height = self.last[tipped], self.height[tipped]
+        step = _Steps(self.ground, self.body, self.rest, self.place[tipped, last - 1], self.place[tipped, last])
+        meets = step.meets(np.arange(len(self.body.points)), _HIT)
+        stop[tipped[meets]] = last[meets]
+        # Of the rises since it was as long before it tips over, the first that no slope gives.
+        number, long = np.arange(self.place.shape[1]), self.step[tipped, None]
+        near = (number <= last[:, None]) & (number > last[:, None] - self.body.length / long)
+        lifted = near & (np.diff(height, axis=1, prepend=height[:, :1]) > _WALL * long)
+        up = lifted.any(axis=1)
+        stop[tipped[up]] = lifted[up].argmax(axis=1)
+        return stop
+
+
+def _falls(height: Array, seen: Ints) -> Mask:
+    """Return at which poses (L, K) a robot is lower some poses later; the last of those that are seen stays."""
+    later = np.minimum(np.arange(height.shape[1]) + _LATER, seen[:, None] - 1)
+    return np.asarray(np.take_along_axis(height, later, axis=1) < height - _HIT)
 
 
 def _grip(body: Body, rest: Settled) -> Array:
@@ -233,60 +330,21 @@ def _holding_sides(body: Body) -> Ints:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Steps:
-    """The steps of lanes, from each pose to the next: L lanes with K poses each, at rest."""
+    """Steps of lanes, n of them, from a pose to the next one, by their numbers among robots at rest, (n,) each."""
 
     ground: PaddedGround
     body: Body
     rest: Settled
-    lanes: int
-    count: int
+    before: Ints
+    after: Ints
 
-    def hits(self) -> Mask:
-        """Return at which step an upright face of a part that does not drive meets a block, (L, K)."""
-        return np.asarray(self._by_lane(self._meets(*self._numbers, _upright_faces(self.body), _HIT)))
-
-    def held(self) -> Mask:
-        """Return at which step a round part that does not drive is held at the side of a block, (L, K)."""
-        return np.asarray(self._by_lane(self._meets(*self._numbers, _holding_sides(self.body), 0.0)))
-
-    def lift(self) -> Array:
-        """Return by how much contacts that do not drive lift the robot in each step, metres, (L, K)."""
-        return np.asarray(self._by_lane(self._lift(*self._numbers)))
-
-    def stops(self, end: Ints, last: Ints, height: Array, step: float) -> Ints:
-        """Return at which pose a block stops the robot on lanes that would end where it tips over, (L,); K for none.
-
-        That pose, or one before it, is up a wall, and the robot stays before that. height: (L, K); step: metres
-        """
-        stop = np.full(self.lanes, self.count)
-        tipped = np.flatnonzero((end == End.TIPS) & (last > 0))
-        after = tipped * self.count + last[tipped]
-        meets = self._meets(after - 1, after, np.arange(len(self.body.points)), _HIT)
-        stop[tipped[meets]] = last[tipped[meets]]
-        # Of the rises since it was as long before it tips over, the first that no slope gives.
-        number = np.arange(self.count)
-        near = (number <= last[tipped, None]) & (number > last[tipped, None] - self.body.length / step)
-        lifted = near & (np.diff(height[tipped], axis=1, prepend=height[tipped, :1]) > _WALL * step)
-        up = lifted.any(axis=1)
-        stop[tipped[up]] = lifted[up].argmax(axis=1)
-        return stop
-
-    @property
-    def _numbers(self) -> tuple[Ints, Ints]:
-        """The numbers of the poses before and after each step, lane by lane."""
-        now = np.arange(self.lanes * self.count).reshape(self.lanes, self.count)
-        return now[:, :-1].ravel(), now[:, 1:].ravel()
-
-    def _by_lane(self, values: Any) -> Any:
-        """Return values of all steps at the poses after them, (L, K); 0 at the first."""
-        return np.pad(values.reshape(self.lanes, self.count - 1), ((0, 0), (1, 0)))
-
-    def _meets(self, before: Ints, after: Ints, samples: Ints, give: float) -> Mask:
+    def meets(self, samples: Ints, give: float) -> Mask:
         """Return whether some samples of a robot as it was are lower than the ground where it comes next, (n,).
 
         give: metres by which they may be, besides what the robot rises on its slope
         """
-        rest, points = self.rest, (self.body.points - self.body.centre)[samples]
+        rest, before, after = self.rest, self.before, self.after
+        points = (self.body.points - self.body.centre)[samples]
         if not len(samples):
             return np.zeros(len(before), bool)
         relative = points @ np.swapaxes(rest.axes[before], 1, 2)
@@ -295,9 +353,10 @@ class _Steps:
         step = np.hypot(rest.x[after] - rest.x[before], rest.y[after] - rest.y[before])
         return np.asarray(into > give + np.hypot(*rest.slope[before].T) * step)
 
-    def _lift(self, before: Ints, after: Ints) -> Array:
+    def lift(self) -> Array:
         """Return the rise of each contact after a step that does not drive, times its share of the load, (n,)."""
-        rest, contacts = self.rest, self.rest.contacts[after]
+        rest, before, after = self.rest, self.before, self.after
+        contacts = rest.contacts[after]
         points = (self.body.points - self.body.centre)[contacts]
         at = np.einsum("nij,ncj->nci", rest.axes[after], points)
         low = np.einsum("nj,ncj->nc", rest.axes[before, 2], points) + rest.z[before, None]
@@ -331,10 +390,10 @@ def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles
     """
     passed = lanes.passed
     for room, asked in ((BESIDE, np.ones_like(passed)), (FALL_ROOM, lanes.drops.any(axis=1))):
-        for beside in (-room, room):
-            tried = passed & asked
-            if tried.any():
-                passed[tried] = straight(field, body, axis, middles[tried] + beside).passed
+        tried = np.flatnonzero(passed & asked)
+        if len(tried):
+            beside = straight(field, body, axis, np.append(middles[tried] - room, middles[tried] + room)).passed
+            passed[tried] = beside.reshape(2, -1).all(axis=0)
     return passed
 
 
@@ -390,11 +449,9 @@ def room_beside(body: Body) -> float:
 
 def safely_passed(field: StepField, body: Body, axis: int, middles: Array) -> Mask:
     """Return which lanes at some places across, metres, are driven with room to spare."""
-    passed, careful_body, room = np.ones(len(middles), bool), careful(field, body) or body, room_beside(body)
-    for beside in (0.0, -room, room):
-        if passed.any():
-            passed[passed] = straight(field, careful_body, axis, middles[passed] + beside).passed
-    return passed
+    places = middles + room_beside(body) * np.array([[0.0], [-1.0], [1.0]])
+    passed = straight(field, careful(field, body) or body, axis, places.ravel()).passed
+    return np.asarray(passed.reshape(3, -1).all(axis=0))
 
 
 def lines_along(field: StepField, axis: int) -> Mask:

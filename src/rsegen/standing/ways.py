@@ -137,7 +137,7 @@ _NEXT, _AHEAD = 24, 1 / 8
 """Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
 is looked at in vain: of fewer, each call costs as much as its poses."""
 
-_FEW_STEPS = 12
+_FEW_STEPS = 30
 """Steps of a move by a block up to which its middle is not looked at before all of it: the robot is no small one."""
 
 _STRAIGHT, _APART = 4, 8
@@ -191,7 +191,8 @@ class Lattice:
         self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
         self._driven_on: dict[tuple[float, float, float], float] = {}  # metres that are surely driven from a place
-        self._settled: list[tuple[Ints, Settled]] = []
+        nowhere = np.empty(0)
+        self._rest, self._number_of_rest = settle(self.ground, body, nowhere, nowhere, nowhere), np.full(shape, -1)
 
     def _tell(self, share: float) -> None:
         """Tell who watches how far the search is, never less than before: a way may be searched after a region."""
@@ -226,7 +227,8 @@ class Lattice:
         i, j, k = np.unravel_index(places, self.moves.shape)
         rest = settle(self.ground, self.body, self.x[i], self.y[j], k * np.pi / 4)
         self._stands.ravel()[places], self._worst_of_places.ravel()[places] = has_stood(rest), self._worst_value(rest)
-        self._settled.append((places, rest))
+        self._number_of_rest.ravel()[places] = len(self._rest.x) + np.arange(len(places))
+        self._rest = joined([self._rest, rest])
 
     def _moves_from(self, places: Ints) -> tuple[Ints, Ints]:
         """Return those of places from which a move leads on, and the places to which it leads."""
@@ -252,13 +254,11 @@ class Lattice:
             middle = self.field.block_width / 2 * _MOVES[k[left]].T
             x, y = self.x[i[left]] + middle[0], self.y[j[left]] + middle[1]
             left = left[has_stood(settle(self.ground, self.body, x, y, k[left] * np.pi / 4))]
-        for is_diagonal in (0, 1):
-            chosen = left[k[left] % 2 == is_diagonal]
-            if len(chosen):
-                length = self.field.block_width * (2**0.5 if is_diagonal else 1.0)
-                starts = self.x[i[chosen]], self.y[j[chosen]], k[chosen] * np.pi / 4
-                passed, worst = self._driven(*starts, length)
-                self.moves.ravel()[places[chosen]], self.worst_of_moves.ravel()[places[chosen]] = passed, worst
+        if len(left):
+            length = self.field.block_width * np.where(k[left] % 2 == 1, 2**0.5, 1.0)
+            starts = self.x[i[left]], self.y[j[left]], k[left] * np.pi / 4
+            passed, worst = self._driven(*starts, length, (places[left], ahead[left]))
+            self.moves.ravel()[places[left]], self.worst_of_moves.ravel()[places[left]] = passed, worst
 
     def _turn_at(self, places: Ints) -> None:
         """Find whether the robot can turn from places to their next headings, and back: at both, and half-way."""
@@ -309,12 +309,16 @@ class Lattice:
         self._tell(float(self._is_driven.mean()))
         return before
 
-    def _driven(self, x: Array, y: Array, yaw: Array, length: float) -> tuple[Mask, Array]:
-        """Return which lanes are driven to their ends, and the worst on each."""
+    def _driven(
+        self, x: Array, y: Array, yaw: Array, length: Array, ends: tuple[Ints, Ints] | None = None
+    ) -> tuple[Mask, Array]:
+        """Return which lanes are driven to their ends, and the worst on each; ends: the places there, if known."""
         passed, worst = [], []
+        numbers = [self._number_of_rest.ravel()[places] for places in ends] if ends else None
         for begin in range(0, len(x), _LANES):
             part = slice(begin, begin + _LANES)
-            lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length)
+            first_last = (self._rest.some(numbers[0][part]), self._rest.some(numbers[1][part])) if numbers else None
+            lanes = drive_lanes(self.ground, self.body, x[part], y[part], yaw[part], length[part], ends=first_last)
             passed.append(lanes.passed)
             count = len(lanes.poses.x) // len(lanes.end)
             values = self._worst_value(lanes.poses.some(np.flatnonzero(np.repeat(lanes.passed, count))))
@@ -387,10 +391,7 @@ class Lattice:
 
     def at_blocks(self) -> Settled:
         """Return the robot at rest in every heading at every block, by the blocks; known once its region is."""
-        places, rests = zip(*self._settled, strict=True)
-        order = np.argsort(np.concatenate(places))
-        rest: Settled = joined(rests)
-        return rest.some(order[np.repeat(~self.field.frame.ravel(), HEADINGS)])
+        return self._rest.some(self._number_of_rest[~self.field.frame].ravel())
 
     def _turn_everywhere(self) -> None:
         """Find all turns."""
@@ -431,32 +432,48 @@ class Lattice:
         0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
         """
         line, heading = self._line(axis, places)
-        for begin, end in pairwise(_straight_pieces(heading)):
-            run = np.append(0.0, np.hypot(*np.diff(line[begin : end + 1], axis=0).T).cumsum())
-            driven = self._surely_driven(line[begin], heading[begin] * np.pi / 4, float(run[-1])) if run[-1] else 1.0
-            if driven < 1:
-                return int(begin + np.searchsorted(run[1:-1], driven * run[-1], side="right"))
+        turns = _straight_pieces(heading)
+        pieces = [(begin, end) for begin, end in pairwise(turns) if np.any(line[begin] != line[end])]
+        begin, count = 0, 1
+        while begin < len(pieces):
+            some = pieces[begin : begin + count]
+            begins, ends = np.array(some).T
+            length = np.hypot(*(line[ends] - line[begins]).T)
+            shares = self._surely_driven(line[begins], heading[begins] * np.pi / 4, length)
+            for (first, last), share in zip(some, shares.tolist(), strict=True):
+                if share < 1:
+                    run = np.hypot(*np.diff(line[first : last + 1], axis=0).T).cumsum()
+                    return int(first + np.searchsorted(run[:-1], share * run[-1], side="right"))
+            # Most ways end on their first pieces; the others are driven in few calls.
+            begin, count = begin + count, 2 * count
         return None
 
-    def _surely_driven(self, begin: Array, yaw: float, length: float) -> float:
-        """Return the share of a straight piece that is driven, and of lanes beside it; more aside where it drops.
+    def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
+        """Return the shares of straight pieces that are driven, and of lanes beside them; more aside where it drops.
 
         Ways that are tried one after the other are mostly the same: what is known to be driven is not driven again.
+        begins: (n, 2)
         """
-        at = (float(begin[0]), float(begin[1]), yaw)
-        if length <= self._driven_on.get(at, 0.0):
-            return 1.0
-        room = BESIDE
-        while True:
-            x, y = begin[:, None] + np.array([[-np.sin(yaw)], [np.cos(yaw)]]) * np.array([0.0, -room, room])
-            lanes = drive_lanes(self.ground, self.body, x, y, np.full(3, yaw), length)
-            share = 1.0 if lanes.passed.all() else float(lanes.last[~lanes.passed].min() / lanes.drops.shape[1])
-            if room == FALL_ROOM or not lanes.drops.any():
-                self._driven_on[at] = share * length
-                return share
-            if share < 1:
-                return share
-            room = FALL_ROOM
+        at = [tuple(place) for place in np.column_stack([begins, yaw]).tolist()]
+        shares = np.ones(len(at))
+        asked = np.flatnonzero(length > [self._driven_on.get(place, 0.0) for place in at])
+        for room in (BESIDE, FALL_ROOM):
+            if not len(asked):
+                break
+            beside = np.array([0.0, -room, room])
+            x, y = (
+                (begins[asked, axis, None] + side[asked, None] * beside).ravel()
+                for axis, side in enumerate((-np.sin(yaw), np.cos(yaw)))
+            )
+            turned, long = (np.repeat(values[asked], 3) for values in (yaw, length))
+            lanes = drive_lanes(self.ground, self.body, x, y, turned, long)
+            driven = np.where(lanes.passed, 1.0, lanes.last / lanes.count).reshape(-1, 3).min(axis=1)
+            shares[asked] = driven
+            falls = lanes.drops.any(axis=1).reshape(-1, 3).any(axis=1) & (room < FALL_ROOM)
+            for number, share in zip(asked[~falls].tolist(), driven[~falls].tolist(), strict=True):
+                self._driven_on[at[number]] = share * length[number]
+            asked = asked[falls & (driven == 1)]
+        return shares
 
     def _line(self, axis: int, places: Sequence[_Place]) -> tuple[Array, Ints]:
         """Return the line of a way, its places and both its ends (n + 2, 2), and the heading of each lane, (n + 1,)."""
@@ -592,16 +609,17 @@ class Lattice:
         first, last = self.field.middles()[axis][0], self.field.shape[axis] - 1
         edge, yaw = entry_distance(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
         outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
-        ends = []
-        for cell, begin, length in ((0, -edge, edge + first), (last, -first, outward)):
-            along = np.full(len(middles), begin)
-            x, y = (along, middles) if axis == 0 else (middles, along)
-            passed, worst = self._driven(x, y, yaw, length)
-            lanes = zip(x[passed].tolist(), y[passed].tolist(), strict=True)
-            free = [not self._is_closed(*lane, 2 * axis, length) for lane in lanes]
-            lines = numbers[passed][free].tolist()
-            places = [(cell, line, 0) if axis == 0 else (line, cell, 2) for line in lines]
-            ends.append(dict(zip(places, worst[passed][free].tolist(), strict=True)))
+        # Lanes in, then lanes out.
+        along = np.repeat([-edge, -first], len(middles))
+        length, aside = np.repeat([edge + first, outward], len(middles)), np.tile(middles, 2)
+        x, y = (along, aside) if axis == 0 else (aside, along)
+        passed, worst = self._driven(x, y, np.tile(yaw, 2), length)
+        ends: list[dict[_Place, float]] = [{}, {}]
+        for number in np.flatnonzero(passed).tolist():
+            if not self._is_closed(float(x[number]), float(y[number]), 2 * axis, float(length[number])):
+                side, line = number // len(middles), int(numbers[number % len(middles)])
+                cell = (0, last)[side]
+                ends[side][(cell, line, 0) if axis == 0 else (line, cell, 2)] = float(worst[number])
         return ends[0], ends[1]
 
     def _way_of(self, axis: int, places: list[_Place]) -> Way:
@@ -612,11 +630,10 @@ class Lattice:
         length = self._length(places) + float(np.abs(ends[:, axis] - points[[0, -1], axis]).sum())
         # Once more its lanes from turn to turn, with those at both ends, and where it turns.
         turns = _straight_pieces(heading)
-        lanes = [
-            drive_lanes(self.ground, self.body, begin[:1], begin[1:], np.array([yaw]), float(np.hypot(*(end - begin))))
-            for begin, end, yaw in zip(line[turns[:-1]], line[turns[1:]], heading[turns[:-1]] * np.pi / 4, strict=True)
-            if np.any(begin != end)
-        ]
+        long = np.hypot(*(line[turns[1:]] - line[turns[:-1]]).T)
+        begins = turns[:-1][long > 0]
+        x, y = line[begins].T
+        lanes = drive_lanes(self.ground, self.body, x, y, heading[begins] * np.pi / 4, long[long > 0])
         turning = np.linspace(k[:-1], k[:-1] + (np.diff(k) + 4) % HEADINGS - 4, 3) * np.pi / 4
         x, y = np.tile(points[:-1], (3, 1)).T
         turned = settle(self.ground, self.body, x, y, turning.ravel())
@@ -626,7 +643,7 @@ class Lattice:
             length=length,
             length_ratio=length / float(ends[1, axis] - ends[0, axis]),
             points=np.concatenate([ends[:1], points[kept], ends[1:]]),
-            **_summary(self.ground, self.body, lanes, [turned] if len(turned.x) else []),
+            **_summary(self.ground, self.body, lanes, turned),
         )
 
     def _length(self, places: list[_Place]) -> float:
@@ -708,16 +725,14 @@ def events(way: Any) -> list[str]:
     return sentences
 
 
-def _summary(
-    ground: PaddedGround, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()
-) -> dict[str, Any]:
+def _summary(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | None = None) -> dict[str, Any]:
     """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
-    rests = [of_settled(ground, body, rest) for rest in (*turned, *(lane.poses for lane in lanes))]
+    rests = of_settled(ground, body, joined([turned, lanes.poses]) if turned else lanes.poses)
     return {
-        "tilt": max(float(rest.tilt.max()) for rest in rests),
-        "margin": min(float(rest.tip_angle.min()) for rest in rests),
-        "drops": tuple(place for lane in lanes for place in lane.starts_of(lane.drops, body)),
-        "slips": tuple(place for lane in lanes for place in lane.starts_of(lane.slips, body)),
+        "tilt": float(rests.tilt.max()),
+        "margin": float(rests.tip_angle.min()),
+        "drops": tuple(lanes.starts_of(lanes.drops, body)),
+        "slips": tuple(lanes.starts_of(lanes.slips, body)),
     }
 
 
@@ -816,7 +831,7 @@ def _way_along(lane: Lanes, field: StepField, body: Body, axis: int, middle: flo
         length=high - low,
         length_ratio=1.0,
         points=points if axis == 0 else points[:, ::-1].copy(),
-        **_summary(PaddedGround.of(field, outer_radius(body)), body, [lane]),
+        **_summary(PaddedGround.of(field, outer_radius(body)), body, lane),
     )
 
 
