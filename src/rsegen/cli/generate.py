@@ -166,7 +166,7 @@ def _content(made: Generated) -> dict[str, object]:
 
 def _lines(made: Generated) -> Iterator[str]:
     if made.already:
-        yield f"{_count(len(made.already))} there already, seed {made.recipe.seed}"
+        yield f"{_count(len(made.already))} already exist, seed {made.recipe.seed}"
     if not made.maps:
         return
     from rsegen.gazebo.map_summary import size_in_words

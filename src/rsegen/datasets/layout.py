@@ -251,7 +251,7 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     if not path.is_file():
         why = f"has no {MANIFEST}, so it is not a data set of rsegen"
         if (folder / JOURNAL).is_file():
-            why = "is not finished; the command that began it goes on with resume=True"
+            why = "is not complete; the command that began it continues it with resume=True"
         raise FileError(f"{folder}: {why}")
     entries = recipe_content(path)
     try:

@@ -63,7 +63,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     contacts: Annotated[
         bool,
         Flag(help="record what the robots touch"),
-        Shell(help="do not record contacts, which take Gazebo Sim 1.5 to 1.8 times the CPU time"),
+        Shell(help="do not record contacts; with them Gazebo Sim takes 1.5 to 1.8 times the CPU time"),
     ] = True,
     picture: Annotated[
         bool,
@@ -252,9 +252,7 @@ def predict(  # noqa: PLR0913  # each is a flag
     speed: Speed = None,
     turn: Turn = None,
     motors: MotorModel = None,
-    route: Annotated[
-        str, Choice(("way", "straight"), help="along the safest way that is found, or straight across")
-    ] = "way",
+    route: Annotated[str, Choice(("way", "straight"), help="along the safest way found, or straight across")] = "way",
     best: Best = None,
     drives: Drives = 20,
 ) -> Prediction:

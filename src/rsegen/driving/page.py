@@ -56,7 +56,7 @@ _FALL, _WITHIN = 0.03, 0.2
 
 
 class Mark(TypedDict):
-    """What happened to a robot."""
+    """An event of a robot."""
 
     second: float
     text: str

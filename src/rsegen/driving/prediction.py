@@ -72,7 +72,7 @@ def _mean(places: Sequence[Array]) -> tuple[float, float]:
 
 
 class DriveEnd(NamedTuple):
-    """How drives end that do not cross: the reason, in words that follow "the robot", their mean place, their number.
+    """An end of drives that do not cross: the reason, in words after "the robot", their mean place, their number.
 
     x, y: metres
     """
@@ -88,7 +88,7 @@ class DriveEnd(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Outcome:
-    """Outcome of one drive of the spread.
+    """Outcome of one drive of a prediction.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Prediction:
-    """Whether a robot gets across, with its probability.
+    """Prediction of whether a robot gets across, with its probability.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Prediction:
 
     @property
     def crossed(self) -> int:
-        """How many of them crossed."""
+        """Number of drives that crossed."""
         return sum(outcome.seconds is not None for outcome in self.outcomes)
 
     @property
@@ -150,7 +150,7 @@ class Prediction:
 
     @property
     def ends(self) -> tuple[DriveEnd, ...]:
-        """How drives ended that did not cross, by their reason, the most frequent first."""
+        """The ends of drives that did not cross, by their reason, the most frequent first."""
         by_reason: dict[str, list[Array]] = {}
         for outcome in self.outcomes:
             if outcome.reason:

@@ -1,4 +1,4 @@
-"""Whatever crosses a field: a robot by its poses, or limits of steps by a path of cells.
+"""Models of crossing a field: a robot by its poses, or limits of steps by a path of cells.
 
 The core knows limits of steps (`field/limits.py`). Robots come with the capabilities that know them, which find one by
 its kind or file (`Capability.crossers`).
@@ -50,7 +50,7 @@ class CrossingModel(ABC):
 
     @property
     def search(self) -> str:
-        """What is searched for by `caps`, in words for a progress bar; empty if that takes no time."""
+        """Name of the search of `caps` for a progress bar; empty if it takes no time."""
         return ""
 
     @abstractmethod

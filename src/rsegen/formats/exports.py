@@ -343,7 +343,7 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
         same = all(Checksum.of(content) in held.get(name, ()) for name, content in expected.items())
         others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
         if journal is None or not same or others:
-            problem = "exists already and does not hold these maps and no others"
+            problem = "exists already and contains other maps, or not all of these"
             raise OutputError(f"{home}: {problem}; give force=True to replace it, or another package or folder")
         comparison = compare(home, journal)
     for name in (*comparison.changed, *comparison.missing):

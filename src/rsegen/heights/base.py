@@ -69,7 +69,7 @@ class Rounding:
 
     def __str__(self) -> str:
         x, y = self.cell
-        error = f"rounded by {self.mean_cm:.2g} cm in the mean, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
+        error = f"rounded by {self.mean_cm:.2g} cm on average, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
         filled = f"{self.filled:,} hole{'s'[: self.filled > 1]} filled from the neighbours"
         return "; ".join([error] * (self.largest_cm > _VISIBLE_CM) + [filled] * (self.filled > 0))
 

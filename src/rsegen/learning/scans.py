@@ -28,7 +28,7 @@ from rsegen.params.sorts import Float, Integer, validate
 
 
 class ScanState(NamedTuple):
-    """What a sensor remembers: the last scans, (delay + 1, ..., points), newest first; the drift, (..., 3), metres."""
+    """State of a sensor: the last scans, (delay + 1, ..., points), newest first; the drift, (..., 3), metres."""
 
     scans: Any
     drift: Any

@@ -156,7 +156,7 @@ class _Builder:
             if kind not in (*_JOINTS, "fixed"):
                 raise FileError(f"{self._where}: joint {name} is of type {kind}, which cannot be driven in MuJoCo")
             if child in held:
-                raise FileError(f"{self._where}: link {child} hangs on two joints, {held[child]} and {name}")
+                raise FileError(f"{self._where}: link {child} is the child of two joints, {held[child]} and {name}")
             held[child] = name
         return held
 
@@ -182,7 +182,7 @@ class _Builder:
     def _add_link(self, holder: Element, link: str, above: Array, depth: int) -> None:
         """Add a link and all that hangs on it to the body of the link that holds it, whose pose is `above`."""
         if depth > len(self._links):
-            raise FileError(f"{self._where}: link {link} hangs on itself")
+            raise FileError(f"{self._where}: link {link} is its own parent")
         pose = self._frames.transform(link)
         own = np.linalg.inv(above) @ pose
         name = f"{self.model.name}/{link}"

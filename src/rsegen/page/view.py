@@ -115,7 +115,7 @@ def html_path(path: str | Path) -> Path:
     """Return the path of a page; a FileError if it is not called .html or .htm."""
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):
-        raise FileError(f"{path}: not a page's name; end it in .html")
+        raise FileError(f"{path}: a page must be an .html file")
     return path
 
 

@@ -64,7 +64,7 @@ class RatingSoFar(TypedDict):
 
 
 class _Begun(NamedTuple):
-    """What the journal of a rating says; rated: None for what a shell cannot name, as a function."""
+    """Content of the journal of a rating; rated: None for what a shell cannot name, as a function."""
 
     name: str
     rated: Rated | None
@@ -126,7 +126,7 @@ def _begun(folder: Path) -> _Begun:
     """Return what the folder of a rating holds so far; a FileError if it holds none."""
     journal = read_journal(folder)
     if journal is None or journal.holds != HOLDS:
-        raise FileError(f"{folder}: holds no rating")
+        raise FileError(f"{folder}: contains no rating")
     try:
         of: Any = journal.of
         axis, recipe = AXES[of["axis"]], decode(of["recipe"])

@@ -1,4 +1,4 @@
-"""How often a robot crosses over how hard a field is: a psychometric curve, its posterior, and the next trials.
+"""The share of crossings over the difficulty of fields: a psychometric curve, its posterior, and the next trials.
 
     p(u) = (1 - lapse) / (1 + exp((u - middle) / spread))     u: logarithm of the level, so that a unit of 2 is as far
                                                               from 1 as 4 from 2

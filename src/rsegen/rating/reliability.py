@@ -100,22 +100,22 @@ class ReliabilityTest:
 
     @property
     def repetitions(self) -> int:
-        """How many drives have a result."""
+        """Number of drives that have a result."""
         return self.drives.counted
 
     @property
     def failures(self) -> int:
-        """How many of them did not cross."""
+        """Number of drives that did not cross."""
         return self.drives.counted - self.drives.crossed
 
     @property
     def allowed(self) -> int | None:
-        """How many of them may fail; None if they are too few."""
+        """Number of drives that may fail; None if there are too few drives."""
         return failures_allowed(self.reliability, self.confidence, self.repetitions)
 
     @property
     def has_passed(self) -> bool:
-        """Whether the robot has passed."""
+        """Return whether the robot has passed."""
         return self.allowed is not None and self.failures <= self.allowed
 
     @property

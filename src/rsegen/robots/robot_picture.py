@@ -49,7 +49,7 @@ _FEWEST = 4
 
 
 def robot_picture(robot: str | os.PathLike[str] | DrivableRobot, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """Draw the visual shapes of a robot, and beside them its collision shapes, which alone touch the blocks.
+    """Draw the visual shapes of a robot next to its collision shapes; only these touch blocks.
 
     Parameters
     ----------

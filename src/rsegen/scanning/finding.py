@@ -292,7 +292,7 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
             if frames and settings.blocks in (None, frames.blocks):
                 return grid.scan(part, frames, grid.transform.moved(corner, shape))
     if boundary not in (None, "none"):
-        raise ScanError(f"no {boundary} frames of one height stand round the blocks; give boundary none, or size")
+        raise ScanError(f"no {boundary} frames of one height stand around the blocks; give boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
     _refuse_larger(grid, corner, shape)
     none = FrameLayout(boundary="none", side=settings.chunk_size, blocks=shape)

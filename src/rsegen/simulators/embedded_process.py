@@ -38,7 +38,7 @@ _GOES = 10.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Task:
-    """What a process simulates: a map of a recipe, robots at their starts, in real time or as fast as it can."""
+    """The task of a process: a map of a recipe, robots at their starts, in real time or as fast as it can."""
 
     simulator: str
     recipe: Recipe

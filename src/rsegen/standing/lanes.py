@@ -73,7 +73,7 @@ with their ends rise by 2, wheels on a slope that friction holds by 1."""
 
 
 class End(IntEnum):
-    """Why a way ends."""
+    """Reason why a way ends."""
 
     NONE = 0
     TIPS = 1

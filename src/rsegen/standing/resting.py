@@ -88,7 +88,7 @@ class Poses:
 
     @property
     def reason(self) -> Ints:
-        """Why each pose is bad, (n,): the number of the worst of REASONS that holds, 0 for a good pose."""
+        """Reason why each pose is bad, (n,): the number of the worst of REASONS that holds, 0 for a good pose."""
         return np.select([~self.stands, ~self.holds, ~self.pushes], [3, 2, 1], 0)
 
 

@@ -85,7 +85,7 @@ class Document:
         if target is None:
             raise UserError("the recipe has no file yet; give a name")
         if target.suffix.lower() not in SUFFIXES:
-            raise FileError(f"{target.name}: not a recipe's name; end it in .yaml or .json")
+            raise FileError(f"{target.name}: a recipe must be a .yaml or .json file")
         if not replace:
             self._ask_before(target)
         # If the file cannot be written, the new name is taken back too.
