@@ -120,7 +120,7 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
         case KeyboardInterrupt():
             return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
         case OSError():
-            where = error.filename or "what was to be printed"
+            where = error.filename or "the output"
             message = "" if isinstance(error, BrokenPipeError) else f"{where}: {error.strerror or error}"
             return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
