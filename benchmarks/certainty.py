@@ -200,7 +200,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
             share = f"{crossed / of:.2f}" if of else ""
             yield f"| {low:g} to {high:g}, mean {mean} | {len(told)} | {of} | {share} | {ends} |"
         yield ""
-        yield "| robot | route | motors | unit | predictions | sure | of sure ones right | predicted 0.9 or more: crossed |"
+        yield "| robot | route | motors | unit | predictions | sure | of sure ones right | at least 0.9: crossed |"
         yield "|---|---|---|---|---|---|---|---|"
         yield from _by(own, ("robot", "route", "motors", "unit_cm"))
         yield from _by(own, ("robot",))

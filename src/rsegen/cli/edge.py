@@ -214,7 +214,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
-            # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
+            # A compiled module that a signal interrupts while it is imported raises its own ImportError.
             stopped = ours and signals.came
             command = next((word for word in words if word in commands()), None)
             return failed(KeyboardInterrupt() if stopped else error, signals.number, command)

@@ -179,7 +179,7 @@ def _check_kinds(recipes: Sequence[Recipe]) -> None:
     first: dict[str, int] = {}
     for index, recipe in enumerate(recipes):
         if first.setdefault(recipe.name, index) != index:
-            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each a name of its own"
+            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each its own name"
             raise ParameterError(f"recipes[{index}].name", problem)
 
 

@@ -48,7 +48,7 @@ PRIOR = 0.25
 """Weight a of the prior Beta(a, a): of fresh lanes, most cross always or never (benchmarks/certainty)."""
 
 LEAVES = "leaves the map,"
-"""The reason of a drive that ends beside the map, before its side."""
+"""The reason of a drive that ends next to the map, before its side."""
 
 _HELD, _WITHIN = 3.0, 0.02
 """Seconds in which a robot comes on by less than these metres, and is held for good: flippers swing in two."""
@@ -177,7 +177,7 @@ class Prediction:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Predictor:
-    """Drives in the embedded simulator that tell whether robots get across.
+    """Drives in the embedded simulator that show whether robots get across.
 
     motors: the model of motors that they have; drives: how many decide at most
     workers: processes for those drives that follow if the first ones do not all end alike

@@ -80,7 +80,7 @@ def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> 
 
 
 def predictions(robot: CrossingModel, scene: Any) -> Mapping[str, Any]:
-    """Return how surely a robot gets across a scene, by its sides, west_east and south_north, as drives tell.
+    """Return how surely a robot gets across a scene, by its sides, west_east and south_north, from drives.
 
     Each has a `probability`, a text, and `as_json`; empty for limits of steps, and where nothing can drive.
     """

@@ -322,7 +322,7 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
 
 
 def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
-    """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    """Return the recipe of one map of heights, with those of filled holes as their own matrix; see `imported`."""
     import numpy as np
 
     from rsegen.obstacles.matrix import Matrix

@@ -1,9 +1,9 @@
 """A robot as a body of MJCF, MuJoCo's format: its links, joints, shapes and motors, from its SDF <model>.
 
 Robots of rsegen and of files come the same way, as text of SDF without plug-ins. The origin of the model is a body that
-moves freely; links hang on it and on each other as the joints say, a fixed one without a joint. What a drive needs to
-know of each shape is kept beside the text: which part of the robot it is, whether it belongs to a belt, and a direction
-along which it has a friction of its own.
+moves freely; links are attached to it and to each other as the joints say, a fixed one without a joint. What a drive
+needs to know of each shape is kept next to the text: which part of the robot it is, whether it belongs to a belt, and a
+direction along which it has its own friction.
 
 A mesh touches with its convex hull. The shapes of a belt that are one box, or one mesh, get round ends, as a belt has:
 a box would push its front face against an edge instead of climbing it. What breaks it: joints that are screws or gears,

@@ -59,7 +59,7 @@ def turn_gain(robot: DrivableRobot) -> float:
 
 
 def _turned(robot: DrivableRobot, w: float, gain: float) -> float:
-    """Return the radians that a robot turns within _TURNS on flat ground when it is told a rate, with a gain."""
+    """Return the radians that a robot turns within _TURNS on flat ground at a commanded rate, with a gain."""
     world = on_flat_ground(robot, gain)
     world.drive(ROBOT, robot, 0.0, w)
     world.step(round(_SETTLES / STEP))

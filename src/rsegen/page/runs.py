@@ -1,6 +1,6 @@
 """Runs of a page: commands with their forms' values, on a document or on a map that is written already; their lines.
 
-    document or map, values, output --run--> Job, which is `rsegen COMMAND` in a process of its own (`jobs.py`)
+    document or map, values, output --run--> Job, which is `rsegen COMMAND` in its own process (`jobs.py`)
 
 The line of a shell that does the same works wherever the folder of the page is the working folder, also for a recipe
 that was never saved: it then has the recipe's flags, or, where a command has not all of them, writes the maps first.

@@ -43,7 +43,7 @@ class RatedTrial(TypedDict):
 
 
 class RatedCurve(TypedDict):
-    """The trials of one judge, and what they tell."""
+    """The trials of one judge, and the curve fitted to them."""
 
     judge: str
     half: str  # in words, with its interval
@@ -94,7 +94,7 @@ def rating(host: Host, *, path: str) -> RatingSoFar:
 
 @call_of_host
 def drive_trial(host: Host, *, doc: str, path: str, judge: str, trial: int) -> JobValues:
-    """Drive a trial again in MuJoCo, as a job that writes a drive beside the folder of its rating.
+    """Drive a trial again in MuJoCo, as a job that writes a drive next to the folder of its rating.
 
     judge: its title; trial: the index of its field
     """

@@ -60,7 +60,7 @@ def failures_allowed(reliability: float, confidence: float, repetitions: int) ->
 
 
 def shown_reliability(failures: int, repetitions: int, confidence: float) -> float:
-    """Return the reliability that so many failures show, with a confidence: the lower end of Clopper and Pearson."""
+    """Return the reliability that some failures show, with a confidence: the lower end of Clopper and Pearson."""
     if failures >= repetitions:
         return 0.0
     low, high = 0.0, 1.0

@@ -303,7 +303,7 @@ class MapDesign:
 
 
 def with_keys(obstacles: tuple[Obstacle, ...]) -> tuple[Obstacle, ...]:
-    """Return obstacles that all have a key of their own: the given one, or one that is derived from their row."""
+    """Return obstacles that all have their own key: the given one, or one that is derived from their row."""
     taken: set[str] = set()
     for index, obstacle in enumerate(obstacles):
         if obstacle.key in taken:

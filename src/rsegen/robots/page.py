@@ -221,7 +221,7 @@ class DrawnPose(TypedDict):
 def pose(  # noqa: PLR0913  # each is named by the page
     host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
 ) -> DrawnPose:
-    """Return how a robot rests that is put down level at x, y with a heading; also beside the map.
+    """Return how a robot rests that is put down level at x, y with a heading; also next to the map.
 
     One that does not stand is where it was put: level, on the highest block below it.
     """

@@ -141,7 +141,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
 
 
 _DOUBTFUL = 0.5
-"""Share of the cells beside frames that are as high as these from which on they may be blocks."""
+"""Share of the cells next to frames that are as high as these from which on they may be blocks."""
 
 
 def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
@@ -158,14 +158,14 @@ def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
         if len(rim) == 1 and rim[0] > 0:
             high = written.with_unit(float(rim[0]) * scan.unit, 3)
             yield (
-                f"assumed: no frames, as most blocks beside the rim are {high} high too "
+                f"assumed: no frames, as most blocks next to the rim are {high} high too "
                 "(--boundary outer or divided if the rim is a frame)"
             )
         return
     heights = np.where(scan.seen, scan.levels * scan.unit, np.nan)
     if share_as_high(heights, scan.frame, scan.frame_height, scan.unit) >= _DOUBTFUL:
         yield (
-            f"assumed: frames, though many blocks beside them are {written.with_unit(scan.frame_height, 3)} high too "
+            f"assumed: frames, though many blocks next to them are {written.with_unit(scan.frame_height, 3)} high too "
             "(--boundary none if they are blocks)"
         )
 

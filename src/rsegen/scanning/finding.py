@@ -177,7 +177,7 @@ class _Gridded:
 
     def scan(self, part: Reading, frames: FrameLayout, transform: Transform) -> Scan:
         """Return the result for a part of the cells."""
-        # The frames have a height of their own, and are as sure as they agree on it.
+        # The frames have their own height, and are as sure as they agree on it.
         above = replace(part, heights=part.heights - np.where(frames.cells, frames.height, 0.0))
         return Scan(
             levels=np.where(frames.cells, 0, part.levels(self.unit)),

@@ -433,7 +433,7 @@ class _Tops:
         return len(self.levels) - int(self._counts(grid).max(axis=1).sum())
 
     def words(self, grid: CloudGrid) -> int:
-        """Return the number of levels that tell all points: one per raised cell, and one per point that is off."""
+        """Return the number of levels that describe all points: one per raised cell, and one per point that is off."""
         counts = self._counts(grid)
         return len(self.levels) - int(counts.max(axis=1).sum()) + int((counts.argmax(axis=1) > 0).sum())
 

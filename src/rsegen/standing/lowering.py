@@ -155,7 +155,7 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
 
 @dataclass(slots=True, eq=False)
 class _Strips:
-    """Lanes with the cells beside them, one next to the other as a field of their own, S of them.
+    """Lanes with the cells next to them, one next to the other as their own field, S of them.
 
     levels: (S, n, w), frame: (S, n, w); beside: cells to each side of a lane that stay as they are
     """

@@ -402,7 +402,7 @@ class Lattice:
     def way(self, axis: int, *, checked: bool = True) -> Way | None:
         """Return the best way across along an axis, with straight lanes at both ends; None if there is none.
 
-        checked: whether its straight pieces are driven as a whole too, and the lanes beside them
+        checked: whether its straight pieces are driven as a whole too, and the lanes next to them
         """
         starts, goals = self._ends(axis)
         if not starts or not goals:
@@ -426,7 +426,7 @@ class Lattice:
         return None
 
     def _ending(self, axis: int, places: Sequence[_Place]) -> int | None:
-        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or beside them.
+        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or next to them.
 
         0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
         """
@@ -439,7 +439,7 @@ class Lattice:
         return None
 
     def _surely_driven(self, begin: Array, yaw: float, length: float) -> float:
-        """Return the share of a straight piece that is driven, and of lanes beside it; more aside where it drops.
+        """Return the share of a straight piece that is driven, and of lanes next to it; more aside where it drops.
 
         Ways that are tried one after the other are mostly the same: what is known to be driven is not driven again.
         """
@@ -711,7 +711,7 @@ def events(way: Any) -> list[str]:
 def _summary(
     ground: PaddedGround, body: Body, lanes: Sequence[Lanes], turned: Sequence[Settled] = ()
 ) -> dict[str, Any]:
-    """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
+    """Return the report of a way: the worst of its poses, and where the robot falls or slides."""
     rests = [of_settled(ground, body, rest) for rest in (*turned, *(lane.poses for lane in lanes))]
     return {
         "tilt": max(float(rest.tilt.max()) for rest in rests),

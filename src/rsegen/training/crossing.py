@@ -39,7 +39,7 @@ NAME = "robot"
 """The name of the robot in its worlds."""
 
 _AHEAD, _ASIDE, _APART = 0.8, 0.1, 0.1
-"""Metres that a robot sees before it, metres beside it, and the distance of the points that it sees."""
+"""Metres that a robot sees before it, metres next to it, and the distance of the points that it sees."""
 
 _SEES = 0.5
 """Metres by which ground above or below the robot's origin is seen; what is beyond counts as that."""

@@ -231,7 +231,7 @@ def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
     distributed = dask()
     from logging import CRITICAL
 
-    with ExitStack() as opened:  # closes the client, then a cluster of our own
+    with ExitStack() as opened:  # closes the client, then our own cluster
         address: Any = scheduler
         if scheduler == LOCAL:
             address = opened.enter_context(

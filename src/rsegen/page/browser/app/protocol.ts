@@ -342,7 +342,7 @@ export interface RatingSoFar {
   can_drive: boolean; // whether a trial can be driven again
 }
 
-/* The trials of one judge, and what they tell. */
+/* The trials of one judge, and the curve fitted to them. */
 export interface RatedCurve {
   judge: string;
   half: string; // in words, with its interval
@@ -557,9 +557,9 @@ export interface Calls {
   cancel: { args: { job: number }; result: Job };
   /* Close a document, and discard what is not saved; one that another page has open stays. */
   close: { args: { doc: string }; result: null };
-  /* Return how surely a robot gets across a map, with all drives that tell it. */
+  /* Return how surely a robot gets across a map, with all its drives. */
   crossing: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
-  /* Drive a trial again in MuJoCo, as a job that writes a drive beside the folder of its rating. */
+  /* Drive a trial again in MuJoCo, as a job that writes a drive next to the folder of its rating. */
   drive_trial: { args: { doc: string; path: string; judge: string; trial: number }; result: Job };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */
   edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
@@ -583,7 +583,7 @@ export interface Calls {
   open: { args: { what?: string }; result: OpenedDocument };
   /* Return the drive that a folder holds. */
   playback: { args: { path: string }; result: Playback };
-  /* Return how a robot rests that is put down level at x, y with a heading; also beside the map. */
+  /* Return how a robot rests that is put down level at x, y with a heading; also next to the map. */
   pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: DrawnPose };
   /* Return the rating that a folder holds, also of a command that still runs; a UserError until a trial has ended. */
   rating: { args: { path: string }; result: RatingSoFar };
