@@ -1,4 +1,4 @@
-"""How often predictions are right: what was told beside what happened, on fields that nobody has seen before.
+"""How often predictions are right: what was predicted and what happened, on fields that nobody has seen before.
 
 python -m benchmarks.certainty               predicts and drives in MuJoCo, with both models of motors, on lanes and on
                                              planned ways of fresh fields; keeps benchmarks/results/certainty.json and
@@ -188,7 +188,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
             continue
         yield f"**{title}**: {len(own)} predictions, {sum(row['of'] for row in own)} drives, Brier {brier(own):.3f}"
         yield ""
-        yield "| told | predictions | drives | crossed | 95 % interval |"
+        yield "| predicted | predictions | drives | crossed | 95 % interval |"
         yield "|---|---|---|---|---|"
         for low, high in BINS:
             told = [row for row in own if low <= row["told"] < high or row["told"] == high == 1]
@@ -200,7 +200,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
             share = f"{crossed / of:.2f}" if of else ""
             yield f"| {low:g} to {high:g}, mean {mean} | {len(told)} | {of} | {share} | {ends} |"
         yield ""
-        yield "| robot | route | motors | unit | predictions | sure | of sure ones right | told at least 0.9: crossed |"
+        yield "| robot | route | motors | unit | predictions | sure | of sure ones right | at least 0.9: crossed |"
         yield "|---|---|---|---|---|---|---|---|"
         yield from _by(own, ("robot", "route", "motors", "unit_cm"))
         yield from _by(own, ("robot",))

@@ -13,7 +13,7 @@ MARKS = ("<!-- figures: made by docs.generate from benchmarks/results -->", "<!-
 _VERDICTS = {True: "met", False: "**missed**", None: "not measured"}
 
 _HOW = """\
-`make bench` measures; `make docs` puts the figures here. Each work runs in a child of its own, all children of one size
+`make bench` measures; `make docs` puts the figures here. Each work runs in its own process, all children of one size
 in turn, and a figure is the median of its runs. CPU is user and system time; compare that and the ratios, for wall time
 depends on what else the machine does. A grid to a file: seconds without Python's start and imports, from the levels in
 memory to the closed file, each library with the one thread that it needs; peak memory is that of the whole child,

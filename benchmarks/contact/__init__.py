@@ -1,1 +1,1 @@
-"""Ways to build a step field for collision, ranked in a real Gazebo Classic by what is felt on them and their cost."""
+"""Ways to build a step field for collision, ranked in a real Gazebo Classic by their cost and what robots meet."""

@@ -25,7 +25,7 @@ COLUMNS = (
 
 _INTRODUCTIONS = {
     "classic": """\
-# Constructions of a step field, by what is felt on them
+# Constructions of a step field, by what robots meet on them
 
 Made by `make bench-contact` in {simulator}; ranked by how far soft wheels stray on average. Drives of 2.2 m over
 blocks of equal height, at up to five headings: sideways error at the end in mm, mean (max) / standard deviation of the
@@ -34,7 +34,7 @@ than 1 cm, or still moving by 0.2 mm), and the largest error in height, mm. Cost
 second with all robots driving. Load: CPU s. Memory: MB when loaded. The server itself and the robots are in all three:
 compare with the plane. They are single runs: take differences under 30 % for noise. Distances aside are exact poses,
 heights over time and rolls come from Gazebo's record, which has three digits. What a robot of a manufacturer makes of
-them, and of other settings of ODE, is in [robots](robots.md#what-gazebo-classic-can-be-told-about-it).
+them, and of other settings of ODE, is in [robots](robots.md#what-settings-of-gazebo-classic-change).
 """,
     "sim": """\
 # The same in Gazebo Sim

@@ -160,7 +160,7 @@ def xml_root(text: str, where: str) -> ET.Element:
     import xml.etree.ElementTree as ET
 
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise FileError(f"{where}: has a document type or entities, which no SDF needs")
+        raise FileError(f"{where}: contains a DOCTYPE or entities, which are not allowed")
     try:
         try:
             root = ET.fromstring(text)  # noqa: S314  # without a document type it can only be plain elements

@@ -92,8 +92,8 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "an output where nothing can be": (["generate", "-o", "/proc/a/b"], ["/proc/a/b: cannot be written"]),
     "a picture without an ending": (["preview", "two.yaml", "-o", "picture"], ["picture: ", ".png, .svg, .pdf"]),
     "a picture of another ending": (["preview", "two.yaml", "-o", "p.bmp"], ["p.bmp: ", ".png, .svg, .pdf"]),
-    "a picture of an ending only": (["preview", "two.yaml", "-o", ".png"], [".png: ", "not a picture's name"]),
-    "a picture of no name": (["preview", "two.yaml", "-o", ""], ["not a picture's name"]),
+    "a picture of an ending only": (["preview", "two.yaml", "-o", ".png"], [".png: ", "a picture's name must end in"]),
+    "a picture of no name": (["preview", "two.yaml", "-o", ""], ["a picture's name must end in"]),
     "a picture that is there": (["preview", "two.yaml", "-o", "old.png"], ["old.png: exists already", "--force"]),
     "a picture that is a folder": (
         ["preview", "two.yaml", "-o", "folder.png", "--force"],
@@ -140,9 +140,9 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
     "a sheet of another ending": (
         ["sheet", "two.yaml", "-o", "s.png"],
-        ["s.png: not a name of a build sheet", ".pdf or .csv"],
+        ["s.png: a build sheet must be a .pdf or .csv file"],
     ),
-    "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["not a name of a build sheet"]),
+    "a sheet of no name": (["sheet", "two.yaml", "-o", ""], ["a build sheet must be"]),
     "a sheet that is there": (["sheet", "two.yaml", "-o", "old.csv"], ["old.csv: exists already", "--force"]),
     "a sheet beside a table that is there": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "old.csv"],
@@ -296,7 +296,7 @@ def test_force_spares_a_folder_that_is_not_a_map(refused: Refused) -> None:
     Path("out/rse_0001").mkdir(parents=True)
     recipe("years of work", "out/rse_0001/thesis.tex")
     line = refused("generate", *OBSTACLE, "--maps", "2", "--force", "-o", "out")
-    assert "out/rse_0001/thesis.tex: was not written by rsegen, and would be lost" in line
+    assert "out/rse_0001/thesis.tex: was not written by rsegen, and would be overwritten" in line
 
 
 def test_force_spares_a_file_in_the_place_of_a_map(refused: Refused) -> None:

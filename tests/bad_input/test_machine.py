@@ -171,7 +171,7 @@ def test_a_disk_that_may_only_be_read(disk: Path, refused: Refused) -> None:
 def test_a_report_that_cannot_be_printed(command: list[str]) -> None:
     with Path("/dev/full").open("w") as full:
         code, err = ended(started(*command, stdout=full))
-    assert (code, the_line(err)) == (1, "rsegen: what was to be printed: No space left on device")
+    assert (code, the_line(err)) == (1, "rsegen: the output: No space left on device")
 
 
 @pytest.mark.slow

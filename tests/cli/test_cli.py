@@ -18,7 +18,7 @@ import rsegen
 from rsegen import KINDS, Recipe
 from rsegen.cli.edge import main
 from rsegen.input_files import JOURNAL
-from rsegen.obstacles.base import own_parameters
+from rsegen.obstacles.base import Obstacle, own_parameters
 from rsegen.params.capabilities import commands
 from rsegen.params.sorts import Flag, parameters
 from rsegen.recipe.codec import decode
@@ -220,10 +220,16 @@ def test_the_schema_refuses_the_values_that_rsegen_refuses(content: object, caps
 @pytest.mark.parametrize("name", KINDS)
 def test_obstacles_lists_every_kind_with_its_parameters(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     _, _, rest = f"\n{printed(capsys, 'obstacles')}".partition(f"\n{name}\n")
-    own, _, _ = rest.partition("\n\n")
+    own, _, others = rest.partition("\n\n")
+    _, _, of_every_kind = f"\n{others}".partition("\nevery kind\n")
+    shared = parameters(Obstacle)
+    assert all(f"    {parameter} " in of_every_kind for parameter in shared)
     for parameter, sort in own_parameters(KINDS[name]).items():
-        assert parameter in own
-        assert sort.describe() in own
+        listed = of_every_kind if sort == shared.get(parameter) else own
+        assert any(
+            line.startswith(f"    {parameter} ") and line.endswith(f": {sort.describe()}")
+            for line in listed.split("\n")
+        )
 
 
 def test_obstacles_in_json_are_the_schemas_of_the_kinds(capsys: pytest.CaptureFixture[str]) -> None:
@@ -290,7 +296,7 @@ def test_a_target_is_a_recipe_a_map_or_a_folder_of_maps(tmp_path: Path, capsys: 
     assert main(["info", str(tmp_path), "--json"]) == 0
     out, err = capsys.readouterr()
     assert read(capsys, "info", COURSE) == json.loads(out) == first
-    assert err == f"note: mixed-course_0000 is the first of 3 maps in {tmp_path}; --map takes another\n"
+    assert err == f"note: mixed-course_0000 is the first of 3 maps in {tmp_path}; --map selects another\n"
     for which in ("2", "0002", "mixed-course_0002"):
         assert read(capsys, "info", COURSE, "--map", which) == last
         assert read(capsys, "info", tmp_path, "--map", which) == last

@@ -124,7 +124,7 @@ def test_the_first_map_of_a_folder_is_taken_with_a_note(
         lines = (printed.err if "--json" in words else printed.out).splitlines()
         return "; ".join(line for line in lines if "note:" in line)
 
-    assert noted("own") == "note: rse_0000 is the first of 3 maps in own; --map takes another"
+    assert noted("own") == "note: rse_0000 is the first of 3 maps in own; --map selects another"
     assert noted("own/rse_0001") == noted("alone") == ""
     if command != "compare":  # of which --map is a map of both
         assert noted("own", "--map", "1") == ""
@@ -211,14 +211,14 @@ def test_the_page_of_a_folder_of_maps_says_how_to_open_each(
         return capsys.readouterr().out.splitlines()[1:]
 
     home, title, first, *others = printed("my maps")
-    assert home.endswith("/my maps; Ctrl-C ends it, and so does closing it.")
+    assert home.endswith("/my maps. To stop, close the page or press Ctrl-C.")
     assert (title, first, others[-1]) == (
         "No map is open. Maps in my maps:",
         "  rsegen gui 'my maps/rse_0000'",
         "  and 2 more",
     )
     assert len(printed("my maps/rse_0000")) == 1
-    assert printed("--keep") == [f"The page edits files in {tmp_path}; Ctrl-C ends it."]
+    assert printed("--keep") == [f"The page edits files in {tmp_path}. To stop, press Ctrl-C."]
 
 
 def test_the_page_plays_the_drive_of_a_folder(

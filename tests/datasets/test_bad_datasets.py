@@ -107,7 +107,7 @@ def test_an_existing_or_unfinished_data_set_is_refused(refused: Refused) -> None
     assert exit_code(*MADE, "-o", "set") == 0
     assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").unlink()
-    assert "set: is not finished" in refused("info", "set#0")
+    assert "set: is not complete" in refused("info", "set#0")
     Path("set/.rsegen.jsonl").unlink()
     assert "set: is not empty, and not a data set" in refused(*MADE, "--resume", "-o", "set")
 

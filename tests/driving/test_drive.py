@@ -33,7 +33,7 @@ RECIPE = rsegen.Recipe(name="course", seed=1, chunk_size=2)
         ({"picture": True, "output": "out", "simulator": "classic"}, "picture: Gazebo's camera needs a screen"),
         ({"simulator": "clasic"}, "simulator: unknown simulator 'clasic'; did you mean 'classic'"),
         ({"simulator": "gazebo"}, "simulator: unknown simulator 'gazebo'; did you mean 'sim' or 'classic'"),
-        ({"simulator": "classic", "motors": "reaction"}, "motors: is for MuJoCo; 'classic' has motors of"),
+        ({"simulator": "classic", "motors": "reaction"}, "motors: is for MuJoCo; 'classic' has its own motors"),
         ({"video": True}, "video: needs a folder"),
     ],
 )

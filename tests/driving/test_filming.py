@@ -153,7 +153,7 @@ def test_gazebo_needs_a_screen_for_a_picture_and_has_no_video(
     given: dict[str, Any] = {"simulator": "classic", "output": tmp_path / "out"}
     with pytest.raises(ParameterError, match=r"^picture: Gazebo's camera needs a screen"):
         rsegen.drive(RECIPE, picture=True, **given)
-    with pytest.raises(ParameterError, match=r"^video: is for MuJoCo; Gazebo gives no video"):
+    with pytest.raises(ParameterError, match=r"^video: is for MuJoCo; Gazebo cannot record a video"):
         rsegen.drive(RECIPE, video=True, **given)
     assert main(["drive", "peak", "--video"]) == 2
     assert the_line(capsys.readouterr().err) == "rsegen: --video: needs a folder to write into; give --output DIR too"

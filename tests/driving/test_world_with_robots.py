@@ -78,7 +78,7 @@ def test_a_world_for_classic_names_no_systems(world: Path) -> None:
     [
         ("", "not XML"),
         ("<sdf><model name='a'/></sdf>", "no <world> in <sdf>"),
-        ('<!DOCTYPE sdf [<!ENTITY a "b">]><sdf><world name="&a;"/></sdf>', "has a document type"),
+        ('<!DOCTYPE sdf [<!ENTITY a "b">]><sdf><world name="&a;"/></sdf>', "contains a DOCTYPE"),
     ],
 )
 def test_an_invalid_world_is_refused(content: str, said: str, tmp_path: Path) -> None:

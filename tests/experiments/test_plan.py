@@ -218,7 +218,7 @@ def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
         ),
         ("rows: [{robot: a.sdf, speed: -1}]", "rows[0].speed: -1 is outside 0.001..100 m/s"),
         ("rows: [{sizes: [15]}]", "rows[0].sizes: 15 is no multiple of 10 blocks"),
-        ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of such"),
+        ("rows: [{sizes: []}]", "rows[0].sizes: [] is not 0..4000 blocks, or a list of these"),
         ("rows: [{colour: red}]", "rows[0]: unknown key of a row 'colour'"),
         ("rows: [{recipe: {mesh_type: mutli}}]", "rows[0].recipe.mesh_type: 'mutli' is not one of"),
     ],

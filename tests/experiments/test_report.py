@@ -93,7 +93,7 @@ def test_means_stand_beside_the_paper_s_means_and_nowhere_else(results: Results)
     found = rows(report_page(replace(PLAN, paces=("real",)), cells, MACHINE, COMMAND))
     assert found["80 x 80"][2:4] == ["11 % (mean 27 %)", "110 MB (mean 270 MB)"]
     assert found["20 x 20"][2:4] == ["11 %", "110 MB"]
-    said = "The paper has means of three runs of CPU and memory; beside its figures, our means are in brackets."
+    said = "The paper has means of three runs of CPU and memory; next to its figures, our means are in brackets."
     assert said in report_page(PLAN, results, MACHINE, COMMAND)
     ours = report_page(replace(PLAN, rows=PLAN.rows[1:]), {}, MACHINE, COMMAND)
     assert said not in ours

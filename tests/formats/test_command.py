@@ -105,7 +105,7 @@ def test_resume_keeps_maps_that_have_the_formats_and_makes_the_others_anew(
     for fewer in ([], ["--formats", "heightmap"], ["--formats", "occupancy,heightmap pixels=1"]):
         capsys.readouterr()
         assert generated(folder, "--resume", *fewer) == 0
-        assert capsys.readouterr().out == "3 maps there already, seed 4\n"
+        assert capsys.readouterr().out == "3 maps already exist, seed 4\n"
     assert contents(folder) == before
     assert generated(folder, "--resume", "--formats", "heightmap pixels=2") == 0
     assert "3 maps of" in capsys.readouterr().out

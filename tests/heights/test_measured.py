@@ -40,7 +40,7 @@ def test_measured_heights_are_rounded_and_the_residual_is_reported(tmp_path: Pat
     assert heights.rounding.largest_cm == pytest.approx(np.abs(NOISE).max(), abs=0.01)
     x, y = heights.rounding.cell
     assert abs(NOISE[x, y]) == np.abs(NOISE).max()
-    assert str(heights.rounding).startswith(f"rounded by {np.abs(NOISE).mean():.2g} cm in the mean, by ")
+    assert str(heights.rounding).startswith(f"rounded by {np.abs(NOISE).mean():.2g} cm on average, by ")
 
 
 @pytest.mark.parametrize("values", ["cm", "mm", "m", "in"])

@@ -198,7 +198,7 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'; did you mean 'steps.rms'"),
         ({"by": "reach.coverage"}, "by: reach.coverage needs a robot; give robot too"),
         ({"rows": 0}, "rows: 0 is outside 1..1000"),
-        ({"difficulty": 0.5}, "difficulty: 0.5 is not a list of 2"),
+        ({"difficulty": 0.5}, "difficulty: 0.5 is not 2 values"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),
         ({"recipes": [ROUGH, replace(ROUGH, unit_cm=10)]}, r"recipes\[1\].unit_cm: 10.0, and 5.0 in the first recipe"),
         (

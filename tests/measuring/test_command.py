@@ -46,7 +46,7 @@ def test_a_page_tells_of_the_pallet_in_centimetres(capsys: pytest.CaptureFixture
         assert words in page
     for words in ("TRI 13.08 cm (root mean)", "3.03 times the plan", "96.0%"):
         assert words in page
-    assert "climb    that is needed to cross for its width: 10 cm west to east" in page
+    assert "climb    needed to cross for its width: 10 cm west to east" in page
     assert max(map(len, page.splitlines())) <= 120
 
 
@@ -69,7 +69,7 @@ def test_a_page_begins_with_what_a_person_came_for(capsys: pytest.CaptureFixture
     assert empty == ""
     _, across, surely, empty, *_ = printed(capsys, *LOW, "--robot", "crawler").splitlines()
     assert across == "Predicted: the crawler can cross west to east and south to north."
-    assert surely == "How surely, drives tell: add --verify, or use rsegen predict."
+    assert surely == "To see how surely, drive it: add --verify, or use rsegen predict."
     assert empty == ""
     _, west, south, *_ = printed(capsys, "peak", "--robot", "burger").splitlines()
     assert west.startswith("Predicted: the burger cannot cross west to east: it ")
@@ -97,6 +97,27 @@ def test_below_a_table_its_heads_are_explained(capsys: pytest.CaptureFixture[str
     explained = legend.replace(",", "").replace(":", "").split()
     assert [word for word in table.splitlines()[0].split()[1:] if word not in explained] == []
     assert "terrain ruggedness index" in legend
+
+
+def test_below_a_table_is_how_many_maps_can_be_crossed(
+    capsys: pytest.CaptureFixture[str], maps: Path, tmp_path: Path
+) -> None:
+    """For a robot and for limits of steps; without either there is no such line, and no head that is not there."""
+    _, below, legend = printed(capsys, maps, "--robot", "burger").split("\n\n")
+    assert below.splitlines() == [
+        "Predicted: of 3 maps, the burger can cross 0 west to east and 0 south to north.",
+        "To see how surely, drive it: add --verify, or use rsegen predict.",
+    ]
+    assert "way w-e" in legend
+    assert "p w-e" not in legend
+    _, below, _ = printed(capsys, maps, "--climb-cm", "40").split("\n\n")
+    path = "a path of steps of up to 40 cm up and 40 cm down"
+    assert below == f"Predicted: of 3 maps, {path} leads across 3 west to east and 3 south to north."
+    level = tmp_path / "level.yaml"
+    level.write_text("{maps: 2, seed: 7, boundary: none, unit_cm: 1, obstacles: [{kind: random, levels: 2}]}")
+    _, below, _ = printed(capsys, level, "--robot", "crawler").split("\n\n")
+    assert below.startswith("Predicted: of 2 maps, the crawler can cross 2 west to east and 2 south to north.\n")
+    assert "Predicted" not in printed(capsys, maps)
 
 
 def test_in_a_table_a_map_without_a_way_has_empty_cells(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -166,7 +187,7 @@ def test_poses_at_a_heading_are_drawn(capsys: pytest.CaptureFixture[str], tmp_pa
 
 def test_limits_of_steps_are_no_robot(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["metrics", str(PALLET), "--robot", "burger", "--climb-cm", "10"]) == 2
-    assert "--climb-cm: limits of steps are measured without --robot" in capsys.readouterr().err
+    assert "--climb-cm: excludes --robot" in capsys.readouterr().err
 
 
 def test_without_a_robot_the_report_names_none(capsys: pytest.CaptureFixture[str]) -> None:

@@ -348,7 +348,7 @@ def test_softness_lowers_a_layout_towards_the_ground() -> None:
         (lambda: Stairs(levels=3, step_height=3), "step_height: 3 is more than the highest level, 2"),
         (lambda: Stones(levels=3, uneven=3), "uneven: 3 is more than the depth of the gaps, 2"),
         (lambda: Rails(levels=3, uneven=3), "uneven: 3 is more than the highest level, 2"),
-        (lambda: DiscreteObstacles(levels=3, least_width=5), "least_width: 5 is more than the greatest, 4"),
+        (lambda: DiscreteObstacles(levels=3, least_width=5), "least_width: 5 is more than the largest, 4"),
         (lambda: Pit(levels=3, beam_along="z"), "beam_along: 'z' is not one of x, y"),
     ],
 )

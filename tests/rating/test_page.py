@@ -66,7 +66,7 @@ def test_a_rating_that_is_not_done_is_drawn_as_far_as_it_is(host: Host, tmp_path
 
 def test_what_is_no_rating_is_refused(host: Host, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
-    with pytest.raises(FileError, match="holds no rating"):
+    with pytest.raises(FileError, match="contains no rating"):
         rating(host, path="empty")
     with pytest.raises(FileError, match="outside"):
         rating(host, path="../rate")

@@ -255,7 +255,7 @@ def test_frames_that_hold_a_robot_at_every_level_are_named() -> None:
 
 def test_fields_that_are_all_alike_are_named() -> None:
     rating = rated(recipe=rsegen.Recipe(obstacles=[rsegen.Peak(levels=5, first=(2, 2), last=(7, 7))]), trials=8)
-    assert "all fields of this recipe are alike" in list(rating.report())[-1]
+    assert "all fields of this recipe are equal" in list(rating.report())[-1]
 
 
 def test_trials_without_a_result_count_neither_way(monkeypatch: pytest.MonkeyPatch) -> None:

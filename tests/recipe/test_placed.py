@@ -89,12 +89,12 @@ def test_info_says_where_chance_put_obstacles(tmp_path: Path, capsys: pytest.Cap
     assert told == [place.as_json() for place in placed_obstacles(COURSE, 2)]
     assert [place["row"] for place in told] == [0, 1, 2, 3, 5]
     assert main(["info", str(tmp_path / "course.yaml"), "--map", "2"]) == 0
-    said = [line.strip() for line in capsys.readouterr().out.splitlines() if "by chance" in line]
+    said = [line.strip() for line in capsys.readouterr().out.splitlines() if line.strip().startswith("drawn: ")]
     assert len(said) == 3
     first, last, patch = (told[1][name] for name in ("first", "last", "patch"))
     (x1, y1), (x2, y2) = patch["from"], patch["to"]
     assert said[0] == (
-        f"by chance first={first[0]},{first[1]} last={last[0]},{last[1]}; "
+        f"drawn: first={first[0]},{first[1]} last={last[0]},{last[1]}; "
         f"covers {patch['blocks']} blocks within {x1},{y1}..{x2},{y2}"
     )
 

@@ -107,7 +107,7 @@ def test_a_robot_with_such_a_mesh_needs_no_size_and_stands_on_its_triangles(tmp_
             "a point whose place is no number",
         ),
         (document().replace("0 1 0 9", "0 nan 0 9"), "a point whose place is no number"),
-        (document().replace("<COLLADA", "<!DOCTYPE a><COLLADA"), "has a document type or entities"),
+        (document().replace("<COLLADA", "<!DOCTYPE a><COLLADA"), "contains a DOCTYPE or entities"),
         ("no xml", "not XML"),
     ],
 )

@@ -218,10 +218,10 @@ def test_what_is_only_seen_may_be_missing_and_is_named(tmp_path: Path) -> None:
     shell = '<geom class="seen" type="mesh" mesh="shell"/>'
     assets = '<mesh name="shell" file="shell.stl"/><texture name="grid" type="2d" file="grid.png"/>'
     robot = from_file(two_wheels_mjcf(tmp_path, more=shell, assets=assets))
-    assert any("only seen are not found: shell.stl" in remark for remark in robot.remarks)
+    assert any("these visual meshes are not found: shell.stl" in remark for remark in robot.remarks)
     assert robot.body.mass == pytest.approx(3.5)
     for geom, why in (
-        (shell.replace('class="seen"', ""), "of a shape that touches"),
+        (shell.replace('class="seen"', ""), "of a collision shape"),
         (shell.replace("<geom", '<geom mass="1"'), "that gives a body its mass"),
     ):
         with pytest.raises(FileError, match=rf"rover\.xml: the mesh shell\.stl {why} is not found in .*meshes"):

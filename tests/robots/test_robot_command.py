@@ -49,7 +49,7 @@ def test_what_is_assumed_is_said_and_effort_and_friction_are_the_joints(
     file.write_text(text.replace("<mu1>1</mu1>", "<mu1>0.6</mu1>", 1))
     found = figures(capsys, str(file))
     assert found["drive"][1].startswith("the shapes of its links")
-    assert found["speed"] == ("0.2 m/s", "assumed, as nothing says it")
+    assert found["speed"] == ("0.2 m/s", "assumed, as its file does not say")
     assert found["motor"] == ("7 Nm", "the <effort> of its joint")
     assert found["friction"][0] == "0.6 to 1"
     named = figures(capsys, str(file), "--wheels", "right_hub,left_hub")
@@ -91,7 +91,7 @@ def test_a_robot_that_is_not_driven_says_why(tmp_path: Path, capsys: pytest.Capt
     file = tmp_path / "box.sdf"
     file.write_text('<sdf version="1.6"><model name="box"><link name="a"/></model></sdf>')
     found = figures(capsys, str(file))
-    assert found["drive"] == ("none", "nothing says it, and no links look like wheels")
+    assert found["drive"] == ("none", "not in its file, and no links look like wheels")
     assert found["mass"] == ("1 kg", "the <inertial> of 1 links; 1 kg each, as SDF has it, for 1 without a mass")
     assert main(["robot", str(tmp_path / "nothing.sdf")]) == 2
 

@@ -129,7 +129,7 @@ def test_the_file_is_written_as_any_picture(tmp_path: Path, capsys: pytest.Captu
     assert out.read_bytes() == content
     capsys.readouterr()
     assert main(["robot", "burger", "--picture", str(tmp_path / "burger.txt")]) == 2
-    assert "not a picture's name" in capsys.readouterr().err
+    assert "a picture's name must end in" in capsys.readouterr().err
     assert main(["robot", "--picture", str(tmp_path / "all.png")]) == 2
     assert "--picture: is for one robot: name it first" in capsys.readouterr().err
     assert main(["robot", "burger", "--picture", str(tmp_path / "b.svg"), "--dry-run"]) == 0

@@ -188,7 +188,7 @@ def wheel(name: str, place: str, radius: float = 0.05, parent: str = "base", axi
 def test_wheels_are_found_by_their_shapes_and_casters_are_not(tmp_path: Path) -> None:
     robot = read(tmp_path, two_wheels())
     assert robot.drive == read(tmp_path, two_wheels(), "left_hub,right_hub").drive
-    assert "by the shapes of its links, as nothing in its file says, 0.3 m apart" in next(robot.notes("classic"))
+    assert "by the shapes of its links, as its file does not say, 0.3 m apart" in next(robot.notes("classic"))
     others = {
         "in the middle": wheel("back", "-0.2 0 0.02"),
         "smaller": wheel("l", "-0.2 0.1 -0.01", 0.02) + wheel("r", "-0.2 -0.1 -0.01", 0.02),

@@ -53,7 +53,7 @@ def test_it_stands_under_the_name_and_at_the_place_that_it_is_given(tmp_path: Pa
     [
         ("", "not XML"),
         ("robot", "not XML"),
-        ('<!DOCTYPE a [<!ENTITY b "c">]>' + MODEL, "document type or entities"),
+        ('<!DOCTYPE a [<!ENTITY b "c">]>' + MODEL, "DOCTYPE or entities"),
         ("<robot/>", "the robot has no <link>"),
         ('<robot><link name="l"/></robot>', "link 'l' has no mass"),
         ('<sdf version="1.6"/>', "one <model> in <sdf>"),

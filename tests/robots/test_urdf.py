@@ -188,7 +188,7 @@ def test_what_moves_without_a_mass_is_left_out_and_named(tmp_path: Path) -> None
     joints = JOINT.format("j", "continuous", "base", "air", "") + JOINT.format("k", "continuous", "air", "tip", "")
     text = f'<robot name="r">{HEAVY.format("base")}<link name="air"/>{HEAVY.format("tip")}{joints}</robot>'
     robot = read(tmp_path, text)
-    assert robot.remarks == ("left out, as they have no mass, or hang on such a link: air, tip",)
+    assert robot.remarks == ("left out, as they have no mass, or are attached to such a link: air, tip",)
     assert robot.joints == ()
 
 
@@ -205,7 +205,7 @@ def test_what_moves_without_a_mass_is_left_out_and_named(tmp_path: Path) -> None
         (
             HEAVY.format("a") + HEAVY.format("b") + HEAVY.format("c")
             + JOINT.format("j", "fixed", "c", "b", "") + JOINT.format("k", "fixed", "b", "c", ""),
-            "the joints above link 'b' go round in a circle",
+            "the joints above link 'b' form a loop",
         ),
         (
             HEAVY.format("a") + HEAVY.format("b") + JOINT.format("j", "fixed", "a", "b", "") * 2,

@@ -94,8 +94,8 @@ def half_a_deck() -> StepField:
     ("make", "said"),
     [
         (framed, ""),
-        (half_a_deck, "assumed: frames, though many blocks beside them are 10 cm high too"),
-        (deck_with_holes, "assumed: no frames, as most blocks beside the rim are 30 cm high too"),
+        (half_a_deck, "assumed: frames, though many blocks next to them are 10 cm high too"),
+        (deck_with_holes, "assumed: no frames, as most blocks next to the rim are 30 cm high too"),
     ],
 )
 def test_a_scan_says_what_it_assumes_of_a_rim(

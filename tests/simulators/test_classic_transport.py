@@ -177,7 +177,7 @@ def test_a_subscriber_that_reads_nothing_is_given_up_after_the_patience() -> Non
         client.wait("a subscriber is lost", lambda: bool(client._subscribers[TOPIC]))
         client.patience = Patience(seconds=0.5, sign=0.5)
         began = time.monotonic()
-        with pytest.raises(SimulatorFailed, match=r"the server takes no message for 0\.5 s"):
+        with pytest.raises(SimulatorFailed, match=r"the server accepted no message for 0\.5 s"):
             client.publish("~/request", "GzString", {"data": "x" * 2**25})
         assert 0.4 < time.monotonic() - began < 15
 

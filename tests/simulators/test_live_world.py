@@ -212,7 +212,8 @@ def test_without_a_running_simulation_it_is_refused_in_one_line(
     monkeypatch.setenv("GZ_PARTITION", "no-lab")
     assert main(words) == 2
     line = the_line(capsys.readouterr().err)
-    assert "no simulation runs (Gazebo Sim: no server answers in the partition no-lab; Gazebo Classic: nobody" in line
+    said = "no simulation runs (Gazebo Sim: no server answers in the partition no-lab; Gazebo Classic: no answer"
+    assert said in line
 
 
 def test_an_invalid_address_is_refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,7 +74,7 @@ def test_a_command_for_a_robot_is_a_message(v: float, w: float) -> None:
 
 def test_a_server_that_does_not_answer_is_reported() -> None:
     with (
-        pytest.raises(NothingRuns, match=r"nobody answers at 127.0.0.1:1 \(Connection refused\)"),
+        pytest.raises(NothingRuns, match=r"no answer from 127.0.0.1:1 \(Connection refused\)"),
         transport_client(("127.0.0.1", 1), Patience()),
     ):
         pass
@@ -121,7 +121,7 @@ def test_an_address_that_this_computer_has_not_is_127_0_0_1(address: str) -> Non
     assert bool(others) == (not address)
     with (
         transport_client_of_sim({"IGN_IP": address, "GZ_DISCOVERY_MSG_PORT": "many"}, Patience()) as client,
-        pytest.raises(SimulatorFailed, match="nobody offers /nothing"),
+        pytest.raises(SimulatorFailed, match="no server offers /nothing"),
     ):
         client.offers("/nothing", Patience(seconds=0.3))
 

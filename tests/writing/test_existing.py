@@ -81,7 +81,7 @@ def test_a_run_that_was_stopped_goes_on(
     kept = {name for name in before if not name.startswith(".")}
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
     assert (
-        f"{len(kept)} maps there already, seed 7\n{150 - len(kept)} maps of 40 x 40 blocks" in capsys.readouterr().out
+        f"{len(kept)} maps already exist, seed 7\n{150 - len(kept)} maps of 40 x 40 blocks" in capsys.readouterr().out
     )
     assert hidden(tmp_path / "out") == []
     assert contents(tmp_path / "out") == whole
@@ -115,7 +115,7 @@ def test_no_map_is_made_if_all_exist(tmp_path: Path, capsys: pytest.CaptureFixtu
     before = stamps(tmp_path)
     capsys.readouterr()
     assert generated(tmp_path, "--maps", "2", "--resume") == 0
-    assert capsys.readouterr().out == "2 maps there already, seed 7\n"
+    assert capsys.readouterr().out == "2 maps already exist, seed 7\n"
     assert stamps(tmp_path) == before
 
 

@@ -42,7 +42,7 @@ def test_force_keeps_a_map_with_a_file_of_somebody_else(
     (world / name).parent.mkdir(parents=True, exist_ok=True)
     (world / name).write_text(WORK)
     line = refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, "--force")
-    assert f"{world / name}: was not written by rsegen, and would be lost" in line
+    assert f"{world / name}: was not written by rsegen, and would be overwritten" in line
 
 
 def test_force_keeps_a_map_that_was_changed(world: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -225,7 +225,7 @@ def test_a_file_that_rsegen_adds_to_a_map_is_its_own(world: Path) -> None:
 
 
 def test_a_map_is_not_a_drive(world: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(OutputError, match="holds a map, not a drive"):
+    with pytest.raises(OutputError, match="contains a map, not a drive"):
         rsegen.drive(str(world), output=world, force=True)
     before = snapshot(world)
     assert exit_code("drive", world, "-o", world, "--force") == 2

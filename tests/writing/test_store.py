@@ -82,7 +82,7 @@ def test_force_replaces_the_whole_folder(tmp_path: Path) -> None:
 def test_force_spares_a_folder_that_rsegen_did_not_make(tmp_path: Path) -> None:
     (tmp_path / "map").mkdir()
     (tmp_path / "map" / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match=r"map/thesis\.tex: was not written by rsegen, and would be lost"):
+    with pytest.raises(OutputError, match=r"map/thesis\.tex: was not written by rsegen, and would be overwritten"):
         write_folder(BUNDLE, tmp_path / "map", force=True)
     assert contents(tmp_path) == {"map/thesis.tex": b"years of work"}
 

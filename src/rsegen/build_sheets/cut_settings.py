@@ -59,7 +59,7 @@ class CutSettings:
 
     @classmethod
     def default(cls, units: str) -> CutSettings:
-        """Return the settings that are usual in a recipe's units: metric, or inches and feet."""
+        """Return the default settings in a recipe's units: metric, or inches and feet."""
         return cls(stock_cm=243.84, kerf_mm=3.175, trim_cm=1.27, tolerance_mm=0.79375) if units == "in" else cls()
 
     @property

@@ -101,7 +101,7 @@ def sheet_format(path: Path) -> str:
     """Return the sheet format of a file name; raise a FileError that lists the known ones for another name."""
     name = path.suffix.lower().removeprefix(".")
     if name not in SHEET_FORMATS:
-        raise FileError(f"{path}: not a name of a build sheet; end it in .pdf or .csv")
+        raise FileError(f"{path}: a build sheet must be a .pdf or .csv file")
     return name
 
 

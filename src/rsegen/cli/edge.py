@@ -129,7 +129,7 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
         case KeyboardInterrupt():
             return 128 + signal, f"stopped; {error}" if str(error) else "stopped"
         case OSError():
-            message = "" if isinstance(error, BrokenPipeError) else system_message(error, "what was to be printed")
+            message = "" if isinstance(error, BrokenPipeError) else system_message(error, "the output")
             return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
             return 1, "out of memory; give fewer chunks or a smaller chunk_size"
@@ -222,7 +222,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             ours = not isinstance(error, (RsegenError, KeyboardInterrupt, OSError))
             if ours and sys.flags.dev_mode:
                 raise
-            # A compiled module that a signal interrupts while it is imported raises an ImportError of its own.
+            # A compiled module that a signal interrupts while it is imported raises its own ImportError.
             stopped = ours and signals.came
             command = next((word for word in words if word in commands()), None)
             return failed(KeyboardInterrupt() if stopped else error, signals.number, command)

@@ -222,4 +222,4 @@ def which_map(target: str | None, which: str | None) -> Iterator[str]:
 
     files = recipe_files(target) if target is not None and which is None else []
     if len(files) > 1:
-        yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map takes another"
+        yield f"note: {files[0].parent.name} is the first of {len(files)} maps in {target}; --map selects another"

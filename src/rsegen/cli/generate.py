@@ -166,7 +166,7 @@ def _content(made: Generated) -> dict[str, object]:
 
 def _lines(made: Generated) -> Iterator[str]:
     if made.already:
-        yield f"{_count(len(made.already))} there already, seed {made.recipe.seed}"
+        yield f"{_count(len(made.already))} already exist, seed {made.recipe.seed}"
     if not made.maps:
         return
     from rsegen.gazebo.map_summary import size_in_words
@@ -177,11 +177,12 @@ def _lines(made: Generated) -> Iterator[str]:
         yield f"  {generated.world}"
     if len(made.maps) > SHOWN:
         yield f"  and {len(made.maps) - SHOWN} more in {made.folder}"
-    # All maps have the same constraints; the first one stands for the others.
     if made.recipe.is_constrained and (scene := made.maps[0].scene):
         from rsegen.gazebo.constraint_report import describe_constraints
 
         yield from describe_constraints(scene)
+    elif made.recipe.is_constrained:
+        yield "how each map meets its constraints: constraints.json in its folder"
     for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
         yield f"warning: {text}"
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)

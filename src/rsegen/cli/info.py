@@ -91,9 +91,9 @@ def _summary(scene: Scene) -> dict[str, Any]:
 
 
 def _place_in_words(place: Mapping[str, Any]) -> str:
-    """Return where chance put an obstacle, as `by chance first=3,2 last=7,6; covers 25 blocks within 3,2..7,6`."""
+    """Return the drawn place of an obstacle, as `drawn: first=3,2 last=7,6; covers 25 blocks within 3,2..7,6`."""
     first, last, patch = place["first"], place["last"], place["patch"]
-    text = f"by chance first={first[0]},{first[1]} last={last[0]},{last[1]}; covers {counted(patch['blocks'], 'block')}"
+    text = f"drawn: first={first[0]},{first[1]} last={last[0]},{last[1]}; covers {counted(patch['blocks'], 'block')}"
     if "from" not in patch:
         return text
     (x1, y1), (x2, y2) = patch["from"], patch["to"]

@@ -16,7 +16,7 @@ from rsegen.params.capabilities import commands, unknown_command
 def add_man(command: Parser) -> None:
     """Add the argument of `rsegen man`."""
     text = "Print the manual page of rsegen, or of one of its commands, for the program man."
-    epilog = "To read one: rsegen man generate | man -l -. To keep it: rsegen man generate > "
+    epilog = "To read one: rsegen man generate | man -l -. To install it: rsegen man generate > "
     command.explain(text, f"{epilog}~/.local/share/man/man1/rsegen-generate.1, and then: man rsegen-generate.")
     command.add_argument("command", nargs="?", metavar="COMMAND", help="default: the list of commands")
 

@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     pass
 
 
-Force = Annotated[
-    bool, Flag(help="overwrite the file, or a folder that rsegen wrote and that nobody has changed since")
-]
+Force = Annotated[bool, Flag(help="overwrite the file, or a folder that rsegen wrote and nobody has changed")]
 
 Resume = Annotated[
     bool,
@@ -59,7 +57,7 @@ MapReference = Annotated[
 
 MapsFolder = Annotated[
     str | Path,
-    FilePath(help="folder for maps that are made of recipes, which are kept there"),
+    FilePath(help="folder in which maps made from recipes are kept"),
     Shell(("-o", "--output"), "DIR"),
 ]
 

@@ -66,29 +66,32 @@ def run_obstacles(_: argparse.Namespace) -> Report:
 
 def _kinds() -> Iterator[str]:
     from rsegen.obstacles import KINDS
-    from rsegen.obstacles.base import PLACING, own_parameters
+    from rsegen.obstacles.base import Obstacle, own_parameters
     from rsegen.params.registry import summary_of_class
+    from rsegen.params.sorts import parameters
 
     def rows(known: Mapping[str, Parameter]) -> Iterator[str]:
-        return (f"    {name:<11} {parameter.help}: {parameter.describe()}" for name, parameter in known.items())
+        return (f"    {name:<14} {parameter.help}: {parameter.describe()}" for name, parameter in known.items())
+
+    shared = parameters(Obstacle)
 
     yield "An obstacle is its kind, the parameters of that kind, and a place: 'peak levels=5 first=2,2 last=7,7'."
-    yield "first and last, its place, are the same for every kind: they are at the end."
+    yield "Every kind also has the parameters at the end, such as levels, softness, first and last."
     yield ""
     for name, cls in KINDS.items():
         source = KINDS.source(name)
         yield f"{name}\n    {summary_of_class(cls)}" + (f" From {source}." if source else "")
-        yield from rows(own_parameters(cls))
+        yield from rows({key: own for key, own in own_parameters(cls).items() if own != shared.get(key)})
         yield ""
     yield "every kind"
-    yield from rows(PLACING)
+    yield from rows(shared)
 
 
 def add_schema(command: Parser) -> None:
     """Add the argument of `rsegen schema`."""
     named = ", ".join(name for name, known in commands().items() if known.function)
-    text = "Print the JSON Schema (2020-12) of recipe files, by which editors complete and check recipes; or of the "
-    command.explain(f"{text}parameters of a command, of which a form can be made.")
+    text = "Print the JSON Schema (2020-12) of recipe files, with which editors complete and check recipes; or of the "
+    command.explain(f"{text}parameters of a command, for making a form.")
     command.add_argument("command", nargs="?", metavar="COMMAND", help=named)
 
 
@@ -114,7 +117,7 @@ _SHELLS = ("bash", "zsh", "fish")
 def add_completion(command: Parser) -> None:
     """Add the argument of `rsegen completion`."""
     epilog = (
-        'For good: eval "$(rsegen completion bash)" in ~/.bashrc, the same with zsh in ~/.zshrc after compinit, or '
+        'Permanently: eval "$(rsegen completion bash)" in ~/.bashrc, the same with zsh in ~/.zshrc after compinit, or '
         "rsegen completion fish > ~/.config/fish/completions/rsegen.fish."
     )
     command.explain("Print a shell completion script: Tab then completes commands, flags and their values.", epilog)

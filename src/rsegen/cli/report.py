@@ -130,7 +130,7 @@ def progress_of(arguments: argparse.Namespace) -> Iterator[None]:
 
 
 def _bars_of_work(all_bars: ExitStack) -> Callable[[str, float], None]:
-    """Return what shows all work that tells how far it is as a bar; a search may be within a measuring."""
+    """Return the watcher that shows the progress of all work as a bar; a search may be within a measuring."""
     bars: dict[str, tuple[ExitStack, Callable[[float], None]]] = {}
 
     def tell(what: str, share: float) -> None:

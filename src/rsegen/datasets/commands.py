@@ -193,7 +193,7 @@ def _series_lines(made: Series) -> Iterator[str]:
         yield f"  ({len(rows) - len(_some(rows))} rows between them are left out)"
     for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
         yield f"warning: {text}"
-    yield f"all of it: {made.table}"
+    yield f"all rows: {made.table}"
     yield f"a picture: {made.picture}"
 
 
@@ -217,7 +217,7 @@ def add_dataset(command: Parser) -> None:
     what.add_argument("-o", "--output", dest="folder", metavar="DIR", help="folder for the data set")
     what.add_argument("--verify", metavar="DIR", help="check every file of the data set in DIR instead")
     add_flags(group, make_dataset, without=["folder"])
-    group.add_argument("--rebuild", metavar="N", help="with --verify: maps to build again and compare (default: 100)")
+    group.add_argument("--rebuild", metavar="N", help="with --verify: maps to rebuild and compare (default: 100)")
     add_recipe_flags(command)
 
 
@@ -242,7 +242,7 @@ def _verified(arguments: argparse.Namespace) -> tuple[Dataset, str]:
     dataset = Dataset(Path(arguments.verify))
     dataset.verify(rebuild)
     built = min(rebuild, len(dataset))
-    return dataset, f"all checksums are right, and {built} random maps were built again and are equal"
+    return dataset, f"all checksums are right, and {built} random maps were rebuilt and are equal"
 
 
 def _made(arguments: argparse.Namespace) -> Dataset:

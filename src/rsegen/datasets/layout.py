@@ -179,7 +179,7 @@ def _check_kinds(recipes: Sequence[Recipe]) -> None:
     first: dict[str, int] = {}
     for index, recipe in enumerate(recipes):
         if first.setdefault(recipe.name, index) != index:
-            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each a name of its own"
+            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each its own name"
             raise ParameterError(f"recipes[{index}].name", problem)
 
 
@@ -251,7 +251,7 @@ def read_manifest(folder: Path) -> tuple[ShardLayout, list[Shard]]:
     if not path.is_file():
         why = f"has no {MANIFEST}, so it is not a data set of rsegen"
         if (folder / JOURNAL).is_file():
-            why = "is not finished; the command that began it goes on with resume=True"
+            why = "is not complete; the command that began it continues it with resume=True"
         raise FileError(f"{folder}: {why}")
     entries = recipe_content(path)
     try:

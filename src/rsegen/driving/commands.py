@@ -63,7 +63,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     contacts: Annotated[
         bool,
         Flag(help="record what the robots touch"),
-        Shell(help="do not record contacts, which take Gazebo Sim 1.5 to 1.8 times the CPU time"),
+        Shell(help="do not record contacts; with them Gazebo Sim takes 1.5 to 1.8 times the CPU time"),
     ] = True,
     picture: Annotated[
         bool,
@@ -128,7 +128,7 @@ def drive(  # noqa: PLR0913  # each is a flag
     refuse_output(None if output is None else Path(output), picture=picture, video=video, force=force)
     world, embedded = world_of(target, map), embedded_simulator(simulator)
     if motors is not None and not embedded:
-        raise ParameterError("motors", f"is for MuJoCo; {shown(simulator)} has motors of its own")
+        raise ParameterError("motors", f"is for MuJoCo; {shown(simulator)} has its own motors")
     if not embedded:
         refuse_in_gazebo(picture=picture, video=video)
     here = embedded or choose_installation(world.made_for, simulator, timeout)
@@ -252,9 +252,7 @@ def predict(  # noqa: PLR0913  # each is a flag
     speed: Speed = None,
     turn: Turn = None,
     motors: MotorModel = None,
-    route: Annotated[
-        str, Choice(("way", "straight"), help="along the safest way that is found, or straight across")
-    ] = "way",
+    route: Annotated[str, Choice(("way", "straight"), help="along the safest way found, or straight across")] = "way",
     best: Best = None,
     drives: Drives = 20,
 ) -> Prediction:
@@ -334,7 +332,7 @@ def add_drive(command: Parser) -> None:
     """Add the flags of `rsegen drive`."""
     epilog = (
         "The burger, the default robot, cannot cross frames; the crawler can. --boundary none makes maps without them. "
-        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also that of the map. "
+        "rsegen sim lists the installed simulators. With --obstacle alone, --seed is also the seed of the map. "
     )
     command.explain(drive.__doc__, epilog + robot_kinds())
     add_input(command, "a world made by rsegen, its folder, or a recipe", name="target", metavar=WORLD)

@@ -211,7 +211,7 @@ def refuse_best(best: str | None, route: str) -> None:
 def refuse_in_gazebo(*, picture: bool, video: bool) -> None:
     """Raise a ParameterError for what Gazebo does not give: a video, and a picture without a screen."""
     if video:
-        raise ParameterError("video", "is for MuJoCo; Gazebo gives no video of a drive")
+        raise ParameterError("video", "is for MuJoCo; Gazebo cannot record a video of a drive")
     if picture and not has_screen():
         raise ParameterError("picture", "Gazebo's camera needs a screen, and there is none; run under xvfb-run -a")
 
@@ -243,9 +243,9 @@ def drive_notes(
     if recording.attempts > 1:
         yield f"{here} failed and was started again; this is attempt {recording.attempts}"
     if contacts and not recording.samples:
-        yield f"{here} gives no contacts of a drive"
+        yield f"{here} does not record contacts of a drive"
     if picture and "pictures" in here.drives_without:
-        yield f"{here} gives no pictures of a drive"
+        yield f"{here} cannot take pictures of a drive"
     # Robots on tracks that stand still have one known reason, which the notes on single robots would hide.
     tracked = [run.name for run in runs if isinstance(run.robot, Robot) and isinstance(run.robot.drive, Tracks)]
     still = [name for name in tracked if recording.trajectories[name].is_still]

@@ -234,7 +234,7 @@ def _lost(rows: Array, speed: float) -> Iterator[tuple[int, str]]:
 
 
 def _off_the_map(trajectory: Trajectory, course: Course) -> Incident | None:
-    """Return when a robot was beside the map on its way across, or left it on a drive that is to stay on it."""
+    """Return when a robot was next to the map on its way across, or left it on a drive that is to stay on it."""
     _, x, y = trajectory.rows[:, :3].T
     half_x, half_y = (side / 2 for side in course.extent)
     between, beside = np.abs(x) < half_x, np.abs(y) > half_y

@@ -84,7 +84,7 @@ def picture_of_end(scene: Scene, runs: Sequence[PlacedRobot], links: LinkPoses) 
 
 
 class _View:
-    """What a camera sees of robots on a map."""
+    """The view of a camera on robots on a map."""
 
     def __init__(self, scene: Scene, runs: Sequence[PlacedRobot], camera: Camera) -> None:
         radius = hypot(*scene.field.extent) / 2 + _AROUND

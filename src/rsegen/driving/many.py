@@ -45,7 +45,7 @@ _Z = 1.959963984540054
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ManyPlan:
-    """What is driven: the maps of a recipe, a robot, its motors, route and seconds of simulation."""
+    """Drives to make: the maps of a recipe, a robot, its motors, route and seconds of simulation."""
 
     recipe: Recipe
     robot: DrivableRobot
@@ -106,12 +106,12 @@ class ManyDrives:
 
     @property
     def crossed(self) -> int:
-        """How many maps were crossed."""
+        """Number of maps that were crossed."""
         return sum(drive.crossed is not None for drive in self.drives)
 
     @property
     def counted(self) -> int:
-        """How many drives have a result."""
+        """Number of drives that have a result."""
         return sum(not drive.failed for drive in self.drives)
 
     @property

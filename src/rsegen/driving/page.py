@@ -56,7 +56,7 @@ _FALL, _WITHIN = 0.03, 0.2
 
 
 class Mark(TypedDict):
-    """What happened to a robot."""
+    """An event of a robot."""
 
     second: float
     text: str
@@ -98,7 +98,7 @@ def playback(host: Host, *, path: str) -> Playback:
 
 @call_of_host
 def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
-    """Return how surely a robot gets across a map, with all drives that tell it.
+    """Return how surely a robot gets across a map, with all its drives.
 
     A drive is a way: one that crosses, or one that ends where the robot stayed.
     """

@@ -13,7 +13,7 @@ from rsegen.params.streams import SEEDS
 Wheels = Annotated[
     str | None,
     Reference("LEFT,RIGHT or FRONT+REAR,FRONT+REAR", help="joints of the wheels of a model in a file"),
-    Shell(metavar="LEFT,RIGHT", default="of its drive plug-in, of ROS's controllers, or by their shapes"),
+    Shell(metavar="LEFT,RIGHT", default="from its drive plug-in, ROS's controllers, or their shapes"),
 ]
 
 Tracks = Annotated[
@@ -22,25 +22,25 @@ Tracks = Annotated[
         "LEFT,RIGHT or TRACK+FLIPPER,TRACK+FLIPPER",
         help="links of the tracks of a model in a file, and of their flippers",
     ),
-    Shell(metavar="LEFT,RIGHT", default="of its drive plug-in"),
+    Shell(metavar="LEFT,RIGHT", default="from its drive plug-in"),
 ]
 
 Size = Annotated[
     tuple[float, float, float] | None,
     ListOf(SIDE, 3, help="length, width and height of the robot in the file"),
-    Shell(metavar="L,W,H", default="of its collision shapes"),
+    Shell(metavar="L,W,H", default="from its collision shapes"),
 ]
 
 Speed = Annotated[
     float | None,
     replace(SPEED, help="maximum speed of the robot in the file"),
-    Shell(metavar="V", default="of its plug-in, controller or joints, else 0.2"),
+    Shell(metavar="V", default="from its plug-in, controller or joints, else 0.2"),
 ]
 
 Turn = Annotated[
     float | None,
     replace(TURN, help="maximum turn rate of the robot in the file"),
-    Shell(metavar="W", default="of its plug-in or controller, else 0.5"),
+    Shell(metavar="W", default="from its plug-in or controller, else 0.5"),
 ]
 
 RouteName = Annotated[

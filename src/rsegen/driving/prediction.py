@@ -48,7 +48,7 @@ PRIOR = 0.25
 """Weight a of the prior Beta(a, a): of fresh lanes, most cross always or never (benchmarks/certainty)."""
 
 LEAVES = "leaves the map,"
-"""The reason of a drive that ends beside the map, before its side."""
+"""The reason of a drive that ends next to the map, before its side."""
 
 _HELD, _WITHIN = 3.0, 0.02
 """Seconds in which a robot comes on by less than these metres, and is held for good: flippers swing in two."""
@@ -72,7 +72,7 @@ def _mean(places: Sequence[Array]) -> tuple[float, float]:
 
 
 class DriveEnd(NamedTuple):
-    """How drives end that do not cross: the reason, in words that follow "the robot", their mean place, their number.
+    """An end of drives that do not cross: the reason, in words after "the robot", their mean place, their number.
 
     x, y: metres
     """
@@ -88,7 +88,7 @@ class DriveEnd(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Outcome:
-    """Outcome of one drive of the spread.
+    """Outcome of one drive of a prediction.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Prediction:
-    """Whether a robot gets across, with its probability.
+    """Prediction of whether a robot gets across, with its probability.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Prediction:
 
     @property
     def crossed(self) -> int:
-        """How many of them crossed."""
+        """Number of drives that crossed."""
         return sum(outcome.seconds is not None for outcome in self.outcomes)
 
     @property
@@ -150,7 +150,7 @@ class Prediction:
 
     @property
     def ends(self) -> tuple[DriveEnd, ...]:
-        """How drives ended that did not cross, by their reason, the most frequent first."""
+        """The ends of drives that did not cross, by their reason, the most frequent first."""
         by_reason: dict[str, list[Array]] = {}
         for outcome in self.outcomes:
             if outcome.reason:
@@ -177,7 +177,7 @@ class Prediction:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Predictor:
-    """Drives in the embedded simulator that tell whether robots get across.
+    """Drives in the embedded simulator that show whether robots get across.
 
     motors: the model of motors that they have; drives: how many decide at most
     workers: processes for those drives that follow if the first ones do not all end alike

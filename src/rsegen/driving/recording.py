@@ -168,7 +168,7 @@ def record_drive(  # noqa: PLR0913  # each is a parameter of rsegen.drive
     are done; contacts: sample them, as in `drive_in_steps`; camera_extent: size in metres of the map that a camera
     looks at, which needs a screen.
     """
-    # The world with the robots is written once, next to no other; each attempt runs it in a server of its own.
+    # The world with the robots is written once, next to no other; each attempt runs it in its own server.
     simulator, screen = here.simulator, camera_extent is not None
     with tempfile.TemporaryDirectory(prefix="rsegen-") as folder:
         frames = Path(folder, "frames")

@@ -6,7 +6,7 @@ Straight and AlongWay are pure pursuit: the robot drives the arc that leads to a
 
 (Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992). The way is one on which
 the robot's poses are known to be good (standing/ways.py), or, if there is none, the straight lane on which it gets
-farthest. Wandering draws motions at random. Cost: none beside the simulation. What breaks it: a robot that skids, as
+farthest. Wandering draws motions at random. Cost: none next to the simulation. What breaks it: a robot that skids, as
 no error is summed up, and a way whose bends are closer together than the robot is long, which it cuts.
 """
 

@@ -49,7 +49,7 @@ _SHORT = 1e-12
 """Squared length, m^2, of a piece of a way that is a point."""
 
 _BESIDE = 0.3
-"""Metres beside the outline of a robot up to which blocks differ: what it may touch as it is turned aside."""
+"""Metres next to the outline of a robot up to which blocks differ: what it may touch as it is turned aside."""
 
 
 def spread_run(scene: Scene, run: RobotRun, number: int) -> tuple[RobotRun, AsBuilt]:
@@ -70,7 +70,7 @@ def normals(rng: np.random.Generator, shape: int | tuple[int, ...]) -> Array:
 
 
 def _near(field: StepField, run: RobotRun) -> Array:
-    """Return which blocks the robot may touch on its run, (n_x, n_y): those beside its line or its way."""
+    """Return which blocks the robot may touch on its run, (n_x, n_y): those next to its line or its way."""
     points = run.way.points if run.way else np.array([(-field.extent[0], run.start.y), (field.extent[0], run.start.y)])
     reach = float(np.linalg.norm(run.robot.body_or_box.points[:, :2], axis=1).max()) + _BESIDE
     x, y = np.meshgrid(*field.middles(), indexing="ij")

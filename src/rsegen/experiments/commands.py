@@ -101,7 +101,7 @@ def add_experiment(command: Parser) -> None:
 
 
 def run_experiment(arguments: argparse.Namespace) -> Report:
-    """Run all trials, and give the table."""
+    """Run all trials, and report the table."""
     from rsegen.experiments.plan import load_plan
     from rsegen.experiments.run import in_simulators
 

@@ -147,7 +147,7 @@ class TableRow:
 
     @property
     def what(self) -> str:
-        """Its robots and what stands on its maps, in a few words."""
+        """The robots of the row and the obstacles of its maps, in a few words."""
         what = f"{self.robots} {Path(self.robot).name}, unit {self.unit_cm:g} cm, {self.levels} levels"
         return what if self.maps == "random" else f"{what}, {self.maps.replace('_', ' ')}"
 

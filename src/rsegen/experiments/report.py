@@ -1,6 +1,6 @@
 """The outcomes of an experiment as a Markdown page, CSV and a picture, next to the figures that the paper published.
 
-A cell of the table has several trials. Costs are medians, which a noisy hour moves little, with the means beside them
+A cell of the table has several trials. Costs are medians, which a noisy hour moves little, with the means next to them
 where the paper has means; real-time factors are the least, the mean and the most of all; what robots did are means, as
 it is random. The error of a share is the standard
 error of the median of normally distributed values, sqrt(pi / 2 / n) times their standard deviation.
@@ -194,7 +194,7 @@ def _head(plan: ExperimentPlan, results: Results, machine: Mapping[str, str], co
     yield "RTF: the smallest, the largest and the mean value of all trials. Robots: means per robot over all trials, in"
     yield "the simulation time of one trial. Everything else: medians of the trials."
     if any(map(published_figures, plan.rows)):
-        yield "The paper has means of three runs of CPU and memory; beside its figures, our means are in brackets."
+        yield "The paper has means of three runs of CPU and memory; next to its figures, our means are in brackets."
     if len(mixed := [pace for pace in plan.paces if pace in _LINES[""]]) > 1:
         yield f"If a cell has several figures, they are {' / '.join(_TITLES[pace] for pace in mixed)}."
     if _has_incidents(results):

@@ -1,4 +1,4 @@
-"""Whatever crosses a field: a robot by its poses, or limits of steps by a path of cells.
+"""Models of crossing a field: a robot by its poses, or limits of steps by a path of cells.
 
 The core knows limits of steps (`field/limits.py`). Robots come with the capabilities that know them, which find one by
 its kind or file (`Capability.crossers`).
@@ -50,7 +50,7 @@ class CrossingModel(ABC):
 
     @property
     def search(self) -> str:
-        """What is searched for by `caps`, in words for a progress bar; empty if that takes no time."""
+        """Name of the search of `caps` for a progress bar; empty if it takes no time."""
         return ""
 
     @abstractmethod
@@ -80,7 +80,7 @@ def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> 
 
 
 def predictions(robot: CrossingModel, scene: Any) -> Mapping[str, Any]:
-    """Return how surely a robot gets across a scene, by its sides, west_east and south_north, as drives tell.
+    """Return how surely a robot gets across a scene, by its sides, west_east and south_north, from drives.
 
     Each has a `probability`, a text, and `as_json`; empty for limits of steps, and where nothing can drive.
     """

@@ -156,7 +156,7 @@ class StepField:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Chunk:
-    """A chunk of a map as a field of its own, with its indices along x and y and its centre in metres."""
+    """A chunk of a map as its own field, with its indices along x and y and its centre in metres."""
 
     index: tuple[int, int]
     centre: tuple[float, float]

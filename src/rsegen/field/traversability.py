@@ -311,7 +311,7 @@ def path_caps(field: StepField, limits: StepLimits, axis: int) -> Ints | None:
 
 
 def _tops(field: StepField, limits: StepLimits, axis: int, path: Ints) -> Ints:
-    """Return the highest level below the robot at each cell of its path, such that it can go on from there."""
+    """Return the highest level below the robot at each cell of its path from which it can go on."""
     # Lowered forward until no rise, and then backward until no drop, exceeds the limit; backward keeps the rises.
     margin = cells_to_each_side(field, limits.width) + 1
     along = (path if axis == 0 else path[:, ::-1]) + (margin, 0)

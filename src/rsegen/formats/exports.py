@@ -4,7 +4,7 @@
     recipes --plan_exports--> RunPlan --run--> an ExportedMap of each map
     recipes, a format that joins maps (a ROS 2 package) --_export_joined--> a folder with all maps, or none
 
-Each format has a folder of its own in that of the map, which is replaced as a whole; formats.json lists the formats
+Each format has its own folder in that of the map, which is replaced as a whole; formats.json lists the formats
 with their options, so that a resumed run knows which of them are those asked for.
 """
 
@@ -181,7 +181,7 @@ def _checked_maps(
     seen = set()
     for name in (recipe.map_name(index) for recipe, index in maps):
         if name in seen:
-            raise OutputError(f"{folder / name}: two of the maps have this name; export them into folders of their own")
+            raise OutputError(f"{folder / name}: two of the maps have this name; export them into separate folders")
         seen.add(name)
     return maps, needs
 
@@ -275,7 +275,7 @@ def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExis
         )
     if others:
         raise OutputError(
-            f"{home}: has {others[0]} of another map in it, which would be lost; "
+            f"{home}: has {others[0]} of another map in it, which would be overwritten; "
             "name all of its formats to replace them, or give another folder"
         )
 
@@ -343,7 +343,7 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
         same = all(Checksum.of(content) in held.get(name, ()) for name, content in expected.items())
         others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
         if journal is None or not same or others:
-            problem = "exists already and does not hold these maps and no others"
+            problem = "exists already and contains other maps, or not all of these"
             raise OutputError(f"{home}: {problem}; give force=True to replace it, or another package or folder")
         comparison = compare(home, journal)
     for name in (*comparison.changed, *comparison.missing):

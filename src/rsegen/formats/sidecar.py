@@ -63,7 +63,7 @@ class FormatFiles(Sidecar):
         refuse_unready(self.formats)
         for format_ in self.formats:
             if format_.joins:
-                problem = f"{format_.joins} would hold every map, which rsegen export alone writes"
+                problem = f"{format_.joins} would contain every map; only rsegen export writes that"
                 raise ParameterError(f"formats: {format_.name}", f"{problem}; export it, or leave out its name")
 
     def files(self, scene: Scene) -> Bundle:

@@ -30,7 +30,7 @@ class Urdf(Format):
     step: ClassVar[Step] = "surface"
 
     world: Annotated[
-        bool, Flag(help="hold the map by a fixed joint to a link `world`, for engines that let it fall (Drake, DART)")
+        bool, Flag(help="fix the map to a link `world` by a joint, for engines in which it would fall (Drake, DART)")
     ] = False
 
     def files(self, scene: Scene) -> Mapping[str, Iterable[bytes]]:

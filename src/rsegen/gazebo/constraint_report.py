@@ -169,9 +169,9 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         way, beside = (crossable["roughness"][part] for part in ("on_ways", "beside"))
         if None not in (*way.values(), *beside.values()):
             yield (
-                "on its ways neighbouring blocks differ by {mean_step:.1f} units on average, and {level_0:.0%} of the "
-                "blocks are at level 0; ".format(**way)
-                + "beside its ways by {mean_step:.1f} units, and {level_0:.0%} are".format(**beside)
+                "mean step between neighbouring blocks on its ways: {mean_step:.1f} units, ".format(**way)
+                + "elsewhere: {mean_step:.1f}; ".format(**beside)
+                + f"blocks at level 0: {way['level_0']:.0%}, elsewhere: {beside['level_0']:.0%}"
             )
     if "inventory" in report:
         used, owned = (sum(report["inventory"][name].values()) for name in ("used", "owned"))
@@ -187,7 +187,7 @@ def _distances(scene: Scene, report: dict[str, Any]) -> str:
     blocks allow, wherever they are.
     """
     limited = report.get("limited")
-    text = f"{report['obstacles']['differs_units']:,} units in all from the map that the obstacles ask for"
+    text = f"{report['obstacles']['differs_units']:,} units in total from the map that the obstacles ask for"
     if limited:
         text += f", and by {limited['differs_units']:,} from the map that {_made_of_it(limited['by'])}"
     if scene.recipe.inventory is None:

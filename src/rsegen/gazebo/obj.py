@@ -122,7 +122,7 @@ def _faces(mesh: Mesh, first: int, texture: TextureCoordinates | None, first_coo
 
 
 def _strips(count: int, what: str) -> Iterator[slice]:
-    """Yield the lines that are made at once; of many, tell how far they are."""
+    """Yield the lines that are made at once; for many of them, report the progress."""
     for low in range(0, count, STRIP):
         yield slice(low, min(low + STRIP, count))
         if count > LARGE:

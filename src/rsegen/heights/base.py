@@ -69,7 +69,7 @@ class Rounding:
 
     def __str__(self) -> str:
         x, y = self.cell
-        error = f"rounded by {self.mean_cm:.2g} cm in the mean, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
+        error = f"rounded by {self.mean_cm:.2g} cm on average, by {self.largest_cm:.2g} cm at most (x {x}, y {y})"
         filled = f"{self.filled:,} hole{'s'[: self.filled > 1]} filled from the neighbours"
         return "; ".join([error] * (self.largest_cm > _VISIBLE_CM) + [filled] * (self.filled > 0))
 
@@ -322,7 +322,7 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
 
 
 def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
-    """Return the recipe of one map of heights, with those of filled holes as a matrix of their own; see `imported`."""
+    """Return the recipe of one map of heights, with those of filled holes as their own matrix; see `imported`."""
     import numpy as np
 
     from rsegen.obstacles.matrix import Matrix

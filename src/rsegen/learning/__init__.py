@@ -7,7 +7,7 @@
     mjlab        StepFieldTerrainCfg, a sub-terrain of mjlab
     mujoco       add_map and add_terrain to an MjSpec; BlockGrid, whose map changes without compiling anew
     seating      seat: any MuJoCo model put on the ground, or dropped until it rests
-    mujoco_warp  BlocksOfWorlds: a map of its own for each world
+    mujoco_warp  BlocksOfWorlds: one map per world
     newton       add_map to a ModelBuilder; BlockGrid
     gymnasium    NewFieldAtReset, a wrapper around an environment
     torch        build_many, the blocks of many maps in a tensor on any device

@@ -39,7 +39,7 @@ class _Tiles:
 
 def add_terrain(command: Parser) -> None:
     """Add the flags of `rsegen terrain`."""
-    epilog = "Columns along y are of one recipe each. NAME_0000.json has the difficulty, kind and origin of each tile. "
+    epilog = "Each column along y is of one recipe. NAME_0000.json has the difficulty, kind and origin of each tile. "
     command.explain(_Tiles.__doc__, f"{epilog}docs/learning.md shows how to use it for training.")
     text = "YAML or JSON file, or the name of an example; each recipe has the same number of columns"
     add_input(command.group("input"), text, name="recipes", nargs="+")

@@ -94,7 +94,7 @@ class StepFieldTerrainCfg(_Parameters):
 
     @property
     def _sort(self) -> tuple[object, ...]:
-        """What sub-terrains have in common whose tiles are counted together."""
+        """Key of the sub-terrains whose tiles are counted together."""
         return self.recipe, self.mesh, self.spawn_radius, self.proportion, tuple(self.size)
 
 

@@ -92,7 +92,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
 
 
 def columns(recipes: Sequence[Recipe], count: int, **values: Any) -> dict[str, StepFieldTerrainCfg]:
-    """Return sub-terrains for so many columns of a curriculum, which has one for each of them, whatever `num_cols` is.
+    """Return sub-terrains for the columns of a curriculum, which has one for each of them, whatever `num_cols` is.
 
     Recipes have as many columns as each other, but for one; values: of each sub-terrain. ParameterError if there are
     fewer columns than recipes.

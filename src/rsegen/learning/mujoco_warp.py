@@ -1,4 +1,4 @@
-"""mujoco_warp: a map of its own for each world, which changes without compiling anew (4.0).
+"""mujoco_warp: one map per world, which changes without compiling anew (4.0).
 
 model, data = mjw.put_model(compiled), mjw.make_data(compiled, nworld=64)
 blocks = BlocksOfWorlds(grid, compiled, model, data)

@@ -6,7 +6,7 @@
 
 Idea: the sensor has no memory of its own. What it remembers, the last scans and the drift of each robot, is a value
 that goes in and comes out, so all of it can be compiled (`jax.jit`) and stays on the device. The order is that of a
-real one: the map is beside the robot, a ray is noisy, a number has steps, a ray is lost, the message is late.
+real one: the map is next to the robot, a ray is noisy, a number has steps, a ray is lost, the message is late.
 
 Random numbers come from a Generator of numpy or torch, or from a key of jax, each of the library of the ground.
 """
@@ -28,7 +28,7 @@ from rsegen.params.sorts import Float, Integer, validate
 
 
 class ScanState(NamedTuple):
-    """What a sensor remembers: the last scans, (delay + 1, ..., points), newest first; the drift, (..., 3), metres."""
+    """State of a sensor: the last scans, (delay + 1, ..., points), newest first; the drift, (..., 3), metres."""
 
     scans: Any
     drift: Any

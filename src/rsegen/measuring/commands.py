@@ -45,7 +45,7 @@ class _Options:
 
     robot: Annotated[str | None, _KINDS, Shell(metavar="KIND|FILE")] = None
     verify: Annotated[
-        bool, Flag(help="drive the robot across in MuJoCo, again and again, and tell how surely it gets across")
+        bool, Flag(help="drive the robot across in MuJoCo, again and again, and report how surely it gets across")
     ] = False
     output: Annotated[
         PictureName, Shell(help="draw the ways of the robot across the first map, and the area that it can reach")
@@ -64,13 +64,14 @@ def add_metrics(command: Parser) -> None:
     """Add the flags of `rsegen metrics`."""
     text = (
         "Measure how rough maps are: heights, steps, scale, ruggedness, and the smallest step with which they can be "
-        "crossed. With a robot, also where it gets, and its ways across, by its poses; with limits of steps, by cells."
+        "crossed. With a robot, also the area that it can reach, and its ways across, judged by its poses; with limits "
+        "of steps, judged by cells."
     )
     command.explain(text, f"docs/metrics.md has every formula. {robot_kinds()}")
     add_target_flags(command, "all")
-    group = command.group("robot", "a robot, which stands, tips and pushes itself on, pose by pose")
+    group = command.group("robot", "a robot, judged pose by pose: where it stands, tips over or gets stuck")
     add_flags(group, _Options, only=["robot", "verify"])
-    group = command.group("limits of steps", "in place of a robot: paths from cell to cell")
+    group = command.group("limits of steps", "instead of a robot: paths from cell to cell")
     add_flags(group, StepLimits)
     output = command.group("output")
     output.add_argument("--csv", action="store_true", help="print a table as CSV, lengths in metres")
@@ -119,7 +120,7 @@ def _crosser(arguments: argparse.Namespace) -> CrossingModel | None:
     given_limits = given(StepLimits, arguments)
     if arguments.robot is not None:
         if given_limits:
-            raise ParameterError("--climb-cm", "limits of steps are measured without --robot, which knows its own")
+            raise ParameterError("--climb-cm", "excludes --robot, which has its own limits")
         return robot_that_crosses(arguments.robot, "--robot")
     if given_limits and "climb_cm" not in given_limits:
         raise ParameterError("--climb-cm", _NO_ROBOT)
@@ -178,25 +179,35 @@ def _report(measured: Iterable[Measured], crosser: CrossingModel | None, units: 
     """Yield the lines of a page for one map, of a table for more of them."""
     maps = iter(measured)
     first, second = next(maps), next(maps, None)
-    yield from _table(chain([first, second], maps)) if second else _page(*first, crosser)
+    yield from _table(chain([first, second], maps), crosser) if second else _page(*first, crosser)
 
 
-def _table(measured: Iterable[Measured]) -> Iterator[str]:
+def _table(measured: Iterable[Measured], crosser: CrossingModel | None) -> Iterator[str]:
     from rsegen.measuring.catalogue import METRICS, custom
 
-    with_reach = False
+    legend, maps, crossed = dict(_LEGEND), 0, dict.fromkeys(_SIDES, 0)
     for number, (scene, measures, predicted) in enumerate(measured):
         own = {(name, METRICS[name].unit): _plain(value) for name, value in custom(scene.field).items()}
         cells = _cells(measures, predicted, lengths_in(scene.recipe.units)) | own
         if not number:
-            with_reach = measures.reach is not None
+            legend |= _LEGEND_OF_REACH if measures.reach else {}
+            legend |= _LEGEND_OF_PREDICTIONS if predicted else {}
             yield f"{'map':<24}" + "".join(f"{name:>{_width(name, unit)}}" for name, unit in cells)
             yield f"{'':<24}" + "".join(f"{unit:>{_width(name, unit)}}" for name, unit in cells)
         yield f"{scene.name:<24}" + "".join(f"{text:>{_width(*head)}}" for head, text in cells.items())
+        maps = number + 1
+        for side in crossed if measures.reach else ():
+            crossed[side] += getattr(measures.reach, side).length is not None
     yield ""
-    yield from (f"{name:<11}{text}" for name, text in _LEGEND.items())
-    yield from (f"{name:<11}{text}" for name, text in (_LEGEND_OF_REACH if with_reach else {}).items())
-    yield "rsegen metrics --map INDEX says more of one map, docs/metrics.md has every formula"
+    if crosser:
+        can = "can cross" if crosser.search else "leads across"
+        of_sides = " and ".join(f"{crossed[side]} {name}" for side, name in _SIDES.items())
+        yield f"Predicted: of {maps} maps, {_subject(crosser, scene.units)} {can} {of_sides}."
+        if crosser.search and not predicted:
+            yield _HOW_SURELY
+        yield ""
+    yield from (f"{name:<11}{text}" for name, text in legend.items())
+    yield "details of one map: rsegen metrics --map INDEX; all formulas: docs/metrics.md"
 
 
 _LEGEND = {
@@ -207,11 +218,11 @@ _LEGEND = {
     "climb w-e": "smallest step with which some path leads across from west to east; s-n: from south to north",
 }
 _LEGEND_OF_REACH = {
-    "region": "share of the blocks in the largest region in which the robot gets from everywhere to everywhere",
-    "way w-e": "its way across from west to east, divided by the straight one; empty: there is none",
-    "p w-e": "probability that it gets across, by drives with errors in MuJoCo",
+    "region": "share of the blocks in the largest region of mutually reachable blocks",
+    "way w-e": "length of its way from west to east, divided by that of a straight one; empty: no way",
 }
-"""The words below a table, for who has never read docs/metrics.md."""
+_LEGEND_OF_PREDICTIONS = {"p w-e": "probability that it gets across, by drives with errors in MuJoCo"}
+"""The words below a table, for readers who do not know docs/metrics.md."""
 
 
 def _width(name: str, unit: str) -> int:
@@ -283,7 +294,7 @@ def _page(
     yield f"surface  {rugged.surface_ratio:.2f} times the plan"
     wide = " for its width" if measures.reach else ""
     ways = f"{written.with_unit(opens.west_east)} west to east, {written.with_unit(opens.south_north)} south to north"
-    yield f"climb    that is needed to cross{wide}: {ways}"
+    yield f"climb    needed to cross{wide}: {ways}"
     if measures.reach and crosser:
         yield from _reach(measures.reach, crosser, scene.units)
     from rsegen.measuring.catalogue import METRICS, custom
@@ -308,7 +319,7 @@ def _verdict(
         yield f"Blocks are {heights} high; neighbours differ by {mean} on average, by {highest} at most."
         yield f"To cross it, a robot must climb steps of {climbs}."
         return
-    subject = f"the {crosser.in_words(scene.units)}" if crosser.search else crosser.in_words(scene.units)
+    subject = _subject(crosser, scene.units)
     can, cannot = ("can cross", "cannot cross") if crosser.search else ("leads", "does not lead")
     ways = {name: getattr(measures.reach, side) for side, name in _SIDES.items() if side not in predicted}
     yield from (f"{_SIDES[side].capitalize()}, the robot {found}." for side, found in predicted.items())
@@ -318,7 +329,15 @@ def _verdict(
         if way.length is None:
             yield f"Predicted: {subject} {cannot} {name}{f': {why}' if (why := _why_not(way)) else ''}."
     if ways and crosser.search:
-        yield "How surely, drives tell: add --verify, or use rsegen predict."
+        yield _HOW_SURELY
+
+
+_HOW_SURELY = "To see how surely, drive it: add --verify, or use rsegen predict."
+
+
+def _subject(crosser: CrossingModel, units: str) -> str:
+    """Return a robot or limits of steps as the subject of a sentence."""
+    return f"the {crosser.in_words(units)}" if crosser.search else crosser.in_words(units)
 
 
 def _steps(steps: Steps, written: Lengths) -> Iterator[str]:
@@ -356,7 +375,7 @@ def _reach(reach: Any, crosser: CrossingModel, units: str) -> Iterator[str]:
     written = lengths_in(units)
     climbable, droppable = getattr(reach, "climbable", None), getattr(reach, "droppable", None)
     if climbable is not None and droppable is not None:
-        yield f"steps    {climbable:.1%} it goes up, {droppable:.1%} it goes down"
+        yield f"steps    {climbable:.1%} can be climbed, {droppable:.1%} can be descended"
     if poses := getattr(reach, "poses", None):
         yield from _poses(poses, written)
     yield f"region   {reach.coverage:.1%} of the blocks, all mutually reachable (analogue of coverability)"

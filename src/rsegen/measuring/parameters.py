@@ -48,7 +48,7 @@ By = Annotated[
     Any,
     Reference(
         "a metric by its name",
-        help="what rises evenly, as in opening.west_east or, with a robot, reach.west_east.tilt",
+        help="metric that rises evenly, such as opening.west_east or, with a robot, reach.west_east.tilt",
         types=(object,),
     ),
     Shell(metavar="METRIC"),
@@ -57,6 +57,6 @@ By = Annotated[
 
 ByRobot = Annotated[
     CrossingModel | str | None,
-    CrosserSort(help="robot, or limits of steps, of the metric by which it rises"),
+    CrosserSort(help="robot, or limits of steps, for this metric"),
     Shell(metavar="KIND|FILE|CM,CM,CM"),
 ]

@@ -50,7 +50,7 @@ class MapFriction:
         return self._bits[mu]
 
     def layers(self, mu: float) -> Iterator[Layer]:
-        """Yield the layers of a shape of a robot with a coefficient of its own; the first touches other robots too."""
+        """Yield the layers of a shape of a robot with its own coefficient; the first touches other robots too."""
         rougher = sum(bit for own, bit in self._bits.items() if own >= mu)
         smoother = sum(bit for own, bit in self._bits.items() if own < mu)
         if rougher:

@@ -1,4 +1,4 @@
-"""What a step of `ManyWorlds` does beside mujoco_warp's, as kernels of Warp: of wheels, or of contacts of all worlds.
+"""Kernels of Warp for a step of `ManyWorlds`, in addition to mujoco_warp's: for wheels, or for contacts of all worlds.
 
 Arrays of contacts are of all worlds together, in any order, with as many of them as `count` says.
 """

@@ -35,7 +35,7 @@ _THINNEST = 1e-4
 
 
 class NamedBoxes(NamedTuple):
-    """Boxes in a body of their own, beside those of a scene: somebody changes them in the compiled model.
+    """Boxes in their own body, next to those of a scene: somebody changes them in the compiled model.
 
     body: its name; at: its place, metres; names: of the boxes; centres, halves: (boxes, 3), metres, from its place
     """
@@ -64,7 +64,7 @@ def map_model(
 ) -> MapModel:
     """Return the model of a scene with robots at their starts; FileError or ParameterError for what it cannot hold.
 
-    seen: with colours and light, for a window; built: how the map differs from its drawing; boxes: beside its blocks,
+    seen: with colours and light, for a window; built: how the map differs from its drawing; boxes: next to its blocks,
     with the friction of the scene
     """
     blocks = list(_blocks(scene) if built.heights is None else _blocks_as_built(scene, built.heights))
@@ -117,7 +117,7 @@ def _blocks(scene: Scene) -> Iterator[tuple[Array, Array, float]]:
 
 
 def _blocks_as_built(scene: Scene, errors: Array) -> Iterator[tuple[Array, Array, float]]:
-    """Yield the same, but each block with an error (n_x, n_y) as a box of its own, higher than drawn by as much."""
+    """Yield the same, but each block with an error (n_x, n_y) as its own box, higher than drawn by as much."""
     field = scene.field
     (x, y), differs = field.middles(), np.isfinite(errors) & (field.heights > 0)
     drawn = replace(field, levels=np.where(differs, 0, field.levels), frame=field.frame & ~differs)

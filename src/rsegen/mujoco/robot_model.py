@@ -1,9 +1,9 @@
 """A robot as a body of MJCF, MuJoCo's format: its links, joints, shapes and motors, from its SDF <model>.
 
 Robots of rsegen and of files come the same way, as text of SDF without plug-ins. The origin of the model is a body that
-moves freely; links hang on it and on each other as the joints say, a fixed one without a joint. What a drive needs to
-know of each shape is kept beside the text: which part of the robot it is, whether it belongs to a belt, and a direction
-along which it has a friction of its own.
+moves freely; links are attached to it and to each other as the joints say, a fixed one without a joint. What a drive
+needs to know of each shape is kept next to the text: which part of the robot it is, whether it belongs to a belt, and a
+direction along which it has its own friction.
 
 A mesh touches with its convex hull. The shapes of a belt that are one box, or one mesh, get round ends, as a belt has:
 a box would push its front face against an edge instead of climbing it. What breaks it: joints that are screws or gears,
@@ -156,7 +156,7 @@ class _Builder:
             if kind not in (*_JOINTS, "fixed"):
                 raise FileError(f"{self._where}: joint {name} is of type {kind}, which cannot be driven in MuJoCo")
             if child in held:
-                raise FileError(f"{self._where}: link {child} hangs on two joints, {held[child]} and {name}")
+                raise FileError(f"{self._where}: link {child} is the child of two joints, {held[child]} and {name}")
             held[child] = name
         return held
 
@@ -182,7 +182,7 @@ class _Builder:
     def _add_link(self, holder: Element, link: str, above: Array, depth: int) -> None:
         """Add a link and all that hangs on it to the body of the link that holds it, whose pose is `above`."""
         if depth > len(self._links):
-            raise FileError(f"{self._where}: link {link} hangs on itself")
+            raise FileError(f"{self._where}: link {link} is its own parent")
         pose = self._frames.transform(link)
         own = np.linalg.inv(above) @ pose
         name = f"{self.model.name}/{link}"

@@ -1,4 +1,4 @@
-"""How much faster a robot's sides must run against each other than by its separation, for the turn rate it is told.
+"""The factor by which a robot's sides must run faster than its separation says, to turn at the commanded rate.
 
 What skids turns less than it rolls, and a wide wheel turns on its outer edge. The gain is measured, once for each robot
 and process, in this very simulator: the robot turns on flat ground at half of its turn rate, and the gain is what was
@@ -59,7 +59,7 @@ def turn_gain(robot: DrivableRobot) -> float:
 
 
 def _turned(robot: DrivableRobot, w: float, gain: float) -> float:
-    """Return the radians that a robot turns within _TURNS on flat ground when it is told a rate, with a gain."""
+    """Return the radians that a robot turns within _TURNS on flat ground at a commanded rate, with a gain."""
     world = on_flat_ground(robot, gain)
     world.drive(ROBOT, robot, 0.0, w)
     world.step(round(_SETTLES / STEP))

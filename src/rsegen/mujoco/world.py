@@ -58,7 +58,7 @@ class MujocoWorld(EmbeddedWorld):
     period: seconds between two rows of the record
     seen: with colours and light, for a window
     built: how the map differs from its drawing
-    boxes: beside its blocks, which somebody changes in `model`, and then calls `restart`
+    boxes: next to its blocks, which somebody changes in `model`, and then calls `restart`
     """
 
     step_seconds: ClassVar[float] = STEP

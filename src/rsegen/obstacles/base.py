@@ -139,7 +139,7 @@ class Obstacle(ABC):
             help="name of its random stream: the same key gives the same draw",
         ),
     ] = None
-    enabled: Annotated[bool, Flag(help="whether it is in the maps; one that is switched off stays in the list")] = True
+    enabled: Annotated[bool, Flag(help="whether it is in the maps; if not, it stays in the list")] = True
 
     def __post_init__(self) -> None:
         validate(self)

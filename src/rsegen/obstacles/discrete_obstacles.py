@@ -29,8 +29,8 @@ class DiscreteObstacles(Layout):
     also: ClassVar[tuple[str, ...]] = ("discrete", "boxes", "random_boxes", "clutter")
 
     count: Annotated[int, Integer(1, 10_000, usual=(1, 50), help="number of boxes")] = 10
-    least_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="least side of a box")] = 1
-    most_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="greatest side of a box")] = 4
+    least_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="smallest side of a box")] = 1
+    most_width: Annotated[int, Integer(1, 1000, unit="blocks", usual=(1, 10), help="largest side of a box")] = 4
     direction: Annotated[
         str,
         Choice(
@@ -45,7 +45,7 @@ class DiscreteObstacles(Layout):
     def __post_init__(self) -> None:
         Obstacle.__post_init__(self)
         if self.least_width > self.most_width:
-            raise ParameterError("least_width", f"{self.least_width} is more than the greatest, {self.most_width}")
+            raise ParameterError("least_width", f"{self.least_width} is more than the largest, {self.most_width}")
 
     @property
     def level_range(self) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Random blocks: every cell has a level of its own, uniform (the paper's figure 4), weighted, or normal.
+"""Random blocks: every cell has its own level, uniform (the paper's figure 4), weighted, or normal.
 
 Each level is a function of one random number u of the cell, by the inverse of its distribution, so a cell's draw does
 not depend on any other cell's, and all cells of many maps are drawn by one call. The cost is O(1) per cell; weighted

@@ -40,7 +40,7 @@ class Slope(Layout):
     ] = "up"
     platform_width: Annotated[
         int,
-        Integer(1, 1000, unit="blocks", usual=(1, 10), help="least side of the platform in the middle of a pyramid"),
+        Integer(1, 1000, unit="blocks", usual=(1, 10), help="smallest side of the platform in the middle of a pyramid"),
     ] = 2
 
     @property

@@ -46,7 +46,7 @@ class Stairs(Layout):
     step_height: Annotated[int, Integer(1, 32766, unit="units", usual=(1, 10), help="height of a step")] = 1
     platform_width: Annotated[
         int,
-        Integer(1, 1000, unit="blocks", usual=(1, 10), help="least side of the platform in the middle of a pyramid"),
+        Integer(1, 1000, unit="blocks", usual=(1, 10), help="smallest side of the platform in the middle of a pyramid"),
     ] = 2
 
     def __post_init__(self) -> None:

@@ -22,13 +22,13 @@ from rsegen.params.capabilities import hooks
 
 
 class OfQuestion(TypedDict, total=False):
-    """What a failure has that is a question: repeat with replace: true."""
+    """The additional key of a failure that is a question: repeat with replace: true."""
 
     kind: Literal["exists", "changed"]
 
 
 class Failure(OfQuestion):
-    """Why a call failed."""
+    """The reason why a call failed."""
 
     where: str  # the parameter, as in obstacles[2].softness
     text: str

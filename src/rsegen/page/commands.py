@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Serving:
-    """Serve a page on which maps are edited and driven on, and open the browser."""
+    """Serve a page to edit maps and to drive on them, and open it in the browser."""
 
     host: Annotated[
         str,
-        Text(r"[^\x00-\x20]{1,255}", "an address", help="address to listen on; others let other machines in"),
+        Text(r"[^\x00-\x20]{1,255}", "an address", help="address to listen on; others let other machines connect"),
         Shell(("--host",), "ADDRESS"),
     ] = "127.0.0.1"
     port: Annotated[
@@ -103,8 +103,8 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
     if arguments.json:
         print(json.dumps({"url": url}), flush=True)
     else:
-        end = "Ctrl-C ends it" if arguments.keep else "Ctrl-C ends it, and so does closing it"
-        print(f"{url}\nThe page edits files in {service.host.folder}; {end}.", flush=True)
+        end = "press Ctrl-C" if arguments.keep else "close the page or press Ctrl-C"
+        print(f"{url}\nThe page edits files in {service.host.folder}. To stop, {end}.", flush=True)
         print(*_maps_in(arguments.recipe), sep="", end="", flush=True)
     if service.host.read_only:
         _warn(service.host.read_only)

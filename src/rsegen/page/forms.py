@@ -103,7 +103,7 @@ JsonType = Literal["integer", "number", "string", "boolean", "array", "null"]
 
 
 class Schema(TypedDict, total=False):
-    """What a field takes, in the words of JSON Schema."""
+    """The values of a field, in the words of JSON Schema."""
 
     title: str  # of one of several forms of a value
     type: JsonType | list[JsonType]
@@ -120,7 +120,7 @@ class Schema(TypedDict, total=False):
 
 
 class OfCommand(TypedDict, total=False):
-    """What a field of a command has besides."""
+    """Additional keys of a field of a command."""
 
     flag: str
     required: bool  # it does not run without
@@ -187,7 +187,7 @@ class Titled(TypedDict):
 
 
 class Hello(TypedDict):
-    """What is the same for all documents."""
+    """Data that are the same for all documents."""
 
     version: str
     folder: str  # in which files may be read and written

@@ -43,7 +43,7 @@ class Row(TypedDict):
 
 
 class Problem(TypedDict):
-    """Why a draft is invalid; the scene is that of the last valid one."""
+    """The reason why a draft is invalid; the scene is that of the last valid one."""
 
     where: str
     text: str
@@ -103,7 +103,7 @@ class ListedFile(TypedDict):
 
 
 class Listing(TypedDict):
-    """What a folder holds."""
+    """The content of a folder."""
 
     folder: str
     entries: list[ListedFile]
@@ -144,7 +144,7 @@ class FileChanged(TypedDict):
 
 
 class SearchProgress(TypedDict):
-    """How far a search is, 0 to 1."""
+    """Progress of a search, 0 to 1."""
 
     event: Literal["progress"]
     of: Search
@@ -203,7 +203,7 @@ class Opened:
 
     @property
     def opens_again(self) -> str:
-        """By what `open` opens it again, also in another server in this folder: its file, or what it was opened by."""
+        """Argument of `open` to open it again, also in another server in this folder: its file, or what was given."""
         path = self.document.path
         return str(path.relative_to(self.home)) if path and path.is_relative_to(self.home) else self.what
 

@@ -1,4 +1,4 @@
-"""Commands that pages run: each is `rsegen COMMAND` in a process of its own, with a document as its recipe.
+"""Commands that pages run: each is `rsegen COMMAND` in its own process, with a document as its recipe.
 
     values of a form --CommandForm--> arguments --> rsegen drive course.yaml --robot=burger --json --progress=json
                                                        stderr: progress and report, line by line; stdout: the result
@@ -206,7 +206,7 @@ class Jobs:
         self._conclude(run, code, result, began)
 
     def _watched(self, run: JobRun, launch: LaunchCommand, output: IO[str]) -> int:
-        """Return the exit code of a command, and tell what it says until then."""
+        """Return the exit code of a command, and report its output until then."""
         read, write = os.pipe()
         with os.fdopen(read, encoding="utf-8", errors="replace") as stderr, os.fdopen(write, "w") as end:
             listener = threading.Thread(target=self._listen, args=(run, stderr), daemon=True)

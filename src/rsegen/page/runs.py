@@ -1,6 +1,6 @@
-"""What a page runs: commands with their forms' values, on a document or on a map that is written already; their lines.
+"""Runs of a page: commands with their forms' values, on a document or on a map that is written already; their lines.
 
-    document or map, values, output --run--> Job, which is `rsegen COMMAND` in a process of its own (`jobs.py`)
+    document or map, values, output --run--> Job, which is `rsegen COMMAND` in its own process (`jobs.py`)
 
 The line of a shell that does the same works wherever the folder of the page is the working folder, also for a recipe
 that was never saved: it then has the recipe's flags, or, where a command has not all of them, writes the maps first.
@@ -31,14 +31,14 @@ from rsegen.writing.store import refuse_taken_file
 
 
 class ShellTarget(TypedDict):
-    """What stands for a document in the line of a command."""
+    """The arguments for a document in the line of a command."""
 
     before: str  # a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
     text: str  # words of the line: a file, flags, or the folder of a map
 
 
 class _Target(NamedTuple):
-    """What stands for a document in the line of a command, in words; flags come before other words."""
+    """The arguments for a document in the line of a command, as words; flags come before other words."""
 
     before: str = ""
     flags: Sequence[str] = ()

@@ -48,7 +48,7 @@ _KEPT = 16
 
 
 class MapResults(TypedDict):
-    """What is measured of a map, and what it costs, which is more work than to draw it.
+    """The metrics and costs of a map, which take more work than to draw it.
 
     A page asks for it where it shows it.
     """
@@ -66,7 +66,7 @@ class WarnedMap(Drawing):
 
 
 class Handle(Ends):
-    """Where the obstacle of a row lies."""
+    """Place of the obstacle of a row."""
 
     row: int
 
@@ -199,7 +199,7 @@ _MOST_ROWS = 32767
 
 
 _COUNT = Integer(1, 24, unit="maps")
-"""More would be too small to be told apart."""
+"""More would be too small to be distinguished."""
 
 _OPENED = 40_000
 """Cells of a map up to which the smallest step across it is found: of more it takes too long for a picture."""

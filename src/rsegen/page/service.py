@@ -191,7 +191,7 @@ def _listening(address: str, port: int | None) -> socket.socket:
 
 
 class Gui:
-    """A page that edits a recipe, shown in an output cell; `recipe` is what it has become.
+    """A page that edits a recipe, shown in an output cell; `recipe` is its current recipe.
 
     Its server ends with `close`, in a `with` statement at its end, and with the notebook's kernel.
 

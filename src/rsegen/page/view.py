@@ -53,7 +53,7 @@ class View:
         return path
 
     def _repr_html_(self) -> str:
-        """Return the page in a frame of its own, which notebooks show; its scripts cannot reach the notebook."""
+        """Return the page in its own frame, which notebooks show; its scripts cannot reach the notebook."""
         frame = 'width="100%" height="760" style="border: 0" sandbox="allow-scripts allow-downloads"'
         return f'<iframe {frame} allow="clipboard-write" srcdoc="{escape(self.html.decode())}"></iframe>'
 
@@ -115,7 +115,7 @@ def html_path(path: str | Path) -> Path:
     """Return the path of a page; a FileError if it is not called .html or .htm."""
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):
-        raise FileError(f"{path}: not a page's name; end it in .html")
+        raise FileError(f"{path}: a page must be an .html file")
     return path
 
 

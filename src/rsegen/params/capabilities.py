@@ -1,4 +1,4 @@
-"""What rsegen can do: the core, and capabilities, each a folder that can be taken away.
+"""The parts of rsegen: the core, and capabilities, each a folder that can be taken away.
 
 A capability declares itself in the `__init__.py` of its folder, in names alone, so that nothing heavy is imported:
 
@@ -62,7 +62,7 @@ class Command(NamedTuple):
 
 
 class Capability(NamedTuple):
-    """What a folder brings. Everything is named by text, as `module` or `module:name`, and imported when it is used.
+    """Declaration of a folder. Everything is named by text, as `module` or `module:name`, and imported when it is used.
 
     needs: the folders of other capabilities that it imports, besides the core
     commands: of the command line, in the order of the help
@@ -98,7 +98,7 @@ class Capability(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """What a capability finds on this machine, for `rsegen doctor`.
+    """Findings of a capability on this machine, for `rsegen doctor`.
 
     title: above its lines; content: for --json, under `name`; missing: each thing with what to do
     """

@@ -220,7 +220,7 @@ class ListOf(Parameter):
 
     def describe(self) -> str:
         sort = self.sort.describe()
-        return f"a list of {self.length} of {sort}" if self.length else f"{sort}, or a list of such"
+        return f"{self.length} values, each {sort}" if self.length else f"{sort}, or a list of these"
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,7 @@ class Streams:
         self._state[0][maps], self._state[1][maps] = of_part_high, of_part_low
 
     def skip(self, count: int) -> None:
-        """Leave out so many numbers of every map."""
+        """Leave out this number of random numbers of every map."""
         if count:
             factor, term = _jump(count)
             self._state = _plus(_times(self._state, factor), _times(self._increment, term))
@@ -166,7 +166,7 @@ class Streams:
         return self.jumped(shape)
 
     def jumped(self, shape: Sequence[int]) -> Any:
-        """Return the numbers of `arrays`, each by a jump of its own: on a device that has no generator of numpy."""
+        """Return the numbers of `arrays`, each by its own jump: on a device that has no generator of numpy."""
         from rsegen.params.arrays import asarray
 
         jumps = ((asarray(high, self._state[0]), asarray(low, self._state[0])) for high, low in _jumps(prod(shape)))

@@ -26,7 +26,7 @@ LARGE = 10**6
 
 @contextmanager
 def watched(watcher: Watcher) -> Iterator[None]:
-    """Let work inside tell a watcher how far it is."""
+    """Let work inside report its progress to a watcher."""
     token = _WATCHER.set(watcher)
     try:
         yield

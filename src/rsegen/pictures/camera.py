@@ -1,4 +1,4 @@
-"""What a camera sees of coloured triangles: a picture in perspective with shadows, without OpenGL and without a screen.
+"""The picture of coloured triangles from a camera, in perspective with shadows, without OpenGL and without a screen.
 
 Each pixel keeps the nearest triangle (a visibility buffer), as one number whose high half is its nearness and whose low
 half is its index, so that the nearest of all is their maximum. Of triangles, rows and pixels come in arrays: a triangle
@@ -126,7 +126,7 @@ def south_west_of(extent: tuple[float, float], pixels: tuple[int, int] = (1280, 
 
 
 class View:
-    """What a camera sees of triangles that stay, and of others that move from picture to picture.
+    """The view of a camera on fixed triangles, and on others that move from picture to picture.
 
     radius: of the circle around the origin, metres, in which there are shadows; ground: the colour of the ground
     """

@@ -45,7 +45,7 @@ class _Preview:
     ] = False
     robot: Annotated[
         str | None,
-        Reference("KIND or FILE", help="robot to draw where it settles: its kind, or a file of it"),
+        Reference("KIND or FILE", help="robot to draw at rest on the map: its kind, or a file"),
     ] = None
     at: Annotated[
         tuple[float, float, float] | None,

@@ -59,7 +59,7 @@ class DrawnRobot(Protocol):
 
 
 class Drawn(Protocol):
-    """Whatever can be drawn at rest on a field: a robot."""
+    """An object that can be drawn at rest on a field: a robot."""
 
     def drawn_at(self, field: StepField, x: float, y: float, heading: float) -> DrawnRobot:
         """Return it where it settles."""
@@ -396,7 +396,7 @@ def image_format(path: Path) -> str:
     """Return the image format of a file name; raise a FileError that lists the known ones for another name."""
     name = path.suffix.lower().removeprefix(".").replace("jpeg", "jpg")
     if name not in IMAGE_FORMATS:
-        raise FileError(f"{path}: not a picture's name; end it in one of .{', .'.join(IMAGE_FORMATS)}")
+        raise FileError(f"{path}: a picture's name must end in one of .{', .'.join(IMAGE_FORMATS)}")
     return name
 
 

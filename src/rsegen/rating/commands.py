@@ -66,7 +66,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = ("mujoco",),
     precision: Annotated[
         float,
-        Float(2, 100, unit="%", help="stop when the 95 % interval of the level is at most this far up and down"),
+        Float(2, 100, unit="%", help="stop when the 95 % interval of the level is at most this wide on either side"),
         Shell(metavar="PERCENT"),
     ] = _PRECISION,
     trials: Annotated[
@@ -103,7 +103,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     seed: int | None = None,
     output: Annotated[
         str | Path | None,
-        FilePath(help="folder for the trials, the curve and a plot; a stopped rating goes on there"),
+        FilePath(help="folder for the trials, the curve and a plot; a stopped rating is continued"),
         Shell(("-o", "--output"), "DIR"),
     ] = None,
     force: Force = False,
@@ -180,7 +180,7 @@ def add_rate(command: Parser) -> None:
     """Add the flags of `rsegen rate`."""
     epilog = (
         "The folder gets rating.json, trials.csv, rating.png and recipe.json; rating.json has the command that drives "
-        "each trial again. The same command goes on with a stopped rating, or to a smaller interval. "
+        "each trial again. The same command continues a stopped rating, or narrows its interval. "
     )
     command.explain(rate.__doc__, epilog + robot_kinds())
     model = declared(rate)["robot"]

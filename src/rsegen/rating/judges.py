@@ -70,7 +70,7 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Judge(ABC):
-    """What makes trials. name: as `by` takes it; title: for people; cost: CPU seconds of a trial, about."""
+    """A maker of trials. name: as `by` takes it; title: for people; cost: CPU seconds of a trial, about."""
 
     name: str
     title: str
@@ -165,7 +165,7 @@ class Predicted(Judge):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ByFunction(Judge):
-    """What a function of a user says."""
+    """A judge that calls a function of the user."""
 
     crosses: Crosses
 

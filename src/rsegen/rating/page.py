@@ -43,7 +43,7 @@ class RatedTrial(TypedDict):
 
 
 class RatedCurve(TypedDict):
-    """The trials of one judge, and what they tell."""
+    """The trials of one judge, and the curve fitted to them."""
 
     judge: str
     half: str  # in words, with its interval
@@ -64,7 +64,7 @@ class RatingSoFar(TypedDict):
 
 
 class _Begun(NamedTuple):
-    """What the journal of a rating says; rated: None for what a shell cannot name, as a function."""
+    """Content of the journal of a rating; rated: None for what a shell cannot name, as a function."""
 
     name: str
     rated: Rated | None
@@ -94,7 +94,7 @@ def rating(host: Host, *, path: str) -> RatingSoFar:
 
 @call_of_host
 def drive_trial(host: Host, *, doc: str, path: str, judge: str, trial: int) -> JobValues:
-    """Drive a trial again in MuJoCo, as a job that writes a drive beside the folder of its rating.
+    """Drive a trial again in MuJoCo, as a job that writes a drive next to the folder of its rating.
 
     judge: its title; trial: the index of its field
     """
@@ -126,7 +126,7 @@ def _begun(folder: Path) -> _Begun:
     """Return what the folder of a rating holds so far; a FileError if it holds none."""
     journal = read_journal(folder)
     if journal is None or journal.holds != HOLDS:
-        raise FileError(f"{folder}: holds no rating")
+        raise FileError(f"{folder}: contains no rating")
     try:
         of: Any = journal.of
         axis, recipe = AXES[of["axis"]], decode(of["recipe"])

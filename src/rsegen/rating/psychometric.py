@@ -1,4 +1,4 @@
-"""How often a robot crosses over how hard a field is: a psychometric curve, its posterior, and the next trials.
+"""The share of crossings over the difficulty of fields: a psychometric curve, its posterior, and the next trials.
 
     p(u) = (1 - lapse) / (1 + exp((u - middle) / spread))     u: logarithm of the level, so that a unit of 2 is as far
                                                               from 1 as 4 from 2
@@ -12,7 +12,7 @@ The posterior of the three is held on a grid: first a coarse one over all middle
 trials leave (Watson and Pelli, QUEST, Perception & Psychophysics 33, 1983, with all parameters unknown as in Watson,
 QUEST+, J. Vision 17(3), 2017). The next trial is put where its outcome is expected to tell most about the middle,
 which is the Psi method (Kontsevich and Tyler, Vision Research 39, 1999) with spread and lapse as nuisances (Prins,
-J. Vision 13(7), 2013): with the spread as an aim of its own it took a fifth to two fifths more trials. Several trials
+J. Vision 13(7), 2013): with the spread as its own aim it took a fifth to two fifths more trials. Several trials
 are chosen together: after each, an outcome is drawn from what is known so far, and the next is chosen as if it had
 come. So they do not depend on who makes them, or how many at a time.
 
@@ -111,7 +111,7 @@ class Posterior:
 
 
 def posterior(u: Sequence[float] | Array, crossed: Sequence[bool] | Mask, low: float, high: float) -> Posterior:
-    """Return what trials at some u tell; low, high: the ends of the axis."""
+    """Return the posterior after trials at some u; low, high: the ends of the axis."""
     # Trials at one place count together: there are far fewer places than trials.
     places, which = np.unique(np.asarray(u, float), return_inverse=True)
     crossings = np.bincount(which, np.asarray(crossed, float), len(places)).astype(float)
@@ -168,7 +168,7 @@ def next_places(known: Posterior, candidates: Array, count: int, rng: Generator)
 
 
 def _information(shares: Array, weights: Array) -> Array:
-    """Return how much an outcome is expected to tell of the middle at each candidate, nats.
+    """Return the expected information of an outcome about the middle at each candidate, nats.
 
     That is the entropy of the outcome, less the entropy that is left if the middle is known.
     """

@@ -44,7 +44,7 @@ def usual_fields() -> Recipe:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Target:
-    """Where trials are made, and where they go: the options of a run."""
+    """The options of a run: where trials are made and written."""
 
     output: Path | None
     force: bool
@@ -54,7 +54,7 @@ class Target:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Rated:
-    """What is rated: a robot with its motors and the longest time of a drive, or a function.
+    """The rated subject: a robot with its motors and the longest time of a drive, or a function.
 
     robot: as the user gave it; limits: wheels, tracks and so on of the robot of a file
     """
@@ -66,7 +66,7 @@ class Rated:
 
     @property
     def is_function(self) -> bool:
-        """Whether it is a function of a user, and no robot."""
+        """Return whether this is a function of a user, and no robot."""
         return callable(self.robot)
 
     def model(self) -> DrivableRobot:
@@ -92,7 +92,7 @@ class Rated:
 
     @property
     def is_registered(self) -> bool:
-        """Whether a shell can name it: a kind of robot or a file, and no robot that was made in Python."""
+        """Return whether a shell can name it: a kind of robot or a file, but no robot that was made in Python."""
         return isinstance(self.robot, str | os.PathLike) or any(self.robot is known for known in ROBOTS.values())
 
     def replay(self) -> tuple[str, ...]:
@@ -190,7 +190,7 @@ def _notes(recipe: Recipe, axis: Axis, curves: Sequence[Curve]) -> list[str]:
     """Return what a reader should know about the fields, and about a curve that is not precise."""
     notes = []
     if _are_alike(recipe):
-        notes.append("all fields of this recipe are alike, so the interval says how finely levels were tried, no more")
+        notes.append("all fields of this recipe are equal, so the interval only shows how finely levels were tried")
     if recipe.boundary != "none" and any(curve.outside == "hard" for curve in curves):
         notes.append("the frames are equally high at every level; boundary='none' leaves them out")
     return notes

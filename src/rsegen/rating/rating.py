@@ -51,7 +51,7 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """The trials of one judge, and what they tell.
+    """The trials of one judge, and the curve fitted to them.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Curve:
 
     @property
     def outside(self) -> str:
-        """Why there is no level at which half are crossed: `easy` or `hard` if so at all levels, else empty."""
+        """The reason why no level at which half are crossed exists: `easy` or `hard` if all levels are, else empty."""
         first, last = self.axis.ends
         if self.posterior.below(HALF, last) < 1 - _SURE:
             return "easy"
@@ -108,7 +108,7 @@ class Curve:
 
     @property
     def crossed(self) -> int:
-        """How many trials crossed."""
+        """Number of trials that crossed."""
         return sum(bool(trial.crossed) for trial in self.trials)
 
     def counts(self) -> Iterator[tuple[float, int, int]]:

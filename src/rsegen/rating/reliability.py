@@ -60,7 +60,7 @@ def failures_allowed(reliability: float, confidence: float, repetitions: int) ->
 
 
 def shown_reliability(failures: int, repetitions: int, confidence: float) -> float:
-    """Return the reliability that so many failures show, with a confidence: the lower end of Clopper and Pearson."""
+    """Return the reliability that some failures show, with a confidence: the lower end of Clopper and Pearson."""
     if failures >= repetitions:
         return 0.0
     low, high = 0.0, 1.0
@@ -100,22 +100,22 @@ class ReliabilityTest:
 
     @property
     def repetitions(self) -> int:
-        """How many drives have a result."""
+        """Number of drives that have a result."""
         return self.drives.counted
 
     @property
     def failures(self) -> int:
-        """How many of them did not cross."""
+        """Number of drives that did not cross."""
         return self.drives.counted - self.drives.crossed
 
     @property
     def allowed(self) -> int | None:
-        """How many of them may fail; None if they are too few."""
+        """Number of drives that may fail; None if there are too few drives."""
         return failures_allowed(self.reliability, self.confidence, self.repetitions)
 
     @property
     def has_passed(self) -> bool:
-        """Whether the robot has passed."""
+        """Return whether the robot has passed."""
         return self.allowed is not None and self.failures <= self.allowed
 
     @property

@@ -47,7 +47,7 @@ Progress = Callable[[int, float], None]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RatingPlan:
-    """What is rated: fields of a recipe at levels of an axis, until `trials` are made or half is known to `precision`.
+    """Plan of a rating: fields at levels of an axis, until `trials` are made or half is known to `precision`.
 
     precision: half the width of the 95 % interval, as a share of the level
     """

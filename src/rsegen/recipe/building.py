@@ -75,7 +75,7 @@ def placed(recipe: MapDesign, obstacle: Obstacle, index: int) -> tuple[Cell, Cel
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PlacedObstacle:
-    """Where an obstacle lies in one map, in block cells, frames left out.
+    """Place of an obstacle in one map, in block cells, frames left out.
 
     row: its row in the recipe; first, last: its ends; low, high: corners of the rectangle of the blocks that it covers,
     None without any; blocks: how many these are; by_chance: whether an end was drawn

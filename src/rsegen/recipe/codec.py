@@ -52,7 +52,7 @@ class PluginRecord(Parameter):
 
 @dataclass(frozen=True)
 class PlacedRecord(Parameter):
-    """Where chance put obstacles in the map of the file, which follows from all else in it."""
+    """The drawn places of obstacles in the map of the file, which follow from the rest of it."""
 
     help: str = "where obstacles with random ends lie in the map of this file, in blocks; ignored when it is read"
 

@@ -45,7 +45,7 @@ class DifficultySort:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         low, high = (_SHARE.check(f"{where}[{index}]", share) for index, share in enumerate(value[:2]))
         if low > high:
-            raise ParameterError(where, f"{shown(value)} begins above its end; give the least first")
+            raise ParameterError(where, f"{shown(value)} begins above its end; give the smaller number first")
         return (low, high) if len(value) == 2 else (low, high, _STEPS.check(f"{where}[2]", value[2]))
 
     def parse(self, text: str) -> object:
@@ -303,7 +303,7 @@ class MapDesign:
 
 
 def with_keys(obstacles: tuple[Obstacle, ...]) -> tuple[Obstacle, ...]:
-    """Return obstacles that all have a key of their own: the given one, or one that is derived from their row."""
+    """Return obstacles that all have their own key: the given one, or one that is derived from their row."""
     taken: set[str] = set()
     for index, obstacle in enumerate(obstacles):
         if obstacle.key in taken:

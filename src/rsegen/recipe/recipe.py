@@ -30,7 +30,7 @@ class Run:
         str,
         Text(
             r"[A-Za-z0-9_][A-Za-z0-9_.\-]{0,63}",
-            "1..64 letters, digits, _ . -; the first no . or -",
+            "1..64 letters, digits, _ . -; not first: . or -",
             help="name of the maps",
         ),
     ] = "rse"

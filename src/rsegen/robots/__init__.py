@@ -24,9 +24,9 @@ CAPABILITY = Capability(
         Command(
             "robot",
             "drive a robot",
-            "list the robots, or print what was read of one",
+            "list the robots, or print the figures of one",
             "rsegen.robots.robot_command",
-            title="The robots, and what was read of one",
+            title="The robots, and their figures",
             also=("robots", "urdf", "kinds"),
         ),
     ),

@@ -40,7 +40,7 @@ def spots(  # noqa: PLR0913  # each is a flag
     count: Annotated[int, Integer(1, 1000, usual=(1, 20), help="number of spots"), Shell(metavar="N")] = 1,
     size: Annotated[
         tuple[float, float] | None,
-        ListOf(SIDE, 2, help="length and width of a robot, in place of --robot"),
+        ListOf(SIDE, 2, help="length and width of a robot, instead of --robot"),
         Shell(metavar="L,W"),
     ] = None,
     max_tilt: Annotated[
@@ -50,7 +50,7 @@ def spots(  # noqa: PLR0913  # each is a flag
         int | None, Integer(0, SEEDS - 1, help="seed of the choice"), Shell(default="drawn and printed")
     ] = None,
 ) -> tuple[Spot, ...]:
-    """Find spots on a map: a robot stands there level and firmly, on its wheels or tracks, and can drive away.
+    """Find spots on a map where a robot stands level and firmly on its wheels or tracks, and can drive away.
 
     At the spots of a seed `rsegen.drive` starts as many robots on a random route.
 

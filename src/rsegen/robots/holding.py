@@ -1,4 +1,4 @@
-"""Which joints of a model are held in a drive, as nothing drives them, and which move.
+"""Joints of a model that are held in a drive, as nothing drives them, and joints that move.
 
 What has limits is held: nothing else keeps an arm, a flipper or a leg where it is. A joint with a spring is a
 suspension and moves, as does one that turns without end, such as that of a caster. A joint that follows another one

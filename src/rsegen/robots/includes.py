@@ -2,7 +2,7 @@
 
 <include> becomes a nested model with its name and pose, or, with merge, links and joints of the model itself. A pose of
 a merged link is the product of that of the include and its own. A model is a folder with model.config, or a file: it is
-found beside the file that includes it, as model://, file:// or a path (uris.py). Cost: linear in the files, of which
+found next to the file that includes it, as model://, file:// or a path (uris.py). Cost: linear in the files, of which
 there are at most _MOST. What breaks it: addresses on the internet, such as those of Fuel, which are never fetched.
 What is not found is left out, with the joints that hang on it, and named; but not what would be merged, such as the
 chassis of a robot to which a file adds a sensor.

@@ -18,7 +18,7 @@ MOVING = ("revolute", "continuous", "prismatic")
 
 
 class Mimic(NamedTuple):
-    """What a joint follows: the joint `leader`, times a multiplier, and at which offset, radians or metres."""
+    """The rule of a joint that follows the joint `leader`: times a multiplier, plus an offset, radians or metres."""
 
     leader: str
     multiplier: float

@@ -119,7 +119,7 @@ class _Reader:
         self._limit_held(rates)
         followers = list(self._followers())
         if missing := self._source.missing:
-            remarks.append(f"left out, as these meshes that are only seen are not found: {', '.join(missing)}")
+            remarks.append(f"left out, as these visual meshes are not found: {', '.join(missing)}")
         if model.nflex:
             remarks.append("left out its flexible bodies")
         return Robot(Converted(self._sdf, (), tuple(followers)), Controls(rates, (), tuple(remarks), "its actuators"))
@@ -151,7 +151,7 @@ class _Reader:
         kinds = self._equality_names()
         loops = [name for name in kinds if name not in ("joint", "")]
         if loops:
-            yield f"left out what ties bodies together: {', '.join(f'<{name}>' for name in dict.fromkeys(loops))}"
+            yield f"left out the constraints between bodies: {', '.join(f'<{name}>' for name in dict.fromkeys(loops))}"
 
     def _equality_names(self) -> list[str]:
         """Return the element of each equality constraint, an empty text for one that is switched off."""

@@ -118,7 +118,7 @@ def _take_out_unneeded(spec: Any, folder: Path, where: str) -> tuple[str, ...]:
             continue
         weightless = geom.parent.explicitinertial or geom.mass == 0 or (isnan(geom.mass) and geom.density == 0)
         if geom.contype or geom.conaffinity or not weightless:
-            why = "of a shape that touches" if geom.contype or geom.conaffinity else "that gives a body its mass"
+            why = "of a collision shape" if geom.contype or geom.conaffinity else "that gives a body its mass"
             raise FileError(f"{where}: the mesh {missing[geom.meshname]} {why} is not found in {directory}")
         spec.delete(geom)
     for mesh in list(spec.meshes):

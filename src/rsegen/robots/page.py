@@ -221,7 +221,7 @@ class DrawnPose(TypedDict):
 def pose(  # noqa: PLR0913  # each is named by the page
     host: Host, *, doc: str, index: int, robot: str, x: float, y: float, heading: float
 ) -> DrawnPose:
-    """Return how a robot rests that is put down level at x, y with a heading; also beside the map.
+    """Return how a robot rests that is put down level at x, y with a heading; also next to the map.
 
     One that does not stand is where it was put: level, on the highest block below it.
     """
@@ -271,7 +271,7 @@ _AT_ONCE = 500
 
 
 class PoseMap(TypedDict):
-    """How a robot rests on a regular grid of nx x ny points, x first."""
+    """Poses of a robot at rest on a regular grid of nx x ny points, x first."""
 
     shape: tuple[int, int]
     low: tuple[float, float]
@@ -334,7 +334,7 @@ class StartOrGoal(TypedDict):
 
 
 class DrawnReach(TypedDict):
-    """Where a robot gets."""
+    """The area that a robot can reach."""
 
     text: str  # "crosses west to east"
     region: str  # base64 of uint8 for each cell: 1 where it gets
@@ -378,7 +378,7 @@ def _ways(field: StepField, body: Body, crossings: Mapping[str, LatticeWay]) -> 
 
 
 class WayEvent(TypedDict):
-    """What happens on a way: a drop, or a slip."""
+    """An event on a way: a drop, or a slip."""
 
     at: int  # the number of the pose
     text: str

@@ -39,7 +39,7 @@ class _Picture:
         Shell(
             ("--picture",),
             "PICTURE",
-            "draw its visual shapes, and beside them its collision shapes: png, svg, pdf, jpg or webp, by its ending",
+            "draw its visual and its collision shapes side by side: png, svg, pdf, jpg or webp, by its ending",
         ),
     ] = None
     force: Force = False
@@ -48,15 +48,15 @@ class _Picture:
 def add_robot(command: Parser) -> None:
     """Add the arguments of `rsegen robot`."""
     command.explain(
-        "List the robots that rsegen has; or print what was read of one, also of your own file, and where each figure "
-        "is from: its mass, size, wheels, speed, friction and motors; what was assumed, and what is left out.",
-        "rsegen drive, metrics, predict and all other commands take the same robot.",
+        "List the robots of rsegen; or print the mass, size, wheels, speed, friction and motors of one of them or of "
+        "your own file, with the source of each figure, what was assumed, and what is left out.",
+        "rsegen drive, metrics, predict and all other commands accept the same robots.",
     )
     text = "a kind of robot, or an SDF, URDF, Xacro or MJCF file, as 'FILE NAME:=VALUE ...' with arguments"
     command.add_argument("robot", nargs="?", metavar="KIND|FILE", help=f"{text} (default: list the kinds)")
     group = command.group("robot")
-    group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, in place of those that are found")
-    group.add_argument("--tracks", metavar="LEFT,RIGHT", help="links of its tracks, in place of those that are found")
+    group.add_argument("--wheels", metavar="LEFT,RIGHT", help="joints of its wheels, instead of those found")
+    group.add_argument("--tracks", metavar="LEFT,RIGHT", help="links of its tracks, instead of those found")
     add_flags(command.group("output"), _Picture)
 
 
@@ -193,7 +193,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
         why = (
             f"{', '.join(robot.steered)} {'is' if len(robot.steered) == 1 else 'are'} steered"
             if robot.steered
-            else "nothing says it, and no links look like wheels"
+            else "not in its file, and no links look like wheels"
         )
         yield Figure(name="drive", value="none", origin=why)
         return
@@ -214,9 +214,7 @@ def _of_file(robot: SdfRobot) -> Iterator[Figure]:
     shapes_of = [collision for link, collision, _ in frames.collisions() if link in links]
     mu = sorted({float(shape.findtext("surface/friction/ode/mu") or 1) for shape in shapes_of})
     limits = " to ".join(f"{value:g}" for value in dict.fromkeys((mu[0], mu[-1]))) if mu else "none"
-    yield Figure(
-        name="friction", value=limits, origin="<mu> of what it drives on; 1 if there is none, and 1 at most counts"
-    )
+    yield Figure(name="friction", value=limits, origin="<mu> of what it drives on; 1 if missing, and 1 at most")
 
 
 def _remarks(robot: SdfRobot) -> Iterator[str]:
@@ -230,7 +228,7 @@ def _remarks(robot: SdfRobot) -> Iterator[str]:
 
 
 def _assumed(robot: SdfRobot, name: str) -> str:
-    return "assumed, as nothing says it" if name in robot.assumed else ""
+    return "assumed, as its file does not say" if name in robot.assumed else ""
 
 
 def _metres(sides: Sequence[float]) -> str:

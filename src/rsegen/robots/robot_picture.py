@@ -1,4 +1,4 @@
-"""A picture of what a robot is: its visual shapes, and beside them its collision shapes, which alone touch the blocks.
+"""A picture of what a robot is: its visual shapes, and next to them its collision shapes, which alone touch the blocks.
 
 Both halves are seen by one camera, from the front and the right, on the ground on which its lowest collision shape
 stands. A ruler lies there, in the middle of which the robot stands. Joints are as its model has them.
@@ -49,7 +49,7 @@ _FEWEST = 4
 
 
 def robot_picture(robot: str | os.PathLike[str] | DrivableRobot, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-    """Draw the visual shapes of a robot, and beside them its collision shapes, which alone touch the blocks.
+    """Draw the visual shapes of a robot next to its collision shapes; only these touch blocks.
 
     Parameters
     ----------

@@ -191,7 +191,7 @@ def _by_shapes(frames: ModelFrames) -> ReadDrive | None:
     radii = {joint: _wheel_radius(joint, frames) for joint in _rolling(frames.joints, frames)}
     largest = max(radii.values(), default=0.0)
     wheels = [joint for joint, radius in radii.items() if radius and radius >= _LIKE * largest]
-    return _paired(wheels, frames, "the shapes of its links, as nothing in its file says", Controls())
+    return _paired(wheels, frames, "the shapes of its links, as its file does not say", Controls())
 
 
 def steered_wheels(frames: ModelFrames, ros: Controls) -> list[str]:

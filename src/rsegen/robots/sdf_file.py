@@ -324,7 +324,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
     remarks += [
         problem.format(_some(names))
         for names, problem in (
-            (source.left_out, "left out, as they have no mass, or hang on such a link: {}"),
+            (source.left_out, "left out, as they have no mass, or are attached to such a link: {}"),
             (source.mimics, "joints that follow another one by more than a multiplier and an offset do not: {}"),
             (impossible_inertias(frames), "no body has the moments of inertia of {}; Gazebo Sim may refuse them"),
         )

@@ -245,7 +245,7 @@ def _from_the_root_on(above: Mapping[str, _Joint], links: Mapping[str, Element],
         waiting += sorted(below[order[-1]], key=lambda name: above[name].name, reverse=True)
     lost = links.keys() - set(order)
     if lost:
-        raise FileError(f"{where}: the joints above link {shown(min(lost))} go round in a circle")
+        raise FileError(f"{where}: the joints above link {shown(min(lost))} form a loop")
     return order
 
 

@@ -101,7 +101,7 @@ def installed(path: Path) -> Path:
 
 
 class Manifest(NamedTuple):
-    """What the package.xml of a folder says: the name of the package, and of those that it depends on."""
+    """Content of the package.xml of a folder: the name of the package, and of those that it depends on."""
 
     name: str
     needs: frozenset[str]

@@ -4,7 +4,7 @@
     model.sdf    the same robot for Gazebo Sim, with sensors and plug-ins   nav2.yaml     its footprint and speeds
 
 Frames, after REP 105: `odom` - `base_link` is the true pose, in 3D, of Gazebo's OdometryPublisher, whose odometry is in
-the frame of the world; what wheels or tracks measure is an odometry of its own, in the frame `wheel_odom`, and no
+the frame of the world; what wheels or tracks measure is its own odometry, in the frame `wheel_odom`, and no
 transform: on blocks they slip, and they know no height.
 
 The SDF has the names of plug-ins that Fortress knows too since 6.16. In URDF a link stands where its joint puts it,

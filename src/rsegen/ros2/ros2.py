@@ -45,7 +45,7 @@ class Ros2(Format):
         Text(
             "[a-z](_?[a-z0-9])+",
             "small letters, digits and single underscores, a letter first",
-            help="name of one package that holds all maps; default: a package for each map, named after it",
+            help="name of one package with all maps; default: a package for each map, named after it",
         ),
     ] = None
     robot: Annotated[
@@ -80,7 +80,7 @@ class Ros2(Format):
         package = self.package or package_name(scene.name)
         common = common_files(package, self._robot_files(), self.robot or "none")
         contents: dict[str, Iterable[bytes]] = {path: [text.encode()] for path, text in common.items()}
-        # The map's model, as of mesh type `single`; the package has a world of its own.
+        # The map's model, as of mesh type `single`; the package has its own world.
         model = {path: content for path, content in single.files(scene).items() if path != f"{scene.name}.world"}
         contents |= {f"models/{scene.name}/{path}": content for path, content in model.items()}
         contents |= urdf_files(scene, f"urdf/{scene.name}/", f"package://{package}/urdf/{scene.name}/")

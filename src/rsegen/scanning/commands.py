@@ -45,7 +45,7 @@ _MOST_PALLETS = 30
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Fit:
-    """Write the world, recipe and build sheet of a field that stands somewhere, from a point cloud or a depth image."""
+    """Write the world, recipe and build sheet of a real field, from a point cloud or a depth image of it."""
 
     fit: Annotated[
         str | None,
@@ -56,11 +56,11 @@ class _Fit:
 
 def add_scan(command: Parser) -> None:
     """Add the flags of `rsegen scan`."""
-    epilog = "The cloud has some floor around the field; ground, grid and the level of every block are found. "
+    epilog = "The cloud must show some floor around the field; rsegen finds the ground, the grid and all levels. "
     epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
     command.explain(_Fit.__doc__, epilog)
     command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {', '.join('*' + name for name in CLOUDS)}")
-    group = command.group("reading", "what is not given is found from the cloud")
+    group = command.group("reading", "values that you do not give are estimated from the cloud")
     add_flags(group, ScanOptions, without=parameters(Recipe))
     add_output_flags(command)
     add_flags(command, _Fit)
@@ -126,12 +126,12 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
             )
     for side in scan.open_sides:
         yield (
-            f"warning: hardly a cell next to the {side} side was seen: if the field goes on there, give --size, "
+            f"warning: almost no cells next to the {side} side were seen: if the field goes on there, give --size, "
             "or a scan that shows the floor next to it"
         )
     errors = np.abs(scan.errors[scan.seen])
     mean, most = (written.with_unit(float(error)) for error in (errors.mean(), errors.max()))
-    yield f"tops are {mean} from their levels in the mean, {most} at most"
+    yield f"tops are {mean} from their levels on average, {most} at most"
     if not scan.seen.all():
         level = "are filled from their neighbours" if scanned.recipe.obstacles[1:] else "get level 0"
         yield f"warning: not seen: {_cells(scanned, ~scan.seen)}; blocks among them {level}"
@@ -141,7 +141,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
 
 
 _DOUBTFUL = 0.5
-"""Share of the cells beside frames that are as high as these from which on they may be blocks."""
+"""Share of the cells next to frames that are as high as these from which on they may be blocks."""
 
 
 def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
@@ -158,14 +158,14 @@ def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:
         if len(rim) == 1 and rim[0] > 0:
             high = written.with_unit(float(rim[0]) * scan.unit, 3)
             yield (
-                f"assumed: no frames, as most blocks beside the rim are {high} high too "
+                f"assumed: no frames, as most blocks next to the rim are {high} high too "
                 "(--boundary outer or divided if the rim is a frame)"
             )
         return
     heights = np.where(scan.seen, scan.levels * scan.unit, np.nan)
     if share_as_high(heights, scan.frame, scan.frame_height, scan.unit) >= _DOUBTFUL:
         yield (
-            f"assumed: frames, though many blocks beside them are {written.with_unit(scan.frame_height, 3)} high too "
+            f"assumed: frames, though many blocks next to them are {written.with_unit(scan.frame_height, 3)} high too "
             "(--boundary none if they are blocks)"
         )
 
@@ -222,7 +222,7 @@ _NAMED = 20
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Drawing:
-    """Print, and draw, which blocks of a real field or of a map differ from those of MAP."""
+    """Print and draw which blocks of a real field, or of a map, differ from those of MAP."""
 
     output: Annotated[PictureName, Shell(help="draw what to change: png, svg or pdf, by its ending")] = None
     force: Force = False
@@ -236,8 +236,8 @@ def add_compare(command: Parser) -> None:
         "paths",
         nargs="+",
         metavar="SCAN-or-MAP",
-        help="point clouds or depth images of one field, as for rsegen scan, or a map; MAP, the last, is what should "
-        "stand: a recipe, an example, the folder of a map",
+        help="point clouds or depth images of one field, as for rsegen scan, or a map; the last one, MAP, is the map "
+        "to compare with: a recipe, an example, the folder of a map",
     )
     command.add_argument("--map", metavar="INDEX", help="index or name of the map (default: the first)")
     add_flags(command.group("output"), _Drawing)

@@ -1,4 +1,4 @@
-"""Comparison of a field that stands somewhere with the field that should stand there, cell by cell.
+"""Comparison of a real field with the field that should stand there, cell by cell.
 
 A real field does not say which side is south, so the quarter turn counts at which most cells agree. It fails for maps
 that are symmetric but for a few blocks: then several turns agree equally well, and the first of them is taken.
@@ -21,7 +21,7 @@ differ in about four of five cells at any turn."""
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Comparison:
-    """The heights of a field that stands somewhere, on the cells of the field that should stand there.
+    """The heights of a real field, on the cells of the field that should stand there.
 
     heights: (n_x, n_y) [m], nan where it is not known; wanted: the field that should stand; tolerance: heights that
     differ by less are equal [m]; turns: quarter turns counterclockwise after which the heights lie on the wanted field.

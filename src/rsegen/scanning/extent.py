@@ -11,8 +11,8 @@ have one height:
      # . . # . . #      several levels would be on the frames
      # # # # # # #
 
-A rim of blocks of one level looks like that too. Of a deck with holes the cells beside the rim are as high as it, so it
-is no frame then; blocks inside of a frame have all levels.
+A rim of blocks of one level looks like that too. In a deck with holes the cells next to the rim are as high as it, so
+it is no frame then; blocks inside of a frame have all levels.
 
 Sums over rectangles come from one table of cumulative sums along both axes, so each place of a rectangle costs four
 look-ups; a known map is compared at the best places only. A rim at level 0 looks like floor: then the size has to be
@@ -154,7 +154,7 @@ A wrong chunk size puts blocks of all levels on frames, far more than 2 %. With 
 
 
 _DECK = 0.9
-"""Share of the cells beside a rim that are as high as it from which on it is the rim of a deck, and no frame: of the
+"""Share of the cells next to a rim that are as high as it from which on it is the rim of a deck, and no frame: of the
 examples with frames up to 0.4 are, of decks all but the holes at the rim."""
 
 
@@ -220,7 +220,7 @@ def frames_of(
 
 
 def share_as_high(heights: Array, rim: Mask, height: float, unit: float) -> float:
-    """Return the share of the cells beside a rim that were seen and are as high as it; 0 if none was seen.
+    """Return the share of the cells next to a rim that were seen and are as high as it; 0 if none was seen.
 
     heights: (n_x, n_y) [m], nan where not seen; rim: (n_x, n_y), its cells; height: of the rim [m]
     """

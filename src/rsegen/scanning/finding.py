@@ -177,7 +177,7 @@ class _Gridded:
 
     def scan(self, part: Reading, frames: FrameLayout, transform: Transform) -> Scan:
         """Return the result for a part of the cells."""
-        # The frames have a height of their own, and are as sure as they agree on it.
+        # The frames have their own height, and are as sure as they agree on it.
         above = replace(part, heights=part.heights - np.where(frames.cells, frames.height, 0.0))
         return Scan(
             levels=np.where(frames.cells, 0, part.levels(self.unit)),
@@ -292,7 +292,7 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
             if frames and settings.blocks in (None, frames.blocks):
                 return grid.scan(part, frames, grid.transform.moved(corner, shape))
     if boundary not in (None, "none"):
-        raise ScanError(f"no {boundary} frames of one height stand round the blocks; give boundary none, or size")
+        raise ScanError(f"no {boundary} frames of one height stand around the blocks; give boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
     _refuse_larger(grid, corner, shape)
     none = FrameLayout(boundary="none", side=settings.chunk_size, blocks=shape)

@@ -195,7 +195,7 @@ def find_grid(points: Array, unit: float, noise: float, pixel: float, width: flo
     raster = rasterized(few, pixel)
     edges = np.concatenate([edge_pixels(raster, least, axis) for axis in (0, 1)])
     if len(edges) < _FEWEST_EDGES:
-        raise ScanError("no grid of blocks: there are hardly any steps in the cloud")
+        raise ScanError("no grid of blocks: the cloud has almost no steps")
     heading = _heading(edges, pixel)
     raster = _turned_raster(few, heading, pixel)
     lines = [edge_pixels(raster, least, axis)[:, [axis, 1 - axis]] for axis in (0, 1)]
@@ -425,7 +425,7 @@ class _Tops:
         levels = np.rint(few[:, 2] / unit)
         near = (np.abs(few[:, 2] - levels * unit) < _NEAR_LEVEL * unit) & (levels >= 0) & (levels <= _HIGHEST)
         if near.sum() < 100:  # fewer than one per cell of 10 x 10
-            raise ScanError("hardly a point is on top of a block; give a scan from above, or another unit_cm")
+            raise ScanError("almost no points lie on top of blocks; give a scan from above, or another unit_cm")
         return cls(levels=levels[near].astype(np.int64), places=few[near, :2])
 
     def off(self, grid: CloudGrid) -> int:
@@ -433,7 +433,7 @@ class _Tops:
         return len(self.levels) - int(self._counts(grid).max(axis=1).sum())
 
     def words(self, grid: CloudGrid) -> int:
-        """Return the number of levels that tell all points: one per raised cell, and one per point that is off."""
+        """Return the number of levels that describe all points: one per raised cell, and one per point that is off."""
         counts = self._counts(grid)
         return len(self.levels) - int(counts.max(axis=1).sum()) + int((counts.argmax(axis=1) > 0).sum())
 

@@ -1,4 +1,4 @@
-"""What a camera above a mesh sees of it, as points.
+"""The points of a mesh that a camera above it sees.
 
 Walls have half of the area of a step field, or more, and no height of a block. So points are spread over the faces by
 area as it is seen from above, and those that something covers are left out, such as a floor below blocks, and their
@@ -141,7 +141,7 @@ _MARGIN = 0.1
 
 
 class _View(NamedTuple):
-    """What is seen along a direction: points (n, 3), the area that they are spread over, and the range of heights."""
+    """The view along a direction: points (n, 3), the area that they are spread over, and the range of heights."""
 
     points: Array
     area: float

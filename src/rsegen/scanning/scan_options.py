@@ -48,7 +48,7 @@ class ScanOptions:
         Text(r"[^\s]{1,255}", "the name of a topic", help="topic of a bag with clouds; default: the only one with any"),
     ] = None
     up: Annotated[
-        str | None, Choice(tuple(_UPWARDS), help="axis of the cloud that is nearly up, as --up=-y; default: found")
+        str | None, Choice(tuple(_UPWARDS), help="axis of the cloud that is nearly up, as --up=-y; default: estimated")
     ] = None
     size: Annotated[
         Cell | None,
@@ -57,7 +57,8 @@ class ScanOptions:
         ),
     ] = None
     base_cm: Annotated[
-        float | None, Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: found")
+        float | None,
+        Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: estimated"),
     ] = None
     fill_holes: Annotated[
         bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")

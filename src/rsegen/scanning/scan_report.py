@@ -1,4 +1,4 @@
-"""A scan for programs: what was found of each block, so that a hole can be told from a block that nobody saw."""
+"""A scan for programs: what was found of each block, so that a hole differs from a block that was not seen."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ class ComparedMap:
     units: str = "cm"
 
     def picture(self, format: str = "png") -> bytes:  # noqa: A002  # matplotlib's word
-        """Return the plan with every block that is wrong, for the person with the mallet."""
+        """Return the plan with every block that is wrong, for mending the real field."""
         return comparison_plot(self.comparison, format, self.units)
 
     def _repr_png_(self) -> bytes:
@@ -121,7 +121,7 @@ def scan(clouds: Clouds, options: ScanOptions | None = None) -> ScannedMap:
 def compare(
     stands: Recipe | StepField | Clouds, wanted: Recipe | StepField, options: ScanOptions | None = None
 ) -> ComparedMap:
-    """Compare what stands with a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
+    """Compare a real field, or a map, with a map: `rsegen.compare("pallet.ply", recipe).comparison.wrong`.
 
     A scan is turned and moved to where the map fits best, and has the map's block width and unit.
 

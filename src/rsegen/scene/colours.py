@@ -1,6 +1,6 @@
 """The colour of a height in plans, on the page, in pictures and on build sheets: the same on all standard maps.
 
-It is lighter the higher, so that it reads in greyscale too. In worlds a level has a colour of its own (scene.py).
+It is lighter the higher, so that it reads in greyscale too. In worlds a level has its own colour (scene.py).
 
     height h [m] --h / (h + 0.35)--> place 0..1 on a ramp of six colours --in OKLab--> sRGB
 

@@ -1,4 +1,4 @@
-"""How blocks touch robots in MuJoCo: all that decides a contact, so that no default of a robot's model decides it.
+"""Contact parameters between blocks and robots in MuJoCo: all of them, so that no default of a robot's model acts.
 
 MuJoCo lets two geoms touch if the bits `contype` of one meet `conaffinity` of the other. Blocks have all bits, so
 they touch whatever can touch anything. Of two geoms the one with the higher `priority` decides friction, condim, solref
@@ -22,7 +22,7 @@ _CONDIMS = (1, 3, 4, 6)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
-    """How blocks touch in MuJoCo, whose words these are; but for the priority, the defaults are MuJoCo's own.
+    """Contact parameters of blocks in MuJoCo, with MuJoCo's names and, except for the priority, its defaults.
 
     Feet have priorities of 0 and 1, so by default the blocks' friction acts; below theirs only the robot's acts, and
     with an equal one the larger.
@@ -51,7 +51,7 @@ class Contact:
     def __post_init__(self) -> None:
         validate(self)
         if self.condim not in _CONDIMS:
-            raise ParameterError("condim", f"{self.condim} is none of MuJoCo's; give 1, 3, 4 or 6")
+            raise ParameterError("condim", f"{self.condim} is not a condim of MuJoCo; give 1, 3, 4 or 6")
 
     def frictions(self, sliding: float) -> tuple[float, float, float]:
         """Return the three coefficients of friction of a block: sliding, torsional, rolling."""

@@ -81,7 +81,7 @@ class Installation:
 
     @property
     def drives_without(self) -> tuple[str, ...]:
-        """What a drive in it does not give, in words."""
+        """The results that a drive in it lacks, in words."""
         return self.simulator.drives_without
 
     def __str__(self) -> str:

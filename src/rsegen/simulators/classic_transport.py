@@ -72,7 +72,7 @@ class TransportClient(Inbox):
         self._start_thread(self._read_master)
         self._start_thread(self._accept_subscribers)
         try:
-            self.wait("a server is there, but tells of no world", lambda: bool(self.world))
+            self.wait("a server is running, but reports no world", lambda: bool(self.world))
         except SimulatorFailed:
             self.close()
             raise
@@ -167,7 +167,7 @@ class TransportClient(Inbox):
                     sent = other.send(left, _DONT_WAIT)
                     left, wait = left[sent:], self.patience.begin()
                 elif wait.is_over:
-                    raise SimulatorFailed(f"Gazebo Classic: the server takes no message for {self.patience}")
+                    raise SimulatorFailed(f"Gazebo Classic: the server accepted no message for {self.patience}")
         except (OSError, ValueError) as error:  # ValueError: it is closed already
             raise SimulatorFailed(f"Gazebo Classic: the server is gone ({library_message(error)})") from None
 
@@ -254,7 +254,7 @@ def transport_client(address: tuple[str, int], patience: Patience) -> AbstractCo
         return closing(TransportClient(address, patience))
     except OSError as error:
         host, port = address
-        raise NothingRuns(f"Gazebo Classic: nobody answers at {host}:{port} ({error.strerror or error})") from None
+        raise NothingRuns(f"Gazebo Classic: no answer from {host}:{port} ({error.strerror or error})") from None
 
 
 def _disconnect(other: socket.socket) -> None:

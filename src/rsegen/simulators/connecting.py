@@ -84,7 +84,7 @@ def announced(simulator: Simulator, address: Mapping[str, str], folder: Path) ->
 
 
 class _Place(NamedTuple):
-    """Where a simulation may run: the variables of its address, and the folder of the map that it began with."""
+    """Place where a simulation may run: the variables of its address, and the folder of the map that it began with."""
 
     simulator: Simulator
     address: Mapping[str, str] = MappingProxyType({})
@@ -165,7 +165,7 @@ def _new_connection(simulators: Sequence[Simulator], timeout: float) -> _Connect
                 process=os.getpid(),
             )
             return _kept[simulator.name]
-    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, as with rsegen.open('DIR')")
+    raise NothingRuns(f"no simulation runs ({'; '.join(reasons)}); start one, for example with rsegen.open('DIR')")
 
 
 def _made_with(timeout: float) -> object:

@@ -33,7 +33,7 @@ class PlacedRobot:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class AsBuilt:
-    """How a map that was built differs from its drawing.
+    """Differences between a real map and its drawing.
 
     heights: (n_x, n_y), metres by which each block is higher than drawn, NaN for one as drawn, None if all are
     friction: by which every coefficient of friction is multiplied

@@ -1,4 +1,4 @@
-"""A world of an embedded simulator in a process of its own, in which time runs as in a server until it is paused.
+"""A world of an embedded simulator in its own process, in which time runs as in a server until it is paused.
 
 So what it costs is that of a process, as of a Gazebo: its CPU time and its memory. Requests and answers are pickled
 values on the process's stdin and stdout; it simulates between them, in pieces of some milliseconds, in real time or as
@@ -38,7 +38,7 @@ _GOES = 10.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Task:
-    """What a process simulates: a map of a recipe, robots at their starts, in real time or as fast as it can."""
+    """The task of a process: a map of a recipe, robots at their starts, in real time or as fast as it can."""
 
     simulator: str
     recipe: Recipe

@@ -154,7 +154,7 @@ class GazeboClassic(Simulator):
 def _launch(command: Path, opening: OpenRequest, more: Mapping[str, str]) -> LaunchCommand:
     """Return a command in the world's folder, where Gazebo 11.1 looks for meshes.
 
-    Its server has no model database in the internet, and an address of its own unless it is to be shared.
+    Its server has no model database in the internet, and its own address unless it is to be shared.
     """
     variables = {"GAZEBO_MODEL_DATABASE_URI": "", "GAZEBO_MODEL_PATH": opening.model_path("GAZEBO_MODEL_PATH")}
     if not opening.shared:

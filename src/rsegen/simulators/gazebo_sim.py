@@ -116,7 +116,7 @@ class GazeboSim(Simulator):
         return _launch(here, opening).with_options("-r")
 
     def headless(self, here: Installation, opening: OpenRequest) -> LaunchCommand:
-        """Return the command of the server alone; in a home of its own with the default plug-ins of the user's."""
+        """Return the command of the server alone; in its own home with the default plug-ins of the user's."""
         launch = _launch(here, opening).with_options("-s", "-r")
         ((words, _),) = here.commands.items()
         folder, variable = _SETTINGS[words]
@@ -165,7 +165,7 @@ class GazeboSim(Simulator):
 
 
 def _launch(here: Installation, opening: OpenRequest) -> LaunchCommand:
-    """Return a command; its server is in a partition of its own on this machine alone, unless it is to be shared."""
+    """Return a command; its server is in its own partition on this machine alone, unless it is to be shared."""
     ((words, program),) = here.commands.items()
     models = {name: opening.model_path(name) for name in ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")}
     # Our client speaks ZeroMQ, and messages without statistics, whatever the user's variables say.

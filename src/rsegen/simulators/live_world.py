@@ -129,7 +129,7 @@ class LiveWorld(RunningWorld):
         if not start:
             raise SimulatorFailed("no <model> in the SDF text to spawn")
         self._spawn(start[1], sdf, pose)
-        self._wait(f"{start[1]} does not appear", lambda: start[1] in self.poses())
+        self._wait(f"{start[1]} did not appear", lambda: start[1] in self.poses())
 
     def delete(self, name: str) -> None:
         """Delete a model, and wait until it is gone."""

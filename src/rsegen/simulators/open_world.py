@@ -93,7 +93,7 @@ def open_until_end(  # noqa: PLR0913  # as `rsegen.open`
     here = choose_installation(world.made_for, simulator, timeout)
     if not (headless or has_screen()):
         raise UserError(f"{_NO_SCREEN}; open the server alone with headless=True")
-    # A headless server has a home of its own, so that it changes no settings; a window has the user's.
+    # A headless server has its own home, so that it changes no settings; a window has the user's.
     own_home = tempfile.TemporaryDirectory(prefix="rsegen-") if headless else nullcontext()
     with own_home as home, world.on_disk() as file:
         request = OpenRequest(world=file, shared=shared, home=Path(home) if home else None)
@@ -197,7 +197,7 @@ def _run(
 
 
 def _running_world(here: Installation, launch: LaunchCommand) -> str:
-    """Return the name of the world of a server that tells its time; empty as long as it does not, as while it loads."""
+    """Return the name of the world of a server that publishes its time; empty until it does, as while it loads."""
     variables = os.environ | dict(launch.environment)
     with suppress(SimulatorFailed, NothingRuns), here.simulator.connect(variables, _LOOK) as live:
         live.clock()

@@ -56,4 +56,4 @@ OWN_FLAGS = ("simulator",)
 
 
 def ignore(*_: object) -> None:
-    """Ignore what a caller did not ask to be told: the default of callbacks."""
+    """Do nothing: the default of callbacks."""

@@ -1,4 +1,4 @@
-"""What the program of a simulator prints, uses and works on.
+"""Output, resources and working folders of a simulator's program.
 
 stdout and stderr go into two files: a simulator writes stdout in blocks, which would cut lines of stderr in one. Error
 lines that differ in numbers alone are passed on once, as an old Gazebo Sim prints some at every step.

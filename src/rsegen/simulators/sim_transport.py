@@ -268,7 +268,7 @@ class TransportClient(Inbox):
         full, wait = self.full_name(service), (patience or self.patience).begin()
         while not self._services.get(full):
             if wait.is_over:
-                raise SimulatorFailed(f"Gazebo Sim: nobody offers {service}")
+                raise SimulatorFailed(f"Gazebo Sim: no server offers {service}")
             self._ask(self._offers, full)
             with suppress(SimulatorFailed):
                 self.wait("", lambda: bool(self._services.get(full)), Patience(seconds=_ASK_AGAIN))

@@ -14,7 +14,7 @@ Record: TypeAlias = list[tuple[float, dict[str, list[float]]]]
 
 
 class SteppedWorld(ABC):
-    """A world in which time goes on only when it is told to. SimulatorFailed if its physics fails."""
+    """A world whose time advances only by `step`. SimulatorFailed if its physics fails."""
 
     @abstractmethod
     def poses(self) -> Mapping[str, Pose]:

@@ -80,19 +80,19 @@ def spawn(  # noqa: PLR0913  # each is a flag
         SpawnPose(),
         Shell(
             metavar="X,Y[,Z[,YAW]]",
-            default="for a robot a spot of a map that is there, else the free place nearest to the origin",
+            default="for a robot, a spot of a spawned map; else the free place nearest to the origin",
         ),
     ] = None,
     robot: Annotated[
         AnyRobot,
-        Shell(help="put this robot on the map, which is spawned first if it is not there: its kind, or a file of it"),
+        Shell(help="put this robot (a kind or a file) on the map, which is spawned first if necessary"),
     ] = None,
     pose: Annotated[
         Sequence[float] | None,
         ListOf(
             Float(-1e6, 1e6),
             3,
-            help="where that robot is put down, at rest: x and y [m] from the map's middle, yaw [rad]",
+            help="pose of that robot: x and y [m] from the map's middle, yaw [rad]",
         ),
         Shell(metavar="X,Y,YAW", default="a spot of the map"),
     ] = None,
@@ -100,7 +100,7 @@ def spawn(  # noqa: PLR0913  # each is a flag
     simulator: RunningSimulator = None,
     timeout: Timeout = 20.0,
 ) -> SpawnResult:
-    """Spawn a map, a robot, or a robot on a map in the running simulation, and give its name and pose there.
+    """Spawn a map, a robot, or a robot on a map in the running simulation, and report its name and pose.
 
     With `robot` the name and the pose are its own; at a `pose` it is at rest as `rsegen.poses` has it, 5 mm higher.
     It is the one at GAZEBO_MASTER_URI or in GZ_PARTITION if one of these variables is set, else the last that
@@ -133,14 +133,14 @@ def respawn(
     target: Target,
     *,
     map: Annotated[MapReference, Shell(metavar="INDEX", default="the next")] = None,  # noqa: A002  # the flag's name
-    name: Annotated[ModelName, Shell(help="name of the model to replace, if several could be meant")] = None,
+    name: Annotated[ModelName, Shell(help="name of the model to replace, if there are several maps")] = None,
     output: MapsFolder = Path("worlds"),
     simulator: RunningSimulator = None,
     timeout: Timeout = 20.0,
 ) -> RespawnResult:
     """Replace the map of the running simulation by the next one of a recipe or folder, at the same pose.
 
-    Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused.
+    Robots and their programs keep running; models on the map are put on top of the new blocks in a paused world.
 
     Parameters
     ----------
@@ -195,8 +195,8 @@ _OWN_OF_SPAWN = ("simulator", "name")
 def add_spawn(command: Parser) -> None:
     """Add the flags of `rsegen spawn`."""
     epilog = (
-        "rsegen open, in another shell, starts a simulation; one that another program started is looked for at "
-        "GAZEBO_MASTER_URI or in GZ_PARTITION, or at the default addresses. "
+        "rsegen open, in another shell, starts a simulation; one of another program is found by GAZEBO_MASTER_URI or "
+        "GZ_PARTITION, or at the default addresses. "
     )
     command.explain(spawn.__doc__, epilog + robot_kinds())
     where = "the folder of a map or of maps, a recipe, a kind of robot, or the SDF, URDF, Xacro or MJCF file of a robot"
@@ -206,7 +206,7 @@ def add_spawn(command: Parser) -> None:
 
 
 def run_spawn(arguments: argparse.Namespace) -> Report:
-    """Spawn a map or a robot, and give its name and pose."""
+    """Spawn a map or a robot, and report its name and pose."""
     from rsegen.gazebo.sdf import numbers
     from rsegen.simulators.base import SIMULATORS
 
@@ -228,7 +228,7 @@ def _on_top(result: SpawnResult | RespawnResult) -> str:
 def add_respawn(command: Parser) -> None:
     """Add the flags of `rsegen respawn`."""
     epilog = (
-        "Robots and their programs go on; models on the map are put on top of the new blocks while the world is paused."
+        "Robots and their programs keep running; models on the map are put on top of the new blocks in a paused world."
     )
     command.explain(respawn.__doc__, epilog)
     where = "the recipe of the current map, or the folder of its maps; after the last map of a folder comes the first"
@@ -237,7 +237,7 @@ def add_respawn(command: Parser) -> None:
 
 
 def run_respawn(arguments: argparse.Namespace) -> Report:
-    """Replace the map, and give the names of both."""
+    """Replace the map, and report the names of both."""
     from rsegen.gazebo.sdf import numbers
 
     result = call(respawn, arguments, arguments.target)
@@ -254,7 +254,7 @@ def add_remove(command: Parser) -> None:
 
 
 def run_remove(arguments: argparse.Namespace) -> Report:
-    """Delete models, and give their names."""
+    """Delete models, and report their names."""
     from rsegen.simulators.base import SIMULATORS
 
     result = call(remove, arguments, *arguments.names)

@@ -1,7 +1,7 @@
 """A robot as it settled, drawn on the plan of a map and in its 3D view: the outline of each of its parts.
 
 The outline of a part is the convex hull of its samples as they are seen, too large for a mesh that is not convex. In
-the view the robot is between the blocks behind it and those in front of it. What breaks it: a block beside the robot,
+the view the robot is between the blocks behind it and those in front of it. What breaks it: a block next to the robot,
 within the rectangle along the axes around it, counts as behind it.
 """
 

@@ -73,7 +73,7 @@ with their ends rise by 2, wheels on a slope that friction holds by 1."""
 
 
 class End(IntEnum):
-    """Why a way ends."""
+    """Reason why a way ends."""
 
     NONE = 0
     TIPS = 1
@@ -384,7 +384,7 @@ def straight_lane(field: StepField, body: Body, axis: int, middles: Array | None
 
 
 def surely_passed(lanes: Lanes, field: StepField, body: Body, axis: int, middles: Array) -> Mask:
-    """Return which lanes at some places across, metres, are driven to their ends, and the ones beside them too.
+    """Return which lanes at some places across, metres, are driven to their ends, and the ones next to them too.
 
     Where a robot falls it comes down a little aside, so lanes with drops have more room.
     """

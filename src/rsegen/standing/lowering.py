@@ -105,7 +105,7 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
             return caps if (field.levels > caps).any() else None
     raise ParameterError(
         "crossable_by",
-        f"{robot.kind} does not get over frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
+        f"{robot.kind} cannot cross frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
     )
 
 
@@ -155,7 +155,7 @@ def _lane_levels(field: StepField, line: int, aside: int, limit: int) -> Ints:
 
 @dataclass(slots=True, eq=False)
 class _Strips:
-    """Lanes with the cells beside them, one next to the other as a field of their own, S of them.
+    """Lanes with the cells next to them, one next to the other as their own field, S of them.
 
     levels: (S, n, w), frame: (S, n, w); beside: cells to each side of a lane that stay as they are
     """

@@ -47,7 +47,7 @@ def sample_heights(ground: PaddedGround, body: Body, settled: Settled, rows: Int
 def outermost(body: Body, relative: Singles, above: Singles, contacts: Ints) -> Ints:
     """Return the samples in contact that bear the robot or are outermost in a direction, (n, 3 + 8); -1 for none.
 
-    Of each part only its lowest samples count: beside them a round one is near the ground, but not in contact.
+    Of each part only its lowest samples count: next to them a round one is near the ground, but not in contact.
     """
     rows, columns = np.nonzero(above < TOUCHING)
     heights, of_part = above[rows, columns], rows * len(body.parts) + body.part[columns]

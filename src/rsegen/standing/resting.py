@@ -1,7 +1,7 @@
 """`rsegen.poses`: how a robot stands at places of a field: pose, contacts, clearance, stability, and what it can do.
 
 A robot tips over an edge of its support polygon when its centre of mass is above that edge. With the centre of mass h
-above the edge and r beside it, that is after a turn by atan(r / h), for which it is lifted by sqrt(h^2 + r^2) - h: the
+above the edge and r next to it, that is after a turn by atan(r / h), for which it is lifted by sqrt(h^2 + r^2) - h: the
 angle and the energy to tip (Messuri and Klein, IEEE Journal of Robotics and Automation 1985). The polygon is that of
 its outermost contacts. Cost: 80 to 130 microseconds a pose. What breaks it: nothing moves, so it says nothing of
 momentum.
@@ -88,7 +88,7 @@ class Poses:
 
     @property
     def reason(self) -> Ints:
-        """Why each pose is bad, (n,): the number of the worst of REASONS that holds, 0 for a good pose."""
+        """Reason why each pose is bad, (n,): the number of the worst of REASONS that holds, 0 for a good pose."""
         return np.select([~self.stands, ~self.holds, ~self.pushes], [3, 2, 1], 0)
 
 

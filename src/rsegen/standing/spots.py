@@ -235,7 +235,7 @@ def _range_inside(bounds: Bounds, outline: Outline, yaw: Array) -> Array:
 
 
 class _Fault(IntEnum):
-    """Why a place is no spot, in the order in which that is found out."""
+    """Reason why a place is no spot, in the order of the checks."""
 
     TIPS = 0
     TILTS = 1

@@ -403,7 +403,7 @@ class Lattice:
     def way(self, axis: int, *, checked: bool = True) -> Way | None:
         """Return the best way across along an axis, with straight lanes at both ends; None if there is none.
 
-        checked: whether its straight pieces are driven as a whole too, and the lanes beside them
+        checked: whether its straight pieces are driven as a whole too, and the lanes next to them
         """
         starts, goals = self._ends(axis)
         if not starts or not goals:
@@ -427,7 +427,7 @@ class Lattice:
         return None
 
     def _ending(self, axis: int, places: Sequence[_Place]) -> int | None:
-        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or beside them.
+        """Return on which of its lanes a way ends when its straight pieces are driven as a whole, or next to them.
 
         0 is the lane that leads to its first place, m that from place m - 1 on; None if the way is driven.
         """
@@ -449,7 +449,7 @@ class Lattice:
         return None
 
     def _surely_driven(self, begins: Array, yaw: Array, length: Array) -> Array:
-        """Return the shares of straight pieces that are driven, and of lanes beside them; more aside where it drops.
+        """Return the shares of straight pieces that are driven, and of lanes next to them; more aside where it drops.
 
         Ways that are tried one after the other are mostly the same: what is known to be driven is not driven again.
         begins: (n, 2)
@@ -726,7 +726,7 @@ def events(way: Any) -> list[str]:
 
 
 def _summary(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | None = None) -> dict[str, Any]:
-    """Return what is told of a way: the worst of its poses, and where the robot falls or slides."""
+    """Return the report of a way: the worst of its poses, and where the robot falls or slides."""
     rests = of_settled(ground, body, joined([turned, lanes.poses]) if turned else lanes.poses)
     return {
         "tilt": float(rests.tilt.max()),

@@ -39,7 +39,7 @@ NAME = "robot"
 """The name of the robot in its worlds."""
 
 _AHEAD, _ASIDE, _APART = 0.8, 0.1, 0.1
-"""Metres that a robot sees before it, metres beside it, and the distance of the points that it sees."""
+"""Metres that a robot sees before it, metres next to it, and the distance of the points that it sees."""
 
 _SEES = 0.5
 """Metres by which ground above or below the robot's origin is seen; what is beyond counts as that."""
@@ -66,7 +66,7 @@ class Flipper(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Of each world: the reward, whether the robot got across, whether it fell or left its lane."""
+    """Outcome of a step in each world: the reward, whether the robot got across, whether it fell or left its lane."""
 
     reward: Any
     is_across: Any
@@ -150,7 +150,7 @@ class Crossing:
 
     @cached_property
     def spread(self) -> tuple[float, float]:
-        """How far aside it starts at most, metres, so that blocks are before it, and its largest heading, radians."""
+        """Largest offset to the side at a start, metres, so that blocks are ahead, and largest heading, radians."""
         body = self.driven.body_or_box
         return max(self.lane[2] - float(body.high[1] - body.low[1]) / 2, 0.0), _HEADING
 

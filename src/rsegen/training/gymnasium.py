@@ -21,7 +21,7 @@ from rsegen.training.crossing import NAME, Crossing
 
 
 class CrossingEnv(gymnasium.Env[Any, Any]):
-    """One world; actions are from -1 to 1: the speed, the turn rate, and the angle of each flipper.
+    """Environment of one world; actions are from -1 to 1: the speed, the turn rate, and the angle of each flipper.
 
     Infos have the index of the `map`, whether the robot `is_across`, its `x`, metres, and how many contacts it has with
     blocks, `touches`.

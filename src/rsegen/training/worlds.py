@@ -95,7 +95,7 @@ class CrossingWorlds(VecEnv):  # type: ignore[misc]  # rsl_rl has no types for m
         return TensorDict({"policy": seen}, batch_size=[self.num_envs], device=self.device)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, dict[str, Any]]:
-        """Drive for a period: observations, rewards, whether worlds have begun anew, and what rsl_rl wants beside."""
+        """Drive for a period: observations, rewards, whether worlds have begun anew, and additional data of rsl_rl."""
         crossing = self.crossing
         self._action = actions.clamp(-1, 1)
         before = self._qpos[:, 0].clone()

@@ -238,7 +238,7 @@ def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
     # Without its scheduler, a client fails at what waits for it, or when it is closed.
     lost = (CancelledError, asyncio.CancelledError, CommClosedError)
     try:
-        with ExitStack() as opened:  # closes the client, then a cluster of our own
+        with ExitStack() as opened:  # closes the client, then our own cluster
             address: Any = scheduler
             if scheduler == LOCAL:
                 address = opened.enter_context(

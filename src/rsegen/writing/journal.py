@@ -49,7 +49,7 @@ _KINDS = {
     "experiment": "an experiment",
     "rating": "a rating",
 }
-_LOST = "and would be lost; move it away, or give another folder"
+_LOST = "and would be overwritten; move it, or use another folder"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -306,7 +306,7 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
             return
         if journal.holds != holds:
             kind, expected = _KINDS.get(journal.holds, "files of rsegen"), _KINDS.get(holds, holds)
-            raise OutputError(f"{shown}: holds {kind}, not {expected}; give another folder")
+            raise OutputError(f"{shown}: contains {kind}, not {expected}; give another folder")
         comparison = compare(folder, journal)
     _refuse_lost(comparison, shown)
 

@@ -56,7 +56,7 @@ class Lock:
 
     @property
     def is_taken(self) -> bool:
-        """Whether this run has the folder."""
+        """Return whether this run has the folder."""
         return self._descriptor is not None
 
     def take(self, wait: float) -> None:

@@ -24,7 +24,7 @@ Step = Literal["build", "measure", "surface", "mesh"]
 
 
 class InMemory(Protocol):
-    """What is made of a map, as a format is: the step that needs about as much memory, and its largest array.
+    """Output made of a map, such as a format: the step that needs about as much memory, and its largest array.
 
     array_bytes: bytes per cell of the largest array that has several values per cell; 0 if there is none
     """

@@ -48,7 +48,7 @@ class Sidecar(ABC):
 
     @property
     def in_memory(self) -> Collection[InMemory]:
-        """What is made in memory for the files of a map, by which the memory of a run is judged."""
+        """Outputs made in memory for the files of a map, from which the memory of a run is estimated."""
         return ()
 
     @classmethod  # noqa: B027  # most have nothing to add
@@ -57,7 +57,7 @@ class Sidecar(ABC):
 
     @property
     def notes(self) -> Sequence[str]:
-        """What a user should know before the run, a line each."""
+        """Notes for the user before the run, a line each."""
         return ()
 
     def refuse(self, recipe: Recipe) -> None:  # noqa: B027  # most can be made of all maps
@@ -89,12 +89,12 @@ class Sidecars:
 
     @property
     def in_memory(self) -> list[InMemory]:
-        """What is made in memory for them."""
+        """Outputs made in memory for them."""
         return [thing for sidecar in self.chosen for thing in sidecar.in_memory]
 
     @property
     def notes(self) -> list[str]:
-        """What a user should know before the run, a line each."""
+        """Notes for the user before the run, a line each."""
         return [note for sidecar in self.chosen for note in sidecar.notes]
 
     def refuse(self, recipe: Recipe) -> None:

@@ -107,7 +107,7 @@ class Store:
         """The journal of the folder."""
         return OpenJournal(self.folder, self.staging, sync=self.sync)
 
-    # Whole folders, each with a journal of its own.
+    # Whole folders, each with its own journal.
 
     def put_folder(self, root: Path, name: str, holds: str, *, force: bool) -> None:
         """Give a staged folder its name; an OutputError if that is taken and may not be replaced."""
@@ -163,7 +163,7 @@ class Store:
     ) -> None:
         """Give staged files their names, as `put` does.
 
-        below: a folder that has them, and a journal of its own; whole: folders that are replaced as one, whose files
+        below: a folder that has them, and its own journal; whole: folders that are replaced as one, whose files
         are all among them.
         """
         # A unit is a file, or a whole folder among them: each is swapped by itself, and swapped back if a later one
@@ -398,7 +398,7 @@ def refuse_irreplaceable(folder: Path, holds: str) -> None:
     real = folder.resolve()
     refuse_loss(real, holds, folder)
     if real.is_mount() or not os.access(real.parent, os.W_OK):
-        problem = "cannot be replaced in one step, as it is a disk of its own, or the folder above is read-only"
+        problem = "cannot be replaced in one step, as it is a separate disk, or the folder above is read-only"
         raise OutputError(f"{folder}: {problem}; give another folder")
 
 

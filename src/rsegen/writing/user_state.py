@@ -2,7 +2,7 @@
 
     $XDG_STATE_HOME/rsegen/NAME-PID.json    what the process PID says under a name; only the user can read it
 
-A file is written whole, beside its place, and then renamed, so a kill leaves the one before. One of a process that was
+A file is written whole, next to its place, and then renamed, so a kill leaves the one before. One of a process that was
 killed stays: whether its process still runs is asked of the system, by its id and its time of start.
 """
 

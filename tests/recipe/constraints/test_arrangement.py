@@ -138,7 +138,7 @@ def test_the_distance_from_the_design_is_never_below_that_of_an_independent_solv
     *_, said = describe_constraints(rsegen.compose(made))
     assert differs == least
     assert said == (
-        f"levels differ by {least} units in all from the map that the obstacles ask for, "
+        f"levels differ by {least} units in total from the map that the obstacles ask for, "
         "the least that these blocks allow"
     )
 

@@ -185,6 +185,19 @@ def test_the_constraints_that_the_map_meets_are_reported(tmp_path: Path, capsys:
     assert "a path of steps of 10 cm up and 12.5 cm down, 30 cm wide, leads across from west to east" in said
     assert "warning: blocks missing for the map that the obstacles ask for: " in said
     assert "warning: blocks missing for the map that max_step and crossable_by make of it, replaced by others" in said
+    assert "constraints.json" not in said
+
+
+def test_of_many_maps_it_is_said_where_their_constraints_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    where = "how each map meets its constraints: constraints.json in its folder"
+    rows = ["generate", "--seed", "3", "--maps", "2", "--obstacle", "random levels=5"]
+    assert main([*rows, "--max-step", "1", "-o", str(tmp_path / "limited")]) == 0
+    assert where in capsys.readouterr().out.splitlines()
+    assert len(list((tmp_path / "limited").glob("*/constraints.json"))) == 2
+    assert main([*rows, "-o", str(tmp_path / "free")]) == 0
+    assert where not in capsys.readouterr().out.splitlines()
 
 
 def test_an_inventory_from_a_file(tmp_path: Path) -> None:
@@ -280,7 +293,7 @@ def test_the_roughness_of_ways_is_that_of_their_cells() -> None:
 
 @pytest.mark.slow
 def test_frames_that_a_robot_does_not_get_over_are_refused() -> None:
-    with pytest.raises(rsegen.UserError, match="crossable_by: burger does not get over frames of 10 cm; give boundary"):
+    with pytest.raises(rsegen.UserError, match="crossable_by: burger cannot cross frames of 10 cm; give boundary"):
         rsegen.build(recipe(crossable_by="burger"))
     assert straight(rsegen.build(recipe(crossable_by="crawler")), ROBOTS["crawler"].body, 0).passed.any()
 

@@ -6,7 +6,7 @@ A journal has drafts on disk after every change, so that a crash or a kill loses
 
 A draft knows the checksum of the text that it began with, so one that is brought back over a file that somebody has
 changed since is told as a conflict. A draft is there exactly as long as it is not in its file. One of a process that
-has ended is found by the next one that opens the same document. It is written whole, beside its place, and then
+has ended is found by the next one that opens the same document. It is written whole, next to its place, and then
 renamed, so a kill leaves the one before.
 """
 
@@ -85,7 +85,7 @@ class Document:
         if target is None:
             raise UserError("the recipe has no file yet; give a name")
         if target.suffix.lower() not in SUFFIXES:
-            raise FileError(f"{target.name}: not a recipe's name; end it in .yaml or .json")
+            raise FileError(f"{target.name}: a recipe must be a .yaml or .json file")
         if not replace:
             self._ask_before(target)
         # If the file cannot be written, the new name is taken back too.

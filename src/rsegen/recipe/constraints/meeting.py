@@ -69,7 +69,7 @@ def blocks_step_limited(levels: Any, design: MapDesign) -> Any:
     """
     (n_x, n_y), limit = parts_of(levels.shape[1:], design), design.max_step or 1
     parts = levels.reshape(-1, levels.shape[1] // n_x, n_x, levels.shape[2] // n_y, n_y).swapaxes(2, 3)
-    fields = maps_last(parts.reshape(-1, n_x, n_y), "int32")  # what lies between frames, each a field of its own
+    fields = maps_last(parts.reshape(-1, n_x, n_y), "int32")  # what lies between frames, each its own field
     low, high = _lowered_to_limit(fields, limit), -_lowered_to_limit(-fields, limit)
     return maps_first((low + high) // 2).reshape(parts.shape).swapaxes(2, 3).reshape(levels.shape)
 

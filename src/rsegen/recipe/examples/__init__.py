@@ -1,4 +1,4 @@
-"""Recipes to start from, each in a file of its own."""
+"""Recipes to start from, each in its own file."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ MEAN = 41
 
 
 def top(rng: np.random.Generator) -> Array:
-    """Return end grain: the tones, 0 dark to 1 light, of TILES x TILES blocks, each with a pith of its own."""
+    """Return end grain: the tones, 0 dark to 1 light, of TILES x TILES blocks, each with its own pith."""
     count, shape = TILES * TILES, (TILES * TILES, PIXELS, PIXELS)
     x, y = _middles(PIXELS)[None, None, :], _middles(PIXELS)[None, :, None]
     across, along = x - one_per_image(rng, count, -0.3, 1.3), y - one_per_image(rng, count, -0.3, 1.3)

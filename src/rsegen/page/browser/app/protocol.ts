@@ -38,7 +38,7 @@ export interface MadeFile {
   kind: "picture" | "table" | "pdf" | "recipe" | "dataset" | "page" | "drive";
 }
 
-/* Where a robot gets. */
+/* The area that a robot can reach. */
 export interface DrawnReach {
   text: string; // "crosses west to east"
   region: string; // base64 of uint8 for each cell: 1 where it gets
@@ -99,7 +99,7 @@ export interface Ends {
   last: [number, number];
 }
 
-/* Why a draft is invalid; the scene is that of the last valid one. */
+/* The reason why a draft is invalid; the scene is that of the last valid one. */
 export interface Problem {
   where: string;
   text: string;
@@ -140,7 +140,7 @@ export interface Material {
   count: number;
 }
 
-/* What a folder holds. */
+/* The content of a folder. */
 export interface Listing {
   folder: string;
   entries: ListedFile[];
@@ -177,14 +177,14 @@ export interface DocumentMap {
   handles: Handle[];
 }
 
-/* Where the obstacle of a row lies. */
+/* Place of the obstacle of a row. */
 export interface Handle {
   first: [number, number];
   last: [number, number];
   row: number;
 }
 
-/* What is the same for all documents. */
+/* Data that are the same for all documents. */
 export interface Hello {
   version: string;
   folder: string; // in which files may be read and written
@@ -219,7 +219,7 @@ export interface Field {
   basic: boolean; // shown at once; others under "More"
 }
 
-/* What a field takes, in the words of JSON Schema. */
+/* The values of a field, in the words of JSON Schema. */
 export interface Schema {
   title?: string; // of one of several forms of a value
   type?: "integer" | "number" | "string" | "boolean" | "array" | "null" | ("integer" | "number" | "string" | "boolean" | "array" | "null")[];
@@ -306,7 +306,7 @@ export interface PlayedRobot {
   events: Mark[];
 }
 
-/* What happened to a robot. */
+/* An event of a robot. */
 export interface Mark {
   second: number;
   text: string;
@@ -343,7 +343,7 @@ export interface RatingSoFar {
   can_drive: boolean; // whether a trial can be driven again
 }
 
-/* The trials of one judge, and what they tell. */
+/* The trials of one judge, and the curve fitted to them. */
 export interface RatedCurve {
   judge: string;
   half: string; // in words, with its interval
@@ -382,7 +382,7 @@ export interface State {
   pages: number; // that have it open
 }
 
-/* What is measured of a map, and what it costs, which is more work than to draw it. */
+/* The metrics and costs of a map, which take more work than to draw it. */
 export interface MapResults {
   metrics: [string, string, string][]; // name, value, meaning
   cost: string; // "1 model, 1,024 faces, 34 kB"; of a large map, empty
@@ -407,7 +407,7 @@ export interface DrawnPart {
   wheel: boolean;
 }
 
-/* What stands for a document in the line of a command. */
+/* The arguments for a document in the line of a command. */
 export interface ShellTarget {
   before: string; // a command that comes first, with its &&: the maps of a recipe that has no file, and no flags for all
   text: string; // words of the line: a file, flags, or the folder of a map
@@ -426,7 +426,7 @@ export interface Texts {
   shell: string;
 }
 
-/* How a robot rests on a regular grid of nx x ny points, x first. */
+/* Poses of a robot at rest on a regular grid of nx x ny points, x first. */
 export interface PoseMap {
   shape: [number, number];
   low: [number, number];
@@ -448,7 +448,7 @@ export interface DrawnWay {
   least_margin: number;
 }
 
-/* What happens on a way: a drop, or a slip. */
+/* An event on a way: a drop, or a slip. */
 export interface WayEvent {
   at: number; // the number of the pose
   text: string;
@@ -473,7 +473,7 @@ export interface FileChanged {
   changed_on_disk: boolean;
 }
 
-/* How far a search is, 0 to 1. */
+/* Progress of a search, 0 to 1. */
 export interface SearchProgress {
   event: "progress";
   of: "tilt" | "reach" | "crossing" | "way" | "measure" | "variants";
@@ -485,7 +485,7 @@ export interface Alive {
   event: "alive";
 }
 
-/* Why a call failed. */
+/* The reason why a call failed. */
 export interface Failure {
   kind?: "exists" | "changed";
   where: string; // the parameter, as in obstacles[2].softness
@@ -558,9 +558,9 @@ export interface Calls {
   cancel: { args: { job: number }; result: Job };
   /* Close a document, and discard what is not saved; one that another page has open stays. */
   close: { args: { doc: string }; result: null };
-  /* Return how surely a robot gets across a map, with all drives that tell it. */
+  /* Return how surely a robot gets across a map, with all its drives. */
   crossing: { args: { doc: string; index: number; robot: string }; result: DrawnReach };
-  /* Drive a trial again in MuJoCo, as a job that writes a drive beside the folder of its rating. */
+  /* Drive a trial again in MuJoCo, as a job that writes a drive next to the folder of its rating. */
   drive_trial: { args: { doc: string; path: string; judge: string; trial: number }; result: Job };
   /* Change a document by some actions, all or none of them, and return its state and the row to select. */
   edit: { args: { doc: string; actions: Action[]; page?: string; index?: number | null }; result: EditedState };
@@ -584,7 +584,7 @@ export interface Calls {
   open: { args: { what?: string }; result: OpenedDocument };
   /* Return the drive that a folder holds. */
   playback: { args: { path: string }; result: Playback };
-  /* Return how a robot rests that is put down level at x, y with a heading; also beside the map. */
+  /* Return how a robot rests that is put down level at x, y with a heading; also next to the map. */
   pose: { args: { doc: string; index: number; robot: string; x: number; y: number; heading: number }; result: DrawnPose };
   /* Return the rating that a folder holds, also of a command that still runs; a UserError until a trial has ended. */
   rating: { args: { path: string }; result: RatingSoFar };
