@@ -140,7 +140,8 @@ def test_lanes_of_many_lengths_that_are_driven_together_end_as_each_alone(kind: 
     assert 0 < lanes.passed.sum() < len(lanes.end)
     for number in range(0, len(lengths), 2):
         row = slice(number, number + 1)
-        alone = drive_lanes(ground, body, *(values[row] for values in starts), float(lengths[number]))
+        x, y, yaw = (values[row] for values in starts)
+        alone = drive_lanes(ground, body, x, y, yaw, float(lengths[number]))
         assert (alone.end, alone.last, alone.count) == (lanes.end[row], lanes.last[row], lanes.count[row])
         driven = int(alone.last[0]) + 1
         assert np.allclose(alone.poses.z[:driven], lanes.lane(number).poses.z[:driven], atol=1e-6)
