@@ -98,7 +98,7 @@ class RosStack:
             chunk_size=len(field.levels), block_width_cm=100 * field.block_width, unit_cm=100 * field.unit,
             boundary="none", obstacles=[rsegen.Matrix.of(field.levels)],
         )  # fmt: skip
-        env = CrossingEnv(Crossing(recipe=recipe, robot="jackal", seconds=40))
+        env = CrossingEnv(Crossing(recipe=recipe, robot="jackal", seconds=20))
         env.reset(seed=seed)
         is_over = is_late = False
         while not (is_over or is_late):

@@ -82,7 +82,7 @@ def address(tmp_path: Path) -> Iterator[str]:
         yield found
 
 
-TRIALS, MORE = 1, 5
+TRIALS, MORE = 1, 3
 """Kills of each part of a cluster in `make test`, and in `make test-all`."""
 
 

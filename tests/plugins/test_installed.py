@@ -50,7 +50,7 @@ def test_an_obstacle_is_a_recipe_file_s(packages: Path, tmp_path: Path) -> None:
 def test_lists_show_it_with_its_package(packages: Path) -> None:
     kinds = done("obstacles", packages=packages)
     assert "ramp\n    Steps that rise along x from first to last. From rsegen-demo 1.2.\n" in kinds
-    assert "    tread       depth of a step: 1..100 blocks\n" in kinds
+    assert "    tread          depth of a step: 1..100 blocks\n" in kinds
     assert "ascii\n    Heights as an ASCII grid" in done("export", "--list", packages=packages)
     assert "buy a pencil" in done("sim", packages=packages)
     for command in ("drive", "metrics", "spawn"):

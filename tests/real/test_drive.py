@@ -55,18 +55,18 @@ def told(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
 def test_a_drive_twelve_metres_from_the_origin_is_as_long_as_one_near_it_in_classic(
     gazebo_classic: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Classic's record has three digits, which told 1.14 m for 1.09."""
+    """Classic's record has three digits, which told 1.14 m for 1.09 in five seconds."""
     lengths = []
     for chunks in (1, 24):
         level = Recipe(name=f"level-{chunks}", chunks=(chunks, 1), boundary="none", seed=1)
         folder = generate(level, tmp_path).maps[0].folder
-        words = ["drive", str(folder), "--duration", "5", "--no-contacts", "--json", "-o", str(tmp_path / level.name)]
+        words = ["drive", str(folder), "--duration", "3", "--no-contacts", "--json", "-o", str(tmp_path / level.name)]
         assert main([*words, "--simulator", "classic"]) == 0
         (robot,) = told(capsys)
         lengths.append(robot["distance"])
         rows = np.loadtxt(tmp_path / level.name / "burger_0.csv", delimiter=",", skiprows=1)
     assert abs(rows[0, 1]) > 12
-    assert lengths[0] > 1
+    assert lengths[0] > 0.5
     assert lengths[1] == pytest.approx(lengths[0], abs=0.003)
 
 

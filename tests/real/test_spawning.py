@@ -75,13 +75,13 @@ def test_the_next_shell_finds_what_open_began(
     page = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text("utf-8")
     recipe = re.findall(r"^```yaml\n(# course.yaml\n.*?)^```", page, re.MULTILINE | re.DOTALL)[0]
     lines = re.findall(r"^    rsegen (\S.*?)(?:  +#.*)?$", page.partition("## 7. In Gazebo")[2], re.MULTILINE)
-    assert [line.split()[0] for line in lines] == ["open", "spawn", "respawn", "remove"]
+    assert [line.split()[0] for line in lines] == ["open", "spawn", "respawn", "remove", "drive"]
     monkeypatch.chdir(tmp_path)
     (tmp_path / "course.yaml").write_text(recipe)
     assert main(["generate", "course.yaml", "-o", "worlds"]) == 0
     for name in gazebo.simulator.address_variables:
         monkeypatch.delenv(name, raising=False)
-    opening, spawning, replacing, removing = (line.split() for line in lines)
+    opening, spawning, replacing, removing, _ = (line.split() for line in lines)
     with started(*opening, "--headless", "--simulator", gazebo.simulator.name) as opened:
         try:
             until_it_has(opened, lambda: run(*spawning).returncode == 0)
