@@ -15,6 +15,7 @@ from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning.finding import find_field
+from rsegen.scanning.levels import find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
 
@@ -350,3 +351,11 @@ def test_a_cloud_that_shows_no_such_field_is_refused(what: str) -> None:
 def test_another_map_is_refused() -> None:
     with pytest.raises(ScanError, match="shows another map"):
         find_field(points_of(seed=1), known=field_of(2))
+
+
+@pytest.mark.parametrize("points", [20, 60, 150])
+def test_a_cloud_of_few_points_above_the_ground_is_refused_in_a_line(points: int) -> None:
+    """No two of them are of one height, as in a cloud that is thinned out until nearly nothing is left."""
+    heights = np.concatenate([np.zeros(400), np.linspace(0.05, 0.4, points)])
+    with pytest.raises(ScanError, match="too few points are above the ground plane"):
+        find_unit(heights, noise=0.002)

@@ -311,6 +311,8 @@ def _raised(heights: Array, noise: float, given: float | None) -> tuple[Array, A
     top = float(np.quantile(above, 0.995))
     counts, edges = np.histogram(above, bins=400, range=(0, top * 1.02))
     kept = counts > 1  # single ones of a sparse cloud are outliers
+    if not kept.any():
+        raise ScanError("too few points are above the ground plane to see blocks; give a denser cloud")
     return ((edges[:-1] + edges[1:]) / 2)[kept], np.sqrt(counts[kept])
 
 
