@@ -118,7 +118,7 @@ def _rows(field: Field, *, classic: bool) -> Iterator[list[Any]]:
 
 def _row(field: Field, run: RobotRun, told: Prediction, judge: str, crossed: Sequence[bool]) -> list[Any]:
     route, line = (AlongWay if run.way else Straight).name, round(run.start.y, 4)
-    name = robot_of(field.robot).kind, field.field, field.unit_cm, field.seed
+    name = run.robot.kind, field.field, field.unit_cm, field.seed
     return [*name, route, told.motors, line, round(told.probability, 4), told.drives, judge, sum(crossed), len(crossed)]
 
 

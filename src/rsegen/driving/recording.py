@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
 from itertools import permutations
-from math import ceil, isfinite, pi
+from math import ceil, isfinite
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ import numpy as np
 
 from rsegen.driving.drive_metrics import Trajectory
 from rsegen.driving.filming import FilmedWorld, picture_of_end
-from rsegen.driving.routes import STOP, PlannedWay, Route
+from rsegen.driving.routes import STOP, PlannedWay, Route, wrapped
 from rsegen.driving.world_file import camera_model, last_frame, time_step, world_with_robots
 from rsegen.errors import SimulatorFailed
 from rsegen.robots.parameters import MOTORS
@@ -227,7 +227,7 @@ def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
     for turn in range(ceil(round(seconds / step) / round(period / step))):
         poses = world.poses()
         if record is not None:
-            record.append((turn * period, {run.name: list(astuple(poses[run.name])) for run in runs}))
+            record.append((turn * period, _rows(poses, runs)))
         if all(route.is_done(poses[name]) for name, route in routes.items()):
             break
         send_commands(world, runs, routes, poses)
@@ -240,9 +240,13 @@ def drive_in_steps(  # noqa: PLR0913  # what a drive is made of
         progress(done)
     else:
         if record is not None:
-            poses = world.poses()
-            record.append((seconds, {run.name: list(astuple(poses[run.name])) for run in runs}))
+            record.append((seconds, _rows(world.poses(), runs)))
     return samples
+
+
+def _rows(poses: Mapping[str, Pose], runs: Sequence[RobotRun]) -> dict[str, list[float]]:
+    """Return the poses of robots as a record has them."""
+    return {run.name: list(astuple(poses[run.name])) for run in runs}
 
 
 def with_more_digits(record: Record, exact: Record, digits: int) -> Record:
@@ -262,7 +266,7 @@ def with_more_digits(record: Record, exact: Record, digits: int) -> Record:
             between = np.array([np.interp(second, times, along) for along in known[name].T])
             pose = np.array(poses[name])
             off = between - pose
-            off[3:] = (off[3:] + pi) % (2 * pi) - pi
+            off[3:] = wrapped(off[3:])
             half = 0.5 * 10.0 ** (np.floor(np.log10(np.maximum(np.abs(pose), _LEAST))) + 1 - digits)
             sharp[name] = [*map(float, pose + np.clip(off, -half, half))]
         result.append((second, sharp))

@@ -16,11 +16,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from math import atan2, cos, hypot, inf, pi, radians, sin
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
-from rsegen.field.stepfield import StepField
+from rsegen.field.stepfield import Array, StepField
 from rsegen.simulators.poses import Pose
 from rsegen.standing.body import Body
 from rsegen.standing.lanes import entry_distance
@@ -114,7 +114,7 @@ class AlongWay(Route):
         if self.is_done(at):
             return STOP
         x, y = self._target(at)
-        aside = _turned(atan2(y - at.y, x - at.x) - at.yaw)
+        aside = wrapped(atan2(y - at.y, x - at.x) - at.yaw)
         if abs(aside) > _TURN_FIRST:
             return Motion(0.0, _clipped(aside / self.period, self.turn))
         turn = _clipped(2 * self.speed * sin(aside) / self.ahead, self.turn)
@@ -155,13 +155,16 @@ class Wandering(Route):
             self.before = None
             return Motion(-v, w)
         if abs(at.x) > self.half[0] or abs(at.y) > self.half[1]:
-            away = _turned(atan2(-at.y, -at.x) - at.yaw)
+            away = wrapped(atan2(-at.y, -at.x) - at.yaw)
             return Motion(v / 2, _clipped(away / self.period, self.turn))
         return Motion(v, w)
 
 
-def _turned(angle: float) -> float:
-    """Return the angle between -pi and pi."""
+_Angle = TypeVar("_Angle", float, Array)
+
+
+def wrapped(angle: _Angle) -> _Angle:
+    """Return the angle, or angles, between -pi and pi."""
     return (angle + pi) % (2 * pi) - pi
 
 

@@ -427,6 +427,21 @@ class Layout(Filling):
         return (np.sign(levels) * lower).astype(np.int16)[..., x, y], covered[x, y]
 
 
+class UpOrDown(Layout):
+    """A layout that rises out of the ground, or sinks into it, by a parameter `direction` of its kind.
+
+    It is a parameter of the kind, and not of this class, as parameters keep the order in which a kind declares them.
+    """
+
+    __slots__ = ()
+    direction: str
+
+    @property
+    def level_range(self) -> tuple[int, int]:
+        """The lowest and the highest level, counted from the ground: of one that goes both ways, below it and above."""
+        return 0 if self.direction == "up" else 1 - self.levels, 0 if self.direction == "down" else self.levels - 1
+
+
 def to_rim(shape: Cell) -> Ints:
     """Return how many cells lie between each cell of a rectangle and its rim, (n_x, n_y): 0 on the outermost ring."""
     i, j = (np.minimum(np.arange(n), np.arange(n)[::-1]) for n in shape)

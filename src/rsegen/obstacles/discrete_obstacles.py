@@ -16,13 +16,13 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Levels, Mask
-from rsegen.obstacles.base import Layout, Obstacle, register
+from rsegen.obstacles.base import Obstacle, UpOrDown, register
 from rsegen.params.sorts import Cell, Choice, Integer
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DiscreteObstacles(Layout):
+class DiscreteObstacles(UpOrDown):
     """Boxes of random sides and heights at random places: on the ground, holes in it, or both."""
 
     kind: ClassVar[str] = "discrete_obstacles"
@@ -46,11 +46,6 @@ class DiscreteObstacles(Layout):
         Obstacle.__post_init__(self)
         if self.least_width > self.most_width:
             raise ParameterError("least_width", f"{self.least_width} is more than the largest, {self.most_width}")
-
-    @property
-    def level_range(self) -> tuple[int, int]:
-        """The lowest and the highest level, counted from the ground."""
-        return 0 if self.direction == "up" else 1 - self.levels, 0 if self.direction == "down" else self.levels - 1
 
     def draws(self, shape: Cell) -> Cell:
         """Return five numbers for each box."""

@@ -17,13 +17,13 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Ints, Levels, Mask
-from rsegen.obstacles.base import Layout, Obstacle, inward, register
+from rsegen.obstacles.base import Obstacle, UpOrDown, inward, register
 from rsegen.params.sorts import Cell, Choice, Integer
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Rails(Layout):
+class Rails(UpOrDown):
     """Thin lines at equal distances, raised or sunk, across x or y or as closed rings: rails, hurdles, gaps."""
 
     kind: ClassVar[str] = "rails"
@@ -52,11 +52,6 @@ class Rails(Layout):
         Obstacle.__post_init__(self)
         if self.uneven >= self.levels:
             raise ParameterError("uneven", f"{self.uneven} is more than the highest level, {self.levels - 1}")
-
-    @property
-    def level_range(self) -> tuple[int, int]:
-        """The lowest and the highest level, counted from the ground."""
-        return (0, self.levels - 1) if self.direction == "up" else (1 - self.levels, 0)
 
     @property
     def draws_nothing(self) -> bool:

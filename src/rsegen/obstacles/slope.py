@@ -16,13 +16,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from rsegen.field.stepfield import Array, Levels, Mask
-from rsegen.obstacles.base import Layout, inward, register
+from rsegen.obstacles.base import UpOrDown, inward, register
 from rsegen.params.sorts import Cell, Choice, Integer
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Slope(Layout):
+class Slope(UpOrDown):
     """An even slope, up or down: a pyramid with a platform in its middle, or a straight ramp along x or y."""
 
     kind: ClassVar[str] = "slope"
@@ -42,11 +42,6 @@ class Slope(Layout):
         int,
         Integer(1, 1000, unit="blocks", usual=(1, 10), help="smallest side of the platform in the middle of a pyramid"),
     ] = 2
-
-    @property
-    def level_range(self) -> tuple[int, int]:
-        """The lowest and the highest level, counted from the ground."""
-        return (0, self.levels - 1) if self.direction == "up" else (1 - self.levels, 0)
 
     def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the level of each cell; all cells are covered."""

@@ -17,13 +17,13 @@ import numpy as np
 
 from rsegen.errors import ParameterError
 from rsegen.field.stepfield import Array, Levels, Mask
-from rsegen.obstacles.base import Layout, Obstacle, inward, register
+from rsegen.obstacles.base import Obstacle, UpOrDown, inward, register
 from rsegen.params.sorts import Cell, Choice, Integer
 
 
 @register
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Stairs(Layout):
+class Stairs(UpOrDown):
     """Stairs of equal steps, up or down: a pyramid with a platform in its middle, or a straight flight along x or y."""
 
     kind: ClassVar[str] = "stairs"
@@ -53,11 +53,6 @@ class Stairs(Layout):
         Obstacle.__post_init__(self)
         if self.step_height >= self.levels:
             raise ParameterError("step_height", f"{self.step_height} is more than the highest level, {self.levels - 1}")
-
-    @property
-    def level_range(self) -> tuple[int, int]:
-        """The lowest and the highest level, counted from the ground."""
-        return (0, self.levels - 1) if self.direction == "up" else (1 - self.levels, 0)
 
     def laid_out(self, shape: Cell, drawn: Array) -> tuple[Levels, Mask]:
         """Return the level of each step; all cells are covered."""
