@@ -4,7 +4,7 @@
 # make test-fast   the tests without a simulator, a browser and all that is slow: four minutes on two cores; WHAT=scanning
 #               those of one folder of src/rsegen, WHAT="scanning heights" of two
 # make deletions   deletes each capability in turn, in a copy, and runs the fast tests that are left; WHAT=scanning for one of them
-# make coverage  which lines of the core its quick tests do not run
+# make coverage  the tests of the core in a copy without anything else, and which of its lines they do not run
 # make mutants  which small changes to the core no test notices; MUTANTS=obstacles/peak.py or MUTANTS=50, a sample
 # make fuzz     tries hostile input on every reader and command; FUZZ="--cases 100000 --seed 7" for an hour of it
 # make crash    kills commands, and lets their calls fail, at random calls; CRASH="--trials 2000 --seed 7 --experiments 4"
@@ -27,7 +27,6 @@ ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=workstea
 LONG ?= $(ARGS)
 FAST ?= --numprocesses=2
 WHAT ?=
-CORE = tests/params tests/field tests/obstacles tests/recipe tests/geometry tests/scene tests/gazebo
 MUTANTS ?=
 FUZZ ?=
 CRASH ?=
@@ -60,10 +59,7 @@ deletions: $(VENV)/tester
 
 # Apart from make test, as to watch each line makes tests half as slow again.
 coverage: $(VENV)/developer
-	rm -f .coverage .coverage.*
-	$(BIN)/coverage run -m pytest -m "not slow and not long and not real" $(FAST) --quiet $(CORE)
-	$(BIN)/coverage combine --quiet
-	$(BIN)/coverage report
+	$(BIN)/python -m tests.support.deletion --all
 
 mutants: $(VENV)/developer
 	$(BIN)/python -m tests.support.mutants $(MUTANTS)

@@ -23,7 +23,7 @@ from rsegen.params.capabilities import (
     commands,
     public_names,
 )
-from tests.support.deletion import FOLDERS, environment, sources_without, tree_without, with_dependants
+from tests.support.deletion import FOLDERS, environment, sources_without, with_dependants
 
 HOUSE = Path(rsegen.__file__).parent
 
@@ -136,22 +136,6 @@ def test_what_is_left_works_without_a_capability(name: str, tmp_path: Path) -> N
     assert "Extras" in left["doctor"]
     public = {name for folder in gone for names in capabilities()[folder].public.values() for name in names}
     assert set(left["names"]) == {"__version__", *public_names()} - public
-
-
-@pytest.mark.long(reason="it runs the fast tests of the whole core: a minute of CPU")
-def test_the_core_passes_its_tests_without_any_capability(tmp_path: Path) -> None:
-    copy = tree_without(FOLDERS, tmp_path / "copy")
-    marks = ["-m", "not slow and not long and not real"]
-    run = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *marks, "tests"],
-        capture_output=True,
-        text=True,
-        cwd=copy,
-        env=environment(copy),
-        check=False,
-    )
-    assert run.returncode == 0, run.stdout[-3000:]
-    assert int(run.stdout.rsplit(" passed", 1)[0].split()[-1]) > 700
 
 
 def test_a_command_of_another_package_may_not_take_the_name_of_one_of_rsegen() -> None:

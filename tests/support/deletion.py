@@ -1,7 +1,8 @@
 """A copy of the tree without some capabilities, and what is left of it.
 
 `python -m tests.support.deletion` deletes each capability in turn, with those that need it, and runs the fast tests
-that are left; names of capabilities on the command line choose which.
+that are left; names of capabilities on the command line choose which. `--all` deletes all of them at once: the core
+alone passes its tests, and a table says which of its lines they do not run.
 """
 
 from __future__ import annotations
@@ -89,17 +90,35 @@ def environment(folder: Path) -> dict[str, str]:
 
 def main(names: list[str]) -> int:
     """Delete each of some capabilities, by default all in turn, and run the fast tests that are left."""
-    code = 0
-    for name in names or FOLDERS:
-        gone = with_dependants([name])
-        with tempfile.TemporaryDirectory() as folder:
-            copy = tree_without(gone, Path(folder))
-            left = len(list(copy.glob("tests/**/test_*.py")))
-            print(f"without {', '.join(sorted(gone))}: {left} files of tests are left", flush=True)  # noqa: T201  # a command
-            marks = ["-m", "not slow and not long and not real"]
-            command = [sys.executable, "-m", "pytest", "-q", "-n", "2", "-p", "no:cacheprovider", *marks, "tests"]
-            code |= subprocess.run(command, cwd=copy, env=environment(copy), check=False).returncode
-    return code
+    tried = [_core_alone()] if names == ["--all"] else [_without(name) for name in names or FOLDERS]
+    return 0 if all(tried) else 1
+
+
+def _without(name: str) -> bool:
+    """Return whether the fast tests pass without a capability and those that need it."""
+    gone = with_dependants([name])
+    with tempfile.TemporaryDirectory() as folder:
+        copy = tree_without(gone, Path(folder))
+        left = len(list(copy.glob("tests/**/test_*.py")))
+        print(f"without {', '.join(sorted(gone))}: {left} files of tests are left", flush=True)  # noqa: T201  # a command
+        return _in_copy(copy, *_TESTS)
+
+
+def _core_alone() -> bool:
+    """Return whether the fast tests of the core pass where there is nothing else; print which lines they do not run."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = tree_without(FOLDERS, Path(folder))
+        steps = [("coverage", "run", "-m", *_TESTS), ("coverage", "combine", "--quiet"), ("coverage", "report")]
+        return all([_in_copy(copy, *step) for step in steps])  # the table also where a test fails
+
+
+def _in_copy(copy: Path, *module: str) -> bool:
+    """Run a module with its arguments in a copy of the tree; return whether it ends well."""
+    run = subprocess.run([sys.executable, "-m", *module], cwd=copy, env=environment(copy), check=False)
+    return run.returncode == 0
+
+
+_TESTS = ("pytest", "-q", "-n", "2", "-p", "no:cacheprovider", "-m", "not slow and not long and not real", "tests")
 
 
 if __name__ == "__main__":
