@@ -109,7 +109,8 @@ def _core_alone() -> bool:
     with tempfile.TemporaryDirectory() as folder:
         copy = tree_without(FOLDERS, Path(folder))
         steps = [("coverage", "run", "-m", *_TESTS), ("coverage", "combine", "--quiet"), ("coverage", "report")]
-        return all([_in_copy(copy, *step) for step in steps])  # the table also where a test fails
+        passed = [_in_copy(copy, *step) for step in steps]  # the table also where a test fails
+        return all(passed)
 
 
 def _in_copy(copy: Path, *module: str) -> bool:
