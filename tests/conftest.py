@@ -6,6 +6,8 @@ Hypothesis runs without deadlines, as machines are noisy, and in CI with the sam
 A shell that runs the tests in the background has them ignore Ctrl-C, nohup has them ignore that their terminal is gone,
 and all that they start would do so too; so both are set back.
 
+Warp compiles its kernels anew on a fresh machine, in a third of the time where it does not optimize them.
+
 What rsegen writes it syncs, some 25,000 times in all tests, and each time waits milliseconds for a disk. So temporary
 files are in memory, if there is enough of it for them.
 """
@@ -15,6 +17,7 @@ import signal
 import tempfile
 import time
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -47,6 +50,11 @@ def _takes_files(folder: str) -> bool:
     found = os.statvfs(folder)
     return found.f_bavail * found.f_frsize > ROOM and not found.f_flag & os.ST_NOEXEC
 
+
+if find_spec("warp"):
+    import warp
+
+    warp.config.optimization_level, warp.config.enable_backward = 0, False
 
 if "TMPDIR" not in os.environ and _takes_files(MEMORY):
     os.environ["TMPDIR"] = tempfile.tempdir = MEMORY

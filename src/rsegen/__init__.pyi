@@ -77,6 +77,7 @@ from rsegen.recipe.recipe_file import load as load
 from rsegen.robots.commands import spots as spots
 from rsegen.robots.lookup import poses as poses
 from rsegen.robots.lookup import robot_of as robot_of
+from rsegen.robots.lookup import stable_poses as stable_poses
 from rsegen.robots.robot_picture import robot_picture as robot_picture
 from rsegen.scanning.scan_options import ScanOptions as ScanOptions
 from rsegen.scanning.scans import ComparedMap as ComparedMap
@@ -96,6 +97,7 @@ from rsegen.spawning.spawning import RespawnResult as RespawnResult
 from rsegen.spawning.spawning import SpawnResult as SpawnResult
 from rsegen.standing.resting import Poses as Poses
 from rsegen.standing.spots import Spot as Spot
+from rsegen.standing.stable import StablePoses as StablePoses
 from rsegen.writing.journal import Verified as Verified
 from rsegen.writing.journal import verify as verify
 from rsegen.writing.recipe_files import save as save
@@ -156,6 +158,7 @@ __all__ = [
     "Slope",
     "SpawnResult",
     "Spot",
+    "StablePoses",
     "Stairs",
     "StepField",
     "StepLimits",
@@ -205,6 +208,7 @@ __all__ = [
     "sheet",
     "spawn",
     "spots",
+    "stable_poses",
     "verify",
     "view",
 ]

@@ -23,7 +23,8 @@ REST = Rest(
     turned=0.0,
     moving=0.0,
     stands=True,
-    is_stable=True,
+    stable=1,
+    is_one=True,
     put_height=0.5,
     put_angle=2.0,
 )
@@ -56,12 +57,12 @@ def test_the_table_counts_what_came_out_otherwise() -> None:
     found = [
         REST,
         replace(REST, angle=6.0, put_angle=0.1),
-        replace(REST, angle=90.0, tilt=88.0, is_stable=False, slid=0.2, moving=0.1),
+        replace(REST, angle=90.0, tilt=88.0, stable=2, is_one=False, slid=0.2, moving=0.1),
     ]
     speed = Speed(robot="burger", samples=500, at_rest=4000, in_full=2000)
     record = {"columns": Rest.__slots__, "rests": [astuple(each) for each in found], "units": {"burger": 0.5}}
     lines = list(table({**record, "speeds": [asdict(speed)]}))
     assert lines[2] == (
-        "| MuJoCo | burger, 0.5 cm | 3 | 0.50, 0.50 | 6.00, 73.20 | 33 % | 1 of 2 | 33 % | 1 | 0 | 1 | 1 |"
+        "| MuJoCo | burger, 0.5 cm | 3 | 0.50, 0.50 | 6.00, 73.20 | 33 % | 67 % | 33 % | 33 % | 1 | 0 | 1 | 1 |"
     )
     assert lines[-1] == "| burger | 500 | 4,000 | 2 | 2,000 |"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.standing.resting import PoseStatistics, pose_statistics
+from rsegen.standing.pose_statistics import PoseStatistics, pose_statistics
 
 JACKAL = rsegen.robot_of("jackal")
 FIELD = rsegen.build(rsegen.Recipe(seed=1, unit_cm=2, boundary="none", obstacles=[rsegen.Random(levels=4)]))
@@ -23,12 +23,16 @@ def test_statistics_are_those_of_the_poses_of_every_block_and_heading() -> None:
     assert found.tilt_p90 == pytest.approx(tilts[round(0.9 * (len(tilts) - 1))], abs=np.diff(tilts).max())
     assert found.clearance_least == pytest.approx(clearances.min())
     assert found.clearance_median == pytest.approx(np.median(clearances))
+    ways = rsegen.stable_poses(FIELD, JACKAL, x, y, heading)
+    assert (ways.count > 1).any()
+    assert found.ambiguous == pytest.approx((ways.count > 1).mean(), abs=0.1)  # of a sample of 128 of 800
 
 
 def test_on_level_ground_every_pose_stands_and_is_level() -> None:
     flat = rsegen.build(rsegen.Recipe(seed=1, boundary="none"))
     found = pose_statistics(flat, JACKAL.body)
     assert found.stands == 1
+    assert found.ambiguous == 0
     assert found.tilt_p90 == pytest.approx(0, abs=1e-3)
     assert found.clearance_least == pytest.approx(found.clearance_median, abs=1e-6)
     assert found.clearance_least is not None
@@ -41,7 +45,7 @@ def test_where_a_robot_never_stands_it_has_no_tilt_and_no_clearance() -> None:
     foot = rsegen.StepField(levels=np.zeros_like(wall, np.int16), frame=wall, block_width=0.1, unit=0.1, frame_height=3)
     found = pose_statistics(foot, JACKAL.body)
     assert found == PoseStatistics(
-        stands=0, tilt_median=None, tilt_p90=None, clearance_median=None, clearance_least=None
+        stands=0, ambiguous=None, tilt_median=None, tilt_p90=None, clearance_median=None, clearance_least=None
     )
 
 

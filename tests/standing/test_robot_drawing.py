@@ -80,10 +80,12 @@ def test_the_plan_has_the_robot_too_and_the_title_says_how_it_stands() -> None:
     draw_robot(axes, BURGER, resting_poses(walled("north"), BURGER, 0.2, -0.1, 0.5))
     assert axes.dataLim.x0 < 0.2 < axes.dataLim.x1
     level = resting_poses(walled("north"), BURGER, 0, 0, 0)
-    assert RobotDrawing(body=BURGER, rests=level).describe().startswith("the robot tilts by 0.0 degrees, ")
-    assert not RobotDrawing(body=BURGER, rests=level).describe().endswith(("slides", "on"))
+    told = RobotDrawing(body=BURGER, rests=level, stable=1).describe()
+    assert told.startswith("the robot tilts by 0.0 degrees, ")
+    assert told.endswith(" degrees from tipping over")
+    assert RobotDrawing(body=BURGER, rests=level, stable=2).describe() == f"{told}; this is one of 2 stable poses here"
     edge = resting_poses(walled("north"), BURGER, 0, 0.25, 0)
-    assert RobotDrawing(body=BURGER, rests=edge).describe() == "the robot tips over"
+    assert RobotDrawing(body=BURGER, rests=edge, stable=0).describe() == "the robot tips over"
 
 
 def test_the_command_draws_a_robot_and_refuses_places_that_are_none(

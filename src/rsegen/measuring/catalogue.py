@@ -218,7 +218,7 @@ _ANGLES_OF_A_ROBOT = (
     *(f"{_POSES}tilt_median", f"{_POSES}tilt_p90"),
 )
 _NUMBERS_OF_A_ROBOT = (
-    *("reach.climbable", "reach.droppable", "reach.coverage", f"{_POSES}stands"),
+    *("reach.climbable", "reach.droppable", "reach.coverage", f"{_POSES}stands", f"{_POSES}ambiguous"),
     *(f"{side}.{what}_ratio" for side in _SIDES for what in ("length", "cost")),
 )
 OF_A_ROBOT = frozenset({*_LENGTHS_OF_A_ROBOT, *_ANGLES_OF_A_ROBOT, *_NUMBERS_OF_A_ROBOT})

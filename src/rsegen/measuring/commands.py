@@ -387,6 +387,8 @@ def _reach(reach: Any, crosser: CrossingModel, units: str) -> Iterator[str]:
 
 def _poses(poses: Any, written: Lengths) -> Iterator[str]:
     yield f"poses    at all blocks, in eight headings: it stands in {poses.stands:.1%} of them"
+    if poses.ambiguous:
+        yield f"         at about {poses.ambiguous:.0%} of these places it may stand in more than one way"
     if poses.tilt_median is not None and poses.tilt_p90 is not None:
         half, most = (whole_degrees(tilt) for tilt in (poses.tilt_median, poses.tilt_p90))
         yield f"         tilt {half} or less in half of these, {most} or less in 90 %"

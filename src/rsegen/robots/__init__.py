@@ -32,7 +32,7 @@ CAPABILITY = Capability(
     ),
     public={
         "rsegen.robots.commands": ("spots",),
-        "rsegen.robots.lookup": ("poses", "robot_of"),
+        "rsegen.robots.lookup": ("poses", "robot_of", "stable_poses"),
         "rsegen.robots.robot_picture": ("robot_picture",),
     },
     extras=(MESH, XACRO),

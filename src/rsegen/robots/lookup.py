@@ -12,8 +12,9 @@ from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import StepField
 from rsegen.robots.base import ROBOTS, Robot
 from rsegen.robots.sdf_file import SUFFIXES, SdfRobot, from_file, is_robot_file
-from rsegen.standing import resting
+from rsegen.standing import resting, stable
 from rsegen.standing.resting import Poses
+from rsegen.standing.stable import StablePoses
 
 DrivableRobot: TypeAlias = Robot | SdfRobot
 """A robot that can be driven over a map: of a kind, or of a file."""
@@ -111,3 +112,32 @@ def poses(
         For a place outside the field, a number that is none, or a robot without collision shapes.
     """
     return resting.resting_poses(field, robot_of(robot).body, x, y, heading)
+
+
+def stable_poses(
+    field: StepField, robot: str | os.PathLike[str] | DrivableRobot, x: ArrayLike, y: ArrayLike, heading: ArrayLike
+) -> StablePoses:
+    """Return all poses in which a robot may stand at places of a field: which one it takes depends on how it got there.
+
+    Parameters
+    ----------
+    field : StepField
+        The field.
+    robot : str, path or robot
+        A kind, the file of one, or a robot.
+    x, y : array_like
+        Places, metres from the middle of the field.
+    heading : array_like
+        Headings, radians. These and the places go together as in numpy.
+
+    Returns
+    -------
+    StablePoses
+        The poses, the place of each, and how many there are at each place.
+
+    Raises
+    ------
+    ParameterError
+        For a place outside the field, a number that is none, or a robot without collision shapes.
+    """
+    return stable.stable_poses(field, robot_of(robot).body, x, y, heading)

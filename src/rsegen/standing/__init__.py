@@ -10,7 +10,11 @@ from rsegen.params.capabilities import Capability
 CAPABILITY = Capability(
     summary="how a robot stands on a field: poses, lanes, ways, spots",
     needs=("pictures",),
-    public={"rsegen.standing.resting": ("Poses",), "rsegen.standing.spots": ("Spot",)},
+    public={
+        "rsegen.standing.resting": ("Poses",),
+        "rsegen.standing.spots": ("Spot",),
+        "rsegen.standing.stable": ("StablePoses",),
+    },
     offers={"rsegen.formats": {"posture": "rsegen.standing.posture"}},
     manual="poses",
 )

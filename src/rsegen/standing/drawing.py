@@ -27,10 +27,11 @@ _DRIVEN, _UNDRIVEN = "#00a3ff", "#ff2d95"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RobotDrawing:
-    """A robot at rest at one place, to be drawn into a picture of a map (`pictures/preview.py`)."""
+    """A robot at rest at one place, one of so many stable poses, for a picture of a map (`pictures/preview.py`)."""
 
     body: Body
     rests: Poses
+    stable: int
 
     def draw(self, plan: Axes) -> None:
         """Draw the robot on a plan."""
@@ -53,7 +54,8 @@ class RobotDrawing:
             return f"the robot {reason}"
         tilt, margin = (degrees(float(angles[0])) for angles in (self.rests.tilt, self.rests.tip_angle))
         what = f", and {reason}" if reason else ""
-        return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}"
+        others = f"; this is one of {self.stable} stable poses here" if self.stable > 1 else ""
+        return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}{others}"
 
 
 def draw_robot(axes: Axes, body: Body, rests: Poses, index: int = 0) -> None:

@@ -97,6 +97,13 @@ def resting_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, head
 
     ParameterError for a number that is none, and for a place outside the field.
     """
+    at_x, at_y, yaw = places(field, body, x, y, heading)
+    ground = PaddedGround.of(field, outer_radius(body))
+    return of_settled(ground, body, settle(ground, body, at_x, at_y, yaw))
+
+
+def places(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> tuple[Array, Array, Array]:
+    """Return places of a field [m] and headings [rad] as arrays of one length; errors as of `resting_poses`."""
     if body.length > max(field.extent):
         along, across = field.extent
         raise ParameterError("robot", f"is {body.length:.3g} m long, longer than the map of {along:g} x {across:g} m")
@@ -106,8 +113,7 @@ def resting_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, head
         outside = values[np.abs(values) > extent / 2]
         if len(outside):
             raise ParameterError(name, f"{outside[0]:g} m is outside the field, {-extent / 2:g}..{extent / 2:g} m")
-    ground = PaddedGround.of(field, outer_radius(body))
-    return of_settled(ground, body, settle(ground, body, at_x, at_y, yaw))
+    return at_x, at_y, yaw
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:
@@ -143,47 +149,6 @@ def of_settled(ground: PaddedGround, body: Body, rest: Settled) -> Poses:
         stands=stands,
         holds=stands & (force_margin(ground, body, rest, is_moving=False) > SLIDING),
         pushes=stands & (force_margin(ground, body, rest) >= 0),
-    )
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class PoseStatistics:
-    """A robot at rest at the middle of every block, in evenly spaced headings.
-
-    stands: share of these poses in which it stands; all else is of these, and None if there are none
-    tilt_median, tilt_p90: the tilt that half, and nine tenths, of the poses do not exceed, radians
-    clearance_median, clearance_least: from the ground to the lowest part that neither drives nor bears, metres; None
-    without such a part
-    """
-
-    stands: float
-    tilt_median: float | None
-    tilt_p90: float | None
-    clearance_median: float | None
-    clearance_least: float | None
-
-
-def pose_statistics(field: StepField, body: Body, headings: int = 8) -> PoseStatistics:
-    """Return how a robot rests all over a field, with its middle above the middles of the blocks."""
-    edges_x, edges_y = field.edges()
-    i, j = np.nonzero(~field.frame)
-    middles = (edges_x[i] + edges_x[i + 1]) / 2, (edges_y[j] + edges_y[j + 1]) / 2
-    x, y = (np.repeat(along, headings) for along in middles)
-    ground = PaddedGround.of(field, outer_radius(body))
-    rest = settle(ground, body, x, y, np.tile(np.arange(headings) * 2 * np.pi / headings, len(i)))
-    return statistics_of(of_settled(ground, body, rest))
-
-
-def statistics_of(every: Poses) -> PoseStatistics:
-    """Return the statistics of poses."""
-    tilts, clearances = every.tilt[every.stands], every.clearance[every.stands & np.isfinite(every.clearance)]
-    median, p90 = np.quantile(tilts, [0.5, 0.9]).tolist() if len(tilts) else (None, None)
-    return PoseStatistics(
-        stands=float(every.stands.mean()),
-        tilt_median=median,
-        tilt_p90=p90,
-        clearance_median=float(np.median(clearances)) if len(clearances) else None,
-        clearance_least=float(clearances.min()) if len(clearances) else None,
     )
 
 

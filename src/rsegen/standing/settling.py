@@ -26,8 +26,8 @@ contacts and that plane is level; if not, the groups that are highest above or l
 robot is still, or so much turned that others may count. Cost: 35 to 45 microseconds a pose in thousands where a robot
 mostly stands, three times as much where it mostly tips over, and some 20 milliseconds a call of a hundred, as a few
 take all rounds. What breaks it: robots that stand equally well in two ways, as one with four wheels and its centre of
-mass on the diagonal; it takes one of them. And a part against the side of a block: it goes to and fro over the edge,
-with shorter turns, and ends there before it is still.
+mass on the diagonal; it takes one of them (stable.py finds the others). And a part against the side of a block: it
+goes to and fro over the edge, with shorter turns, and ends there before it is still.
 """
 
 from __future__ import annotations
@@ -193,14 +193,23 @@ def settled_on_level(ground: PaddedGround, body: Body) -> tuple[PaddedGround, Se
 
 def settle(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> Settled:
     """Return the robot at rest after it was put down level with its origin at x, y [m] and a heading [rad], (n,)."""
+    return settle_from(ground, body, *centre_at(body, x, y, yaw), yaw, np.zeros((len(x), 2)))
+
+
+def centre_at(body: Body, x: Array, y: Array, yaw: Array) -> tuple[Array, Array]:
+    """Return where the centre of mass of a level robot is whose origin is at x, y [m], with a heading [rad], (n,)."""
     c, s = np.cos(yaw), np.sin(yaw)
-    at_x, at_y = x + c * body.centre[0] - s * body.centre[1], y + s * body.centre[0] + c * body.centre[1]
-    robots = _Settling(ground, body, at_x, at_y, yaw)
+    return x + c * body.centre[0] - s * body.centre[1], y + s * body.centre[0] + c * body.centre[1]
+
+
+def settle_from(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, slope: Array) -> Settled:
+    """Return the robot at rest after it was put down at a slope (n, 2) with its centre of mass at x, y, (n,)."""
+    robots = _Settling(ground, body, x, y, yaw, slope)
     robots.settle()
     samples = np.append(body.groups.T, [-1, -1, -1])
     return Settled(
-        x=at_x,
-        y=at_y,
+        x=x,
+        y=y,
         z=robots.height,
         yaw=yaw,
         slope=robots.slope.T,
@@ -269,12 +278,12 @@ class _Settling:
     rounds, looks: (n,), those that each robot has had
     """
 
-    def __init__(self, ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> None:
+    def __init__(self, ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array, slope: Array) -> None:
         count, self.groups = len(x), len(body.groups)
         points = np.concatenate([body.points[body.groups.T.ravel()] - body.centre, _AFAR])
         self.ground, self.points = ground, np.ascontiguousarray(points.T, SINGLE)
         self.middle = ground.middles(x, y)
-        self.heading, self.slope = np.array([np.cos(yaw), np.sin(yaw)]), np.zeros((2, count))
+        self.heading, self.slope = np.array([np.cos(yaw), np.sin(yaw)]), slope.T.copy()
         self.three = np.tile(np.arange(body.groups.size, body.groups.size + 3)[:, None], count)
         self.height, self.turn = np.zeros(count), np.full(count, np.inf)
         self.rounds, self.looks = np.zeros((2, count), int)
@@ -403,11 +412,6 @@ class _Settling:
     def scaled(self, turned: Array) -> Singles:
         """Return the first two rows of axes, (n, 2, 3), which give places in cells."""
         return np.ascontiguousarray(np.moveaxis(turned[:2] / self.ground.width, 2, 0), SINGLE)
-
-    def leaning(self, turned: Array) -> Array:
-        """Return the slope by which each robot would be turned if it had these axes (3, 3, n), (n,)."""
-        a, b, _ = self.plane_of_all(np.arange(len(self.turn)), turned, self.three)
-        return np.asarray(np.hypot(a, b))
 
 
 def _of_each(array: _Rows, count: int) -> _Rows:

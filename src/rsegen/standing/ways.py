@@ -53,7 +53,8 @@ from rsegen.standing.lanes import (
     straight,
     surely_passed,
 )
-from rsegen.standing.resting import Poses, PoseStatistics, has_stood, margins, of_settled, statistics_of
+from rsegen.standing.pose_statistics import PoseStatistics, statistics_of
+from rsegen.standing.resting import Poses, has_stood, margins, of_settled
 from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle, settled_on_level
 
 
@@ -766,7 +767,7 @@ def reach(field: StepField, body: Body, watch: Watch = _unwatched) -> Reach:
         direct = _straight_way(field, body, axis)
         ways.append(direct or lattice.way(axis) or no_way(straight(field, body, axis), body))
     cover = float(region.sum() / blocks) if blocks else 0.0
-    poses = statistics_of(of_settled(lattice.ground, body, lattice.at_blocks()))
+    poses = statistics_of(lattice.ground, body, lattice.at_blocks())
     return Reach(coverage=cover, poses=poses, west_east=ways[0], south_north=ways[1], region=region)
 
 
