@@ -199,7 +199,7 @@ class ExperimentPlan:
     def __post_init__(self) -> None:
         validate(self)
         if not self.rows:
-            raise ParameterError("rows", "is empty; give a row, such as {robot: burger, sizes: [0, 80]}")
+            raise ParameterError("rows", "is empty; add a row, such as {robot: burger, sizes: [0, 80]}")
 
     @property
     def cells(self) -> tuple[Cell, ...]:

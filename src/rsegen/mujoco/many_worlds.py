@@ -51,7 +51,7 @@ class ManyWorlds:
         self, world: MujocoWorld, worlds: int, *, device: Any = None, contacts: int = _CONTACTS, rows: int = _ROWS
     ) -> None:
         if len(world.robots) != 1:
-            raise ParameterError("world", f"{len(world.robots)} robots in it; give a world with one")
+            raise ParameterError("world", f"{len(world.robots)} robots in it; use a world with one")
         robot, compiled = world.robots[0], world.model
         self.robot, self.worlds = robot, worlds
         with wp.ScopedDevice(device):

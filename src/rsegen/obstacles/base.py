@@ -370,7 +370,7 @@ class Region(Filling):
         """Return `drawn(uniform)`; PluginError if that is not one level per number."""
         levels = self.drawn(uniform)
         if np.shape(levels) != uniform.shape:
-            raise PluginError(f"obstacle kind {self.kind}: drawn() must give an array of shape {uniform.shape}")
+            raise PluginError(f"obstacle kind {self.kind}: drawn() must return an array of shape {uniform.shape}")
         return levels
 
 

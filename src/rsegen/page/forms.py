@@ -253,10 +253,10 @@ def _missing(made: Field) -> str:
     name, schema = made["title"].lower(), made["schema"]
     items = schema.get("items", {})
     if schema.get("type") == "array":
-        verb = "Choose" if _has_words(items) else "Give"
+        verb = "Choose" if _has_words(items) else "Enter the name of"
         return f"{verb} at least one {name.removesuffix('s')}."
     article = "an" if name[0] in "aeio" else "a"
-    return f"{'Choose' if _has_words(schema) else 'Give'} {article} {name}."
+    return f"{'Choose' if _has_words(schema) else 'Enter the name of'} {article} {name}."
 
 
 def _has_words(schema: Schema) -> bool:

@@ -185,7 +185,7 @@ def file_name(given: str) -> str:
 MOST_CALL, MOST_UPLOAD, MOST_UPLOADED = 4 * 2**20, 64 * 2**20, 2**30
 """Bytes of a call, of a file that a page sends, and of all of these files."""
 
-_STRANGER = "the address lacks its token: use the one that rsegen gui printed\n"
+_STRANGER = "the address has no token: open the one that rsegen gui printed\n"
 
 _ALIVE = 5.0
 """Seconds after which a page hears that the server lives; proxies end what is silent for a minute."""
@@ -370,7 +370,7 @@ class Desk:
     def _check_token(self, request: Request) -> None:
         given = request.headers.get("authorization", "")
         if not secrets.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
-            raise Refused(403, "the token is wrong: use the address that rsegen gui printed last")
+            raise Refused(403, "the token is wrong: open the address that rsegen gui printed last")
 
 
 def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:

@@ -154,7 +154,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     if reliability is None:
         for name, value in (("confidence", confidence), ("repetitions", repetitions)):
             if value is not None:
-                raise ParameterError(name, "is for a test of reliability; give that too")
+                raise ParameterError(name, "is for a test of reliability; set reliability too")
         return rate_robot(rated, fields, axis, by, trials=trials, precision=precision / 100, target=target)
     if trials is not None:
         raise ParameterError("trials", "is for a rating; the drives of a test of reliability are repetitions")

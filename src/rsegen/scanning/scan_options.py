@@ -61,7 +61,7 @@ class ScanOptions:
         Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: estimated"),
     ] = None
     fill_holes: Annotated[
-        bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")
+        bool, Flag(help="fill blocks that were not seen with the median level of their neighbours, not with 0")
     ] = False
     block_width_cm: Annotated[float | None, _DESIGN["block_width_cm"]] = None
     unit_cm: Annotated[float | None, _DESIGN["unit_cm"]] = None

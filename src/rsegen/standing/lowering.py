@@ -105,7 +105,7 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
             return caps if (field.levels > caps).any() else None
     raise ParameterError(
         "crossable_by",
-        f"{robot.kind} cannot cross frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
+        f"{robot.kind} cannot cross frames of {100 * field.frame_height:g} cm; use boundary none or lower frames",
     )
 
 

@@ -63,7 +63,7 @@ function TextControl({ id, schema, value, empty, onChange, onWhy }: ControlProps
   const pattern = schema.pattern ? new RegExp(schema.pattern) : null;
   const read = (text: string) => {
     if (!text && empty) return undefined;
-    return pattern && !pattern.test(text) ? new Unreadable(`'${text}' has letters that are not allowed here`) : text;
+    return pattern && !pattern.test(text) ? new Unreadable(`'${text}' has characters that are not allowed here`) : text;
   };
   const { why, props } = useTyped(value, read, onChange);
   if (schema.pattern?.startsWith("^#"))
@@ -94,8 +94,8 @@ function WordOrText({ id, schema, name, value, empty, onChange }: ControlProps) 
   return (
     <div class="choice">
       <Select id={id} value={shows ? OTHER : String(value ?? "")} onChange={choose}
-        choices={[...(empty || value === undefined ? [["", "–"] as const] : []), ...choices, [OTHER, areRobots ? "a file …" : "another …"] as const]} />
-      {shows && <input type="text" autocomplete="off" aria-label={areRobots ? "File of a robot" : `${name}: another`} placeholder={areRobots ? "robot.sdf, robot.urdf, or robot.xacro NAME:=VALUE" : ""} {...props} />}
+        choices={[...(empty || value === undefined ? [["", "–"] as const] : []), ...choices, [OTHER, areRobots ? "from a file …" : "other …"] as const]} />
+      {shows && <input type="text" autocomplete="off" aria-label={areRobots ? "File of a robot" : `${name}: other value`} placeholder={areRobots ? "robot.sdf, robot.urdf, or robot.xacro NAME:=VALUE" : ""} {...props} />}
     </div>
   );
 }
