@@ -150,7 +150,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a sheet of two tables": (
         ["sheet", "two.yaml", "-o", "s.csv", "--csv", "t.csv"],
-        ["--csv: t.csv beside s.csv", "-o one of .pdf"],
+        ["--csv: t.csv beside s.csv", "-o one in .pdf"],
     ),
     "a sheet whose table is no table": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "t.pdf"],

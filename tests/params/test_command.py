@@ -169,6 +169,6 @@ def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) ->
 @pytest.mark.parametrize("folder", ["", 3, None])
 def test_an_invalid_folder_is_refused(folder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ParameterError, match=r"folder: .*use a folder"):
+    with pytest.raises(ParameterError, match=r"folder: .*expected a folder"):
         rsegen.generate(rsegen.Recipe(seed=1), folder)
     assert not list(tmp_path.iterdir())

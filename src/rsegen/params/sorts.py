@@ -179,7 +179,8 @@ class Text(Parameter):
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and re.fullmatch(self.pattern, value) and not re.search("[\ud800-\udfff]", value):
             return value
-        raise ParameterError(where, f"invalid value {shown(value)}: expected {self.meaning}")
+        given = "an empty value" if value is None else f"invalid value {shown(value)}"
+        raise ParameterError(where, f"{given}: expected {self.meaning}")
 
     def schema(self) -> dict[str, Json]:
         return {"type": "string", "pattern": f"^{self.pattern}$"}
