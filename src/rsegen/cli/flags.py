@@ -1,4 +1,4 @@
-"""From flags to recipes and maps: one flag for every global parameter, named after it, and --obstacle.
+"""Recipes and maps from flags: one flag for every global parameter, named after it, and --obstacle.
 
 Commands that look at maps take where these are, or a recipe of them, and flags over it.
 """

@@ -172,7 +172,7 @@ def _trajectory(file: Path) -> Trajectory:
 
 
 _Touch = tuple[float, str, str]
-"""When a part touched something, the part, and what it touched."""
+"""Time of a contact, seconds, the part, and what it touched."""
 
 
 def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:

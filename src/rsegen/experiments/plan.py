@@ -65,7 +65,7 @@ LARGER = "barriers and peaks"
 """The maps of the paper's larger worlds: one of each of these kinds for every chunk along a side, at random places."""
 
 KINDS_OF_MAPS = ("random", *_SINGLE, LARGER)
-"""What stands on the maps of a row: random blocks, a single obstacle, or several."""
+"""Words for the maps of a row: random blocks, a single obstacle, or several."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -37,7 +37,7 @@ _PRECISION, _ITERATIONS = 1e-7, 50
 one it seldom does, and is not worth a warning each time."""
 
 _DAMPING = 2 / (MOTOR_SOLIMP[1] * MOTOR_SOLREF[0])
-"""By which MuJoCo multiplies a speed in the reference of a motor's constraint."""
+"""Factor of a speed in the reference acceleration of a motor's constraint, as MuJoCo computes it."""
 
 
 class ManyWorlds:

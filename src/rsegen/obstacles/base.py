@@ -104,7 +104,7 @@ class Obstacle(ABC):
     kind: ClassVar[str]
     also: ClassVar[tuple[str, ...]] = ()
     default_place: ClassVar[str] = "at a random position"
-    """Where the obstacle lies if the recipe gives no position."""
+    """Position, in words, of an obstacle without one in its recipe."""
 
     levels: Annotated[
         int,

@@ -89,7 +89,7 @@ def names_in(folder: Path) -> Iterator[str]:
 
 
 Kind = Literal["recipe", "folder", "dataset", "drive", "other"]
-"""What a file or folder is for a page."""
+"""Kind of a file or folder, as the page treats it."""
 
 
 def kind_of(path: Path) -> Kind:

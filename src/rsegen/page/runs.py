@@ -151,7 +151,7 @@ def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
 
 
 _HOLDS = {"drive": "drive", "dataset": "data set"}
-"""What a folder holds that a command writes, if that is no map."""
+"""Contents of the folders that commands write, if these are no maps, by command."""
 
 
 def _may_be_replaced(path: Path, holds: str) -> bool:

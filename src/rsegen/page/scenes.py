@@ -199,7 +199,7 @@ _MOST_ROWS = 32767
 
 
 _COUNT = Integer(1, 24, unit="maps")
-"""More would be too small to be distinguished."""
+"""Number of small pictures: with more, each would be too small."""
 
 _OPENED = 40_000
 """Cells of a map up to which the smallest step across it is found: of more it takes too long for a picture."""

@@ -41,7 +41,7 @@ from rsegen.page.shown_map import editor_page, policy
 _FRAMES = "'self' " + " ".join(
     f"{scheme}://{host}:*" for scheme in ("http", "https") for host in ("localhost", "127.0.0.1")
 )
-"""Who may show the page in a frame: Jupyter on this machine."""
+"""Origins that may show the page in a frame: Jupyter on this machine."""
 
 
 class Answer(JSONResponse):

@@ -66,7 +66,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = ("mujoco",),
     precision: Annotated[
         float,
-        Float(2, 100, unit="%", help="stop when the 95 % interval of the level is at most this wide on either side"),
+        Float(2, 100, unit="%", help="stop when both ends of the 95 % interval are at most this far from the level"),
         Shell(metavar="PERCENT"),
     ] = _PRECISION,
     trials: Annotated[
@@ -97,7 +97,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     motors: MotorModel = None,
     duration: Annotated[
         float | None,
-        Float(0.1, 1e5, unit="s", help="simulation time of a drive at most"),
+        Float(0.1, 1e5, unit="s", help="maximum simulation time of a drive"),
         Shell(metavar="S", default="three times that on level ground"),
     ] = None,
     seed: int | None = None,

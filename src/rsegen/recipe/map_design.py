@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rsegen.obstacles import Grid, Obstacle
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
-"""One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
+"""Number for all maps; (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
 
 _SHARE, _STEPS = Float(0, 1), Integer(2, 1_000_000)
 

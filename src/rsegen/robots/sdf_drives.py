@@ -53,7 +53,7 @@ TRACK_CONTROLLER = "gz-sim-track-controller-system"
 """The plug-in of Gazebo Sim that moves a single track, for one that drives tracks."""
 
 _TORQUES = ("max_wheel_torque", "wheelTorque", "wheel_torque", "torque")
-"""What plug-ins of Gazebo Classic and of ROS call the torque of a wheel's motor, Nm."""
+"""Names of the torque of a wheel's motor, Nm, in plug-ins of Gazebo Classic and of ROS."""
 
 _ALONG = 0.99
 """Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""

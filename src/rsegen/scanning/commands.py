@@ -40,7 +40,7 @@ _SHOWN = 8
 
 
 _MOST_PALLETS = 30
-"""Of a build sheet that is written unasked: a field of 11 x 10 blocks has 110 square chunks of a single block."""
+"""Most pallets of a build sheet that is written unasked: 11 x 10 blocks have 110 square chunks of a single block."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

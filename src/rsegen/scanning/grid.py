@@ -345,7 +345,7 @@ _HALVINGS = 7
 """Halvings of the steps of the climb: the last are 0.08 / 2^6, about a thousandth of a width."""
 
 _COARSE_HALVINGS = 3
-"""The same for the choice: the last are 2 % of a width."""
+"""Halvings of the steps for the choice: the last are 2 % of a width."""
 
 _MOST_LEFT = 0.6
 """Share of the points off the levels in a grid that is half a block off which the best grid may have: if it has

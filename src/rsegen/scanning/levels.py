@@ -33,7 +33,7 @@ _CORE = 0.3
 of nine fields are wrong, with less there are fewer points."""
 
 _WIDE_CORE = 0.42
-"""The same for clouds of fewer than ten points in a typical core: twice as many points, nearer to the sides."""
+"""Core for clouds of fewer than ten points in a typical one: twice as many points, nearer to the sides."""
 
 _NOISE = 1.3
 """Deviations of the noise that points of a level top may have: of 25 points, one in a hundred cells has more."""

@@ -25,7 +25,7 @@ CLOUDS: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), "image"),
     }
 )
-"""How files of clouds are read, by the suffixes of their names."""
+"""Readers of point clouds, by the suffixes of their files."""
 
 _UPWARDS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "-x": (-1, 0, 0), "-y": (0, -1, 0), "-z": (0, 0, -1)}
 _DESIGN = parameters(MapDesign)

@@ -34,7 +34,7 @@ from rsegen.writing.store import write_file
 from rsegen.writing.user_state import state_file, state_files, state_folder, write_state
 
 SUFFIXES = (".yaml", ".yml", ".json")
-"""How the names of recipe files end."""
+"""Suffixes of recipe files."""
 
 
 @dataclass(kw_only=True)
