@@ -108,6 +108,21 @@ def test_no_text_of_the_library_has_a_flag() -> None:
     assert {(name, flag) for name, flag in found if name not in COMMAND_LINES} == set()
 
 
+def test_no_message_says_give() -> None:
+    """Messages say what to pass, set, choose or use; the files of a ROS 2 package keep their bytes."""
+    files = [file for file in SOURCES.rglob("*.py") if file.parts[len(SOURCES.parts)] != "ros2"]
+    advice = re.compile(r"(?:^|[;:.] |\bor )[Gg]ive\b")
+    said = {
+        (file.name, node.value)
+        for file in files
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "\n" not in node.value
+        if advice.search(node.value) and not node.value.endswith(".")  # docstrings of one line end so
+    }
+    assert len(files) > 200
+    assert said == set()
+
+
 @pytest.mark.slow
 def test_advice_names_parameters_that_some_command_declares() -> None:
     known = {parameter.strip("_") for function in FUNCTIONS for parameter in declared(function)}

@@ -229,7 +229,7 @@ def test_the_page_says_what_cannot_be_saved_in_one_line(place: Place) -> None:
         chrome.get(shown.url)
         until(lambda: chrome.execute_script("return Boolean(window.rsegen?.state.scene.value)"))
         banner = chrome.find_element(By.CSS_SELECTOR, ".banner p")
-        until(lambda: f"nothing can be saved in {place.folder}" in banner.text)
+        until(lambda: f"{place.folder} is read-only" in banner.text)
         assert "cannot be kept" not in banner.text
         shown.ask("edit", actions=[{"do": "add", "entry": PEAK}])
         until(lambda: f"cannot be kept in {place.state}" in banner.text)
