@@ -241,7 +241,7 @@ def test_the_course_of_the_paper_is_made_with_the_keyboard_alone(page: Page, fol
         page.settled()
     rows = page.settled()["rows"]
     assert [row["entry"]["kind"] for row in rows] == ["diagonal_barrier", "horizontal_barrier", "peak", "random"]
-    tab_to(page, "Select; arrow keys")
+    tab_to(page, "Select this obstacle")
     for row in (1, 2):
         press(page, Keys.ARROW_DOWN)
         until(partial(page.js, f"return document.activeElement === document.querySelectorAll('.pick')[{row}]"))
