@@ -235,7 +235,7 @@ def system_message(error: OSError, about: str = "") -> str:
 def shown(value: object) -> str:
     """`value` as an error message shows it: short, and on one line whatever it is."""
     if value is None:
-        return "nothing"  # what stands after `boundary:` in a file is Python's None, and not the word none
+        return "an empty value"  # what stands after `boundary:` in a file is Python's None, and not the word none
     try:
         text = " ".join(_SHORT.repr(value).splitlines())
     except ValueError:  # Python writes out no number that is longer

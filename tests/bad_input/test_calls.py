@@ -22,7 +22,7 @@ CALLS: Mapping[str, tuple[Callable[[], object], str]] = {
     ),
     "a pair of such": (lambda: Recipe(chunks=(1, MORE_DIGITS_THAN_PYTHON_WRITES)), "chunks: a number of thousands"),
     "an array": (lambda: Recipe(seed=np.zeros((3, 3))), "seed: .* is not a whole number"),  # type: ignore[arg-type]
-    "nothing": (lambda: Recipe(maps=None), "maps: nothing is not a whole number"),  # type: ignore[arg-type]
+    "nothing": (lambda: Recipe(maps=None), "maps: an empty value is not a whole number"),  # type: ignore[arg-type]
     "a truth": (lambda: Recipe(maps=True), "maps: True is not a whole number"),
     "obstacles in a word": (lambda: Recipe(obstacles="peak"), "obstacles: 'peak' is not a list"),  # type: ignore[arg-type]
     "a kind for an obstacle": (

@@ -34,7 +34,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "another command's flag": (["info", "recipe.yaml", "--force"], ["unknown flag '--force'"]),
     "two recipes": (["generate", "a.yaml", "b.yaml", "-o", "out"], ["unexpected argument 'b.yaml'"]),
     "no output": (["generate"], ["-o/--output"]),
-    "an output of no name": (["generate", "-o", ""], ["-o/--output", "give a folder"]),
+    "an output of no name": (["generate", "-o", ""], ["-o/--output", "expected a folder"]),
     "a recipe of no name": (["generate", "", "-o", "out"], ["directory"]),
     "a flag without its value": (["generate", "-o", "out", "--seed"], ["--seed", "expected one argument"]),
     "no worker": (["generate", "-o", "out", "--workers", "0"], ["--workers: 0 is not 1 or more"]),
@@ -60,7 +60,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a recipe of too long a name": (["generate", "n" * 300, "-o", "out"], ["nnn: File name too long"]),
     "a folder without a recipe": (
         ["generate", "folder", "-o", "out"],
-        ["folder: ", "recipe.json", "give a recipe file"],
+        ["folder: ", "recipe.json", "use a recipe file"],
     ),
     "a link to itself": (["info", "loop"], ["loop: Too many levels of symbolic links"]),
     "a target that is not there": (["info", "no.yaml"], ["no.yaml: No such file or directory in /"]),
@@ -76,7 +76,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a place of one number": (["spawn", "burger", "--at", "1"], ["--at: '1' is not X,Y or X,Y,Z or X,Y,Z,YAW"]),
     "a place in words": (["spawn", "burger", "--at", "1,here"], ["--at", "'here' is not a number"]),
     "a map of a robot": (["spawn", "burger", "--map", "1"], ["--map: burger is a robot"]),
-    "a pose of no robot": (["spawn", "two.yaml", "--pose", "0,0,0"], ["--pose: is the place of a robot", "give robot"]),
+    "a pose of no robot": (["spawn", "two.yaml", "--pose", "0,0,0"], ["--pose: is the place of a robot", "set robot"]),
     "a robot on a robot": (["spawn", "burger", "--robot", "crawler"], ["--robot: burger is a robot already"]),
     "a name with a slash": (["spawn", "burger", "--name", "../b"], ["--name: invalid value '../b'"]),
     "seconds in a word": (["open", "two.yaml", "--seconds", "few"], ["--seconds: 'few' is not a number"]),
@@ -85,7 +85,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "an index that is a word": (["info", "two.yaml", "--map", "last"], ["--map", "'last'", "rse_0000..rse_0001"]),
     "another map's name": (["info", "two.yaml", "--map", "map_0001"], ["--map", "'map_0001'", "rse_0000..rse_0001"]),
     "an index of many digits": (["info", "two.yaml", "--map", "9" * 9000], ["--map", "'999", "rse_0000..rse_0001"]),
-    "an output that is a file": (["generate", "-o", "file"], ["file: is a file; give a folder"]),
+    "an output that is a file": (["generate", "-o", "file"], ["file: is a file; use a folder"]),
     "an output in a file": (["generate", "-o", "file/a/b"], ["file/a/b: cannot be written: Not a directory"]),
     "an output of too long a name": (["generate", "-o", "n" * 300], ["nnn: File name too long"]),
     "an output on a device": (["generate", "-o", "/dev/null"], ["/dev/null: is a file"]),
@@ -101,7 +101,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a picture in a file": (["preview", "two.yaml", "-o", "file/p.png"], ["file/p.png: cannot be written"]),
     "a picture of a map beyond": (["preview", "two.yaml", "-o", "p.png", "--map", "2"], ["--map", "rse_0001"]),
-    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 map is not a series; give 2 or more"]),
+    "a series of one map": (["series", *OBSTACLE, "-o", "out"], ["maps: 1 map is not a series; use 2 or more"]),
     "a series of no map": (["series", *OBSTACLE, "--maps", "0", "-o", "out"], ["maps: 0 is not 1 or more"]),
     "a series without an output": (["series", "two.yaml"], ["-o/--output"]),
     "a series that falls": (
@@ -119,7 +119,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["series", "two.yaml", "--name", "n" * 62, "--same-field", "-o", "out"],
         ["name: invalid value 'nnn", "1..64 letters"],
     ),
-    "a series in a file": (["series", "two.yaml", "-o", "file"], ["file: is a file; give a folder"]),
+    "a series in a file": (["series", "two.yaml", "-o", "file"], ["file: is a file; use a folder"]),
     "a series of more than there is room for": (
         ["series", "--maps", "2", "--chunks", "1000000", "-o", "out"],
         ["chunks: a map of", "fewer chunks"],
@@ -136,7 +136,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["export", "two.yaml", "--to", "ply", "-o", "out", "--map", "2"],
         ["--map", "'2'", "rse_0000..rse_0001"],
     ),
-    "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; give a folder"]),
+    "an export into a file": (["export", "two.yaml", "--to", "ply", "-o", "file"], ["file: is a file; use a folder"]),
     "a world with another format": (["generate", "-o", "out", "--formats", "sdf"], ["--formats: unknown format 'sdf'"]),
     "a sheet of another ending": (
         ["sheet", "two.yaml", "-o", "s.png"],
@@ -150,7 +150,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a sheet of two tables": (
         ["sheet", "two.yaml", "-o", "s.csv", "--csv", "t.csv"],
-        ["--csv: t.csv beside s.csv", "-o one of .pdf"],
+        ["--csv: t.csv beside s.csv", "-o one in .pdf"],
     ),
     "a sheet whose table is no table": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--csv", "t.pdf"],
@@ -161,7 +161,7 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a sheet of no map": (["sheet", "folder", "-o", "s.pdf"], ["folder: no map in it"]),
     "a sheet for a saw in a word": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm", "thin"],
-        ["kerf_mm: 'thin' is not a number; give 0..100 mm"],
+        ["kerf_mm: 'thin' is not a number; expected 0..100 mm"],
     ),
     "a sheet for a saw below": (["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm=-1"], ["kerf_mm: -1.0 is outside"]),
     "a sheet for no timber": (["sheet", "two.yaml", "-o", "s.pdf", "--stock-cm", "0"], ["stock_cm: 0.0 is outside"]),
@@ -171,20 +171,23 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "a sheet of large pallets": (
         ["sheet", "large.yaml", "-o", "s.pdf"],
-        ["chunk_size: 61 blocks per side", "give up to 60"],
+        ["chunk_size: 61 blocks per side", "use up to 60"],
     ),
     "sheets of large pallets": (
         ["generate", "large.yaml", "-o", "out", "--sheet"],
-        ["chunk_size: 61 blocks per side", "give up to 60"],
+        ["chunk_size: 61 blocks per side", "use up to 60"],
     ),
     "sheets of many pallets": (
         ["generate", "--chunks", "21", "--chunk-size", "2", "-o", "out", "--sheet"],
-        ["chunks: 441 pallets with 1,764 blocks", "give up to 400"],
+        ["chunks: 441 pallets with 1,764 blocks", "use up to 400"],
     ),
     "metrics of a map beyond": (["metrics", "two.yaml", "--map", "2"], ["--map", "'2'", "rse_0000..rse_0001"]),
     "metrics of no map": (["metrics", "folder"], ["folder: no map in it"]),
     "metrics for a robot of another name": (["metrics", "two.yaml", "--robot", "burgr"], ["--robot", "'burger'"]),
-    "metrics for a width alone": (["metrics", "two.yaml", "--width-cm", "5"], ["--climb-cm: give a robot", "--robot"]),
+    "metrics for a width alone": (
+        ["metrics", "two.yaml", "--width-cm", "5"],
+        ["--climb-cm: choose a robot", "--robot"],
+    ),
     "metrics of a climb in a word": (["metrics", "two.yaml", "--climb-cm", "high"], ["climb_cm: 'high'", "100000 cm"]),
     "metrics of a climb below": (["metrics", "two.yaml", "--climb-cm=-1"], ["climb_cm: -1.0 is outside 0..100000 cm"]),
     "metrics of a climb of no number": (["metrics", "two.yaml", "--climb-cm", "nan"], ["climb_cm: nan"]),
@@ -192,12 +195,12 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a data set nowhere": (["dataset", *OBSTACLE], ["one of the arguments -o/--output --verify is required"]),
     "a data set of no map": (["dataset", "-o", "out", "--maps", "0"], ["maps: 0 is not 1 or more"]),
     "a data set in a folder of other things": (["dataset", "-o", "."], [".: is not empty, and not a data set"]),
-    "a data set in a file": (["dataset", "-o", "file"], ["file: is a file; give a folder"]),
+    "a data set in a file": (["dataset", "-o", "file"], ["file: is a file; use a folder"]),
     "metrics in another form": (["dataset", "-o", "out", "--metrics", "csv"], ["metrics: 'csv'", "npy, parquet, none"]),
     "shards of less than a map": (["dataset", "-o", "out", "--shard-maps=-1"], ["--shard-maps: -1 is outside 0.."]),
     "shards without number": (
         ["dataset", "-o", "out", "--maps", "1000000", "--shard-maps", "1"],
-        ["--shard-maps: 1 would make 1000000 shards; give 10 or more"],
+        ["--shard-maps: 1 would make 1000000 shards; use 10 or more"],
     ),
     "to go on and to replace": (
         ["dataset", "-o", "out", "--force", "--resume"],
@@ -276,14 +279,14 @@ def test_every_command_compares_an_unknown_flag_with_its_own(refused: Refused, c
 def test_an_existing_map_stays_and_no_other_is_begun(refused: Refused) -> None:
     assert exit_code("generate", *OBSTACLE, "--first-map", "2", "-o", "out") == 0
     line = refused("generate", *OBSTACLE, "--maps", "5", "-o", "out")
-    assert "out/rse_0002: exists already; give --force to replace it" in line
+    assert "out/rse_0002: exists already; use --force to replace it" in line
 
 
 @pytest.mark.parametrize("name", ["rse_0001", "series.csv", "series.png"])
 def test_a_series_that_would_overwrite_maps_is_not_begun(refused: Refused, name: str) -> None:
     Path("out").mkdir()
     recipe("years of work", f"out/{name}")
-    assert f"out/{name}: exists already; give --force" in refused("series", *OBSTACLE, "--maps", "3", "-o", "out")
+    assert f"out/{name}: exists already; use --force" in refused("series", *OBSTACLE, "--maps", "3", "-o", "out")
 
 
 def test_force_spares_a_folder_in_the_place_of_a_table(refused: Refused) -> None:
@@ -324,7 +327,7 @@ TOO_MUCH: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     ),
     "small chunks in frames": (["--chunks", "300000", "--chunk-size", "1"], ["900000 x 900000 cells"]),
     "boxes": (["--chunks", "1000000", "--mesh-type", "multi"], ["chunks: a map of", "fewer chunks"]),
-    "maps": (["--maps", "1000000000000", "--chunk-size", "1"], ["maps: 1000000000000", "give fewer", "first_map"]),
+    "maps": (["--maps", "1000000000000", "--chunk-size", "1"], ["maps: 1000000000000", "make fewer", "first_map"]),
 }
 
 

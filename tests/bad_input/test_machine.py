@@ -47,7 +47,7 @@ def test_running_out_of_memory_is_reported_in_one_line(
 
     monkeypatch.setattr(plan, "stage_all", full)
     assert exit_code("generate", *OBSTACLE, "-o", tmp_path / "out") == 1
-    assert "out of memory; give fewer chunks" in the_line(capsys.readouterr().err)
+    assert "out of memory; use fewer chunks" in the_line(capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == []
 
 

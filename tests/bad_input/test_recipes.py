@@ -15,13 +15,13 @@ from tests.support.complaints import (
 )
 
 OBSTACLES: Mapping[str, tuple[str, Sequence[str]]] = {
-    "nothing": ("", ["give a kind and then KEY=VALUE"]),
+    "nothing": ("", ["expected a kind and then KEY=VALUE"]),
     "a misspelt kind": ("peek levels=5", ["'peek'", "did you mean 'peak'?", *KINDS]),
     "a kind of another world": ("volcano levels=5", ["'volcano'", *KINDS]),
     "a misspelt parameter": ("peak levls=5", ["'levls'", "did you mean 'levels'?", "softness", "first"]),
     "the paper's word": ("peak max_height=5", ["unknown parameter of peak 'max_height'", "known: ", "levels"]),
     "another kind's parameter": ("peak levels=5 weights=1,2", ["'weights'", "parameter of peak", "softness"]),
-    "no height": ("peak", ["levels: give a value: 2..32767 units (number of levels: 5 levels of 10 cm are"]),
+    "no height": ("peak", ["levels: missing; expected 2..32767 units (number of levels: 5 levels of 10 cm are"]),
     "no equals sign": ("peak levels", ["'levels' is not KEY=VALUE"]),
     "spaces round the equals sign": ("peak levels = 5", ["'levels' is not KEY=VALUE, written without blanks"]),
     "a parameter twice": ("peak levels=5 levels=6", ["levels: is given twice"]),
@@ -51,9 +51,9 @@ def test_an_obstacle_as_a_flag(refused: Refused, text: str, words: Sequence[str]
 
 
 YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
-    "empty": ("", ["nothing is not a recipe", "obstacles:"]),
-    "a comment only": ("# to do\n", ["nothing is not a recipe"]),
-    "a list": ("- kind: peak\n", ["is not a recipe", "give keys"]),
+    "empty": ("", ["an empty value is not a recipe", "obstacles:"]),
+    "a comment only": ("# to do\n", ["an empty value is not a recipe"]),
+    "a list": ("- kind: peak\n", ["is not a recipe", "expected keys"]),
     "a word": ("hello\n", ["'hello' is not a recipe"]),
     "an unknown key": ("sneed: 1\n", ["unknown key 'sneed'", "did you mean 'seed'?", *parameters(Recipe)]),
     "a key that is a number": ("1: 2\n", ["unknown key 1"]),
@@ -67,10 +67,16 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     ),
     "a merge key": ("<<: {seed: 1}\n", ["merge keys ('<<') are not supported", "write the keys out"]),
     "obstacles that are no list": ("obstacles: {kind: peak}\n", ["obstacles: ", "is not a list", "'- kind: '"]),
-    "obstacles that are nothing": ("obstacles:\n", ["obstacles: nothing is not a list"]),
-    "an obstacle that is a word": ("obstacles: [peak]\n", ["obstacles[0]: 'peak' is not an obstacle", "give kind:"]),
-    "an obstacle that is nothing": ("obstacles: [null]\n", ["obstacles[0]: nothing is not an obstacle"]),
-    "an obstacle without a kind": ("obstacles: [{levels: 3}]\n", ["obstacles[0].kind: give a kind of", *KINDS]),
+    "obstacles that are nothing": ("obstacles:\n", ["obstacles: an empty value is not a list"]),
+    "an obstacle that is a word": (
+        "obstacles: [peak]\n",
+        ["obstacles[0]: 'peak' is not an obstacle", "expected kind:"],
+    ),
+    "an obstacle that is nothing": ("obstacles: [null]\n", ["obstacles[0]: an empty value is not an obstacle"]),
+    "an obstacle without a kind": (
+        "obstacles: [{levels: 3}]\n",
+        ["obstacles[0].kind: missing; choose a kind of", *KINDS],
+    ),
     "a kind that is a list": ("obstacles: [{kind: [peak], levels: 3}]\n", ["obstacles[0].kind", *KINDS]),
     "two obstacles of one key": (
         "obstacles: [{kind: peak, levels: 3, key: a}, {kind: peak, levels: 3, key: a}]\n",
@@ -105,7 +111,7 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "an open bracket": ("obstacles: [", ["recipe.yaml:1:13: not YAML"]),
     "two documents": ("seed: 1\n---\nseed: 2\n", ["recipe.yaml:2:1: not YAML"]),
     "an alias of nothing": ("seed: *a\n", ["recipe.yaml:1:7: not YAML", "'a'"]),
-    "itself": ("&a {obstacles: [*a]}\n", ["obstacles[0].kind: give a kind of obstacle"]),
+    "itself": ("&a {obstacles: [*a]}\n", ["obstacles[0].kind: missing; choose a kind of obstacle"]),
     "itself as a list": ("obstacles: &a [*a]\n", ["obstacles[0]: [[", "is not an obstacle"]),
     "deep nesting": (f"obstacles: {'[' * 600}{']' * 600}\n", ["nested too deeply"]),
     "deep nesting of keys": ("{a: " * 3000, ["nested too deeply"]),
@@ -122,15 +128,15 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "a fraction to the base of 60": (f"unit_cm: 1{':1' * 200_000}.5\n", ["a number of more than 4300 digits"]),
     "more weights than levels": (
         f"obstacles: [{{kind: random, levels: 2, weights: [{'1,' * 40_000}]}}]\n",
-        ["obstacles[0].weights: 40,000 values; give up to 32,767"],
+        ["obstacles[0].weights: 40,000 values; at most 32,767 are allowed"],
     ),
     "more counts than levels": (
         f"obstacles: [{{kind: random, levels: 2, counts: [{'1,' * 40_000}]}}]\n",
-        ["obstacles[0].counts: 40,000 values; give up to 32,767"],
+        ["obstacles[0].counts: 40,000 values; at most 32,767 are allowed"],
     ),
     "an inventory of too many levels": (
         f"inventory: [{'1,' * 40_000}]\n",
-        ["inventory: 40,000 values; give up to 32,767"],
+        ["inventory: 40,000 values; at most 32,767 are allowed"],
     ),
     "any bytes": (bytes(range(256)), ["not a text in UTF-8"]),
     "another encoding": ("description: über".encode("latin-1"), ["not a text in UTF-8"]),
@@ -153,7 +159,7 @@ def test_a_yaml_file(refused: Refused, content: str | bytes, words: Sequence[str
 
 JSON: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "empty": ("", ["recipe.json:1:1: not JSON"]),
-    "null": ("null", ["nothing is not a recipe"]),
+    "null": ("null", ["an empty value is not a recipe"]),
     "a list": ("[]", ["[] is not a recipe"]),
     "a comma too many": ('{"seed": 1,}', ["recipe.json:1:", "not JSON"]),
     "a comment": ("// mine\n{}", ["recipe.json:1:1: not JSON"]),
@@ -166,11 +172,11 @@ JSON: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "deep nesting of keys": ('{"a":' * 100_000, ["nested too deeply"]),
     "very many obstacles": (
         f'{{"obstacles": [{"{}," * 200_000}{{}}]}}',
-        ["obstacles: 200,001 values; give up to 200,000"],
+        ["obstacles: 200,001 values; at most 200,000 are allowed"],
     ),
     "very many rows of a matrix": (
         f'{{"obstacles": [{{"kind": "matrix", "levels": 2, "rows": [{"1," * 1_000_000}1]}}]}}',
-        ["obstacles[0].rows: 1,000,001 values; give up to 1,000,000"],
+        ["obstacles[0].rows: 1,000,001 values; at most 1,000,000 are allowed"],
     ),
     "half a letter": ('{"name": "\\ud800"}', ["name: invalid value '\\ud800': expected"]),
     "a new line after the name": ('{"name": "x\\n"}', ["name: invalid value 'x\\n': expected"]),

@@ -130,7 +130,7 @@ def test_a_single_part_has_its_tolerance_too(length_cm: float, fits: bool) -> No
 
 
 def test_a_block_longer_than_the_stock_is_refused() -> None:
-    said = r"stock_cm: 30 is too short for the longest block, 30\.5 cm; give 32\.55 or more"
+    said = r"stock_cm: 30 is too short for the longest block, 30\.5 cm; use 32\.55 or more"
     with pytest.raises(ParameterError, match=said):
         plan_cuts({nanometres(30.5): 1}, CutSettings(stock_cm=30))
 

@@ -181,7 +181,7 @@ def test_a_page_has_the_frame_cuts_the_weight_and_the_costs() -> None:
     assert "together" not in other_sections
     assert "Frames none Base boards 6 of" in words(read(replace(RECIPES["outer"], boundary="none")).pages[-2])
     short = words(read(RECIPES["real"], CutSettings(stock_cm=100)).pages[-2])
-    assert "100 cm of stock is too short for them: give 122.05 cm or more (--stock-cm)" in short
+    assert "100 cm of stock is too short for them: use 122.05 cm or more (--stock-cm)" in short
 
 
 def test_the_last_page_is_a_form_for_repetitions() -> None:
@@ -310,7 +310,7 @@ def test_pallets_of_other_shapes_read_north_up() -> None:
     [
         (
             Recipe(seed=1, chunk_size=61),
-            "chunk_size: 61 blocks per side do not fit on a page of a build sheet; give up to 60",
+            "chunk_size: 61 blocks per side do not fit on a page of a build sheet; use up to 60",
         ),
         (Recipe(seed=1, chunks=(401, 1), chunk_size=1), "chunks: 401 pallets with 401 blocks are too many"),
         (Recipe(seed=1, chunks=(3, 4), chunk_size=60), "chunks: 12 pallets with 43,200 blocks are too many"),

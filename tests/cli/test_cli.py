@@ -462,8 +462,8 @@ def test_python_is_advised_in_python_and_a_shell_in_flags(
     for make in (rsegen.generate, rsegen.make_dataset):
         made = folder / make.__name__
         make(rsegen.load(recipe_file), made)
-        with pytest.raises(rsegen.UserError, match=r"give (force|resume)=True") as refused:
+        with pytest.raises(rsegen.UserError, match=r"use (force|resume)=True") as refused:
             make(rsegen.load(recipe_file), made)
         assert "--" not in str(refused.value)
     assert generated(recipe_file, "-o", folder / "generate") == 2
-    assert "give --force to replace it" in capsys.readouterr().err
+    assert "use --force to replace it" in capsys.readouterr().err

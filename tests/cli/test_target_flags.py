@@ -134,7 +134,7 @@ def test_the_first_map_of_a_folder_is_taken_with_a_note(
 def test_nothing_to_look_at_is_refused_in_one_line(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code(*COMMANDS[command], "--seed", "3") == 2
     line = the_line(capsys.readouterr().err)
-    assert "nothing is given; give a recipe, a folder or --obstacle 'random levels=5'" in line
+    assert "no input; pass a recipe, a folder or --obstacle 'random levels=5'" in line
 
 
 def parsed(*command: str) -> argparse.Namespace:

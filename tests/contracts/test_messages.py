@@ -108,10 +108,25 @@ def test_no_text_of_the_library_has_a_flag() -> None:
     assert {(name, flag) for name, flag in found if name not in COMMAND_LINES} == set()
 
 
+def test_no_message_says_give() -> None:
+    """Messages say what to pass, set, choose or use; the files of a ROS 2 package keep their bytes."""
+    files = [file for file in SOURCES.rglob("*.py") if file.parts[len(SOURCES.parts)] != "ros2"]
+    advice = re.compile(r"(?:^|[;:.] |\bor )[Gg]ive\b")
+    said = {
+        (file.name, node.value)
+        for file in files
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "\n" not in node.value
+        if advice.search(node.value) and not node.value.endswith(".")  # docstrings of one line end so
+    }
+    assert len(files) > 200
+    assert said == set()
+
+
 @pytest.mark.slow
 def test_advice_names_parameters_that_some_command_declares() -> None:
     known = {parameter.strip("_") for function in FUNCTIONS for parameter in declared(function)}
-    advice = re.compile(r"\b(?:give|with|by|or) (\w+)=(?:True\b|'|\[)")
+    advice = re.compile(r"\b(?:give|set|use|with|by|or) (\w+)=(?:True\b|'|\[)")
     found = {name for _, text in texts() for name in advice.findall(text)}
     assert {"force", "resume", "tracks", "wheels"} <= found <= known | {"shape"}  # of a format, as a text of a shell
 
@@ -119,16 +134,16 @@ def test_advice_names_parameters_that_some_command_declares() -> None:
 @pytest.mark.parametrize(
     ("message", "command", "in_shell"),
     [
-        ("give force=True to replace it", "generate", "give --force to replace it"),
-        ("give force=True to replace it", None, "give force=True to replace it"),
+        ("use force=True to replace it", "generate", "use --force to replace it"),
+        ("use force=True to replace it", None, "use force=True to replace it"),
         ("name them with tracks='LEFT,RIGHT'", "drive", "name them with --tracks LEFT,RIGHT"),
-        ("give by='reach.west_east.cost', or", "series", "give --by reach.west_east.cost, or"),
-        ("give output='DIR', or at=[X, Y, Z]", "spawn", "give --output DIR, or --at X,Y,Z"),
+        ("use by='reach.west_east.cost', or", "series", "use --by reach.west_east.cost, or"),
+        ("set output='DIR', or at=[X, Y, Z]", "spawn", "set --output DIR, or --at X,Y,Z"),
         ("as with rsegen.open('DIR')", "spawn", "as with rsegen open DIR"),
         ("as with rsegen.open('DIR', shared=True)", "spawn", "as with rsegen open DIR --shared"),
         ("load it by rsegen.load_plugin('ramp.py')", "info", "load it by --plugin ramp.py"),
         ("'peak levels=5 seed=3': unknown", "generate", "'peak levels=5 seed=3': unknown"),
-        ("give rsegen.robot_of('burger')", "series", "give rsegen.robot_of('burger')"),
+        ("use rsegen.robot_of('burger')", "series", "use rsegen.robot_of('burger')"),
     ],
 )
 def test_a_shell_gets_flags(message: str, command: str | None, in_shell: str) -> None:

@@ -25,7 +25,7 @@ MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
     "a format in a list": ({"dataset": [1]}, "is not a manifest of a data set in format 3"),
     "no list of recipes": ({"recipes": "all"}, "recipes: 'all' is not a list of recipes"),
     "recipes that are none": ({"recipes": [1, 2]}, "recipes[0]: 1 is not a recipe"),
-    "no recipe": ({"recipes": []}, "recipes: 0 of them; give 1 to 1,000"),
+    "no recipe": ({"recipes": []}, "recipes: 0 of them; use 1 to 1,000"),
     "a recipe that cannot be": ({"recipes.0.unit_cm": -1}, "recipes[0].unit_cm: -1 is outside"),
     "more maps than the recipe": ({"maps": 11}, "maps: 11 does not match the recipes, which give 10"),
     "more maps than there are": ({"recipes.0.maps": MANY_DIGITS}, "recipes[0].maps: 999"),
@@ -41,7 +41,7 @@ MANIFESTS: Mapping[str, tuple[dict[str, Any], str]] = {
     "shards in a word": ({"shard_maps": "few"}, "shard_maps: 'few' is not a whole number"),
     "metrics in a form unknown": ({"metrics": "pickle"}, "metrics: 'pickle' is not one of npy, parquet, none"),
     "no shards": ({"shards": []}, "shards: are not the 3 that 10 maps need"),
-    "shards in a word ": ({"shards": "abc"}, "shards[0].levels: nothing is not the file levels-00000.npy"),
+    "shards in a word ": ({"shards": "abc"}, "shards[0].levels: an empty value is not the file levels-00000.npy"),
     "a path that leads out": ({"shards.1.levels.file": "../../etc/passwd"}, "is not the file levels-00001.npy"),
     "another shard's file": ({"shards.1.levels.file": "levels-00000.npy"}, "is not the file levels-00001.npy"),
     "a size below nothing": ({"shards.1.levels.bytes": -1}, "shards[1].levels.bytes: -1 is not 0 or more"),
@@ -99,13 +99,13 @@ def test_several_recipes(refused: Refused) -> None:
     assert "recipes[1].chunks: (5, 1), and (1, 1)" in refused("dataset", "peak", "five-pallet-dash", "-o", "set")
     assert "No such file" in refused("dataset", "peak", "hill.yaml", "-o", "set")
     assert exit_code("dataset", "peak", "diagonal-barrier", "--maps", "1", "-o", "set") == 0
-    assert "there is no map 2 in the data set; give 0..1" in refused("info", "set#2")
+    assert "there is no map 2 in the data set; use 0..1" in refused("info", "set#2")
     assert "--verify: needs no recipe" in refused("dataset", "peak", "--verify", "set")
 
 
 def test_an_existing_or_unfinished_data_set_is_refused(refused: Refused) -> None:
     assert exit_code(*MADE, "-o", "set") == 0
-    assert "set: a data set exists there already; give --resume" in refused(*MADE, "-o", "set")
+    assert "set: a data set exists there already; use --resume" in refused(*MADE, "-o", "set")
     Path("set/manifest.json").unlink()
     assert "set: is not complete" in refused("info", "set#0")
     Path("set/.rsegen.jsonl").unlink()

@@ -68,7 +68,7 @@ def test_a_map_of_equal_values_has_the_difficulty_itself() -> None:
 
 def test_several_maps_rise_by_their_mean() -> None:
     assert mean_span([Span(0, 1), Span(1, 4, 0.5)], "cost") == Span(0.5, 2.5)
-    with pytest.raises(ParameterError, match="by: cost is 2 at difficulty 0 and at 1; give a metric that changes"):
+    with pytest.raises(ParameterError, match="by: cost is 2 at difficulty 0 and at 1; choose a metric that changes"):
         mean_span([Span(2, 1), Span(2, 3)], "cost")
 
 

@@ -271,7 +271,7 @@ def test_a_complete_data_set_is_listed_with_the_recipe_given_last(tmp_path: Path
 def test_force_replaces_a_data_set_if_nothing_else_is_in_its_folder(tmp_path: Path) -> None:
     make_dataset(RECIPE, tmp_path / "set", shard_maps=1)
     (tmp_path / "set" / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match="a data set exists there already; give resume=True"):
+    with pytest.raises(OutputError, match="a data set exists there already; use resume=True"):
         make_dataset(RECIPE, tmp_path / "set")
     before = snapshot(tmp_path)
     with pytest.raises(OutputError, match=r"thesis\.tex: was not written by rsegen"):

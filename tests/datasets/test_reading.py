@@ -146,7 +146,7 @@ def test_origins_are_the_middles_of_the_tiles_on_top_of_their_blocks(dataset: Da
         ((0, 3, "steps.rms"), "rows: 0 is not 1 or more"),
         ((5, 5, "steps.rms"), "need as many maps, and 20 have"),
         ((1, 1, "steps.rsm"), "did you mean 'steps.rms'"),
-        ((1, 1, "reach.coverage"), "by: reach.coverage needs a robot; give robot too"),
+        ((1, 1, "reach.coverage"), "by: reach.coverage needs a robot; set robot too"),
     ],
 )
 def test_tiles_that_cannot_be(dataset: Dataset, wanted: tuple[int, int, str], words: str) -> None:

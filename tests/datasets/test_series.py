@@ -251,8 +251,8 @@ def test_a_function_is_called_here_alone(tmp_path: Path, monkeypatch: pytest.Mon
     ("given", "message"),
     [
         ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'"),
-        ({"by": "reach.coverage"}, "by: reach.coverage needs a robot; give robot too"),
-        ({"by": "spread.lowest"}, "by: spread.lowest is 0 at difficulty 0 and at 1; give a metric that changes"),
+        ({"by": "reach.coverage"}, "by: reach.coverage needs a robot; set robot too"),
+        ({"by": "spread.lowest"}, "by: spread.lowest is 0 at difficulty 0 and at 1; choose a metric that changes"),
     ],
 )
 def test_a_metric_that_cannot_rise_is_refused(tmp_path: Path, given: dict[str, Any], message: str) -> None:
@@ -286,9 +286,9 @@ def test_a_series_rises_by_the_tilt_of_a_robot(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (("--by", "reach.coverage"), "by: reach.coverage needs a robot; give robot too"),
+        (("--by", "reach.coverage"), "by: reach.coverage needs a robot; set robot too"),
         (("--by", "cost"), "by: unknown metric 'cost'"),
-        (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; give --by reach.west_east.cost"),
+        (("--robot", "crawler"), "robot: steps.rms does not depend on a robot; use --by reach.west_east.cost"),
         (("--robot", "burgr"), "--robot: unknown robot 'burgr'; did you mean 'burger'"),
         (
             ("--robot", "1,2,3,4"),

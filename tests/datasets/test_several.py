@@ -167,7 +167,7 @@ def test_columns_have_a_recipe_each_and_rows_rise_in_it(tmp_path: Path) -> None:
         ({"recipes": []}, "recipes: 0 for 3 columns"),
         ({"recipes": "hill"}, "recipes: 'hill' is not a list of names"),
         ({"recipes": [["hill"]]}, r"recipes\[0\]: unknown recipe"),
-        ({"columns": 2}, "recipes: 3 for 2 columns; give at most one per column"),
+        ({"columns": 2}, "recipes: 3 for 2 columns; use at most one per column"),
         ({"rows": 2}, "rows: 2 x 1 tiles of flat need as many maps, and 1 have a steps.rms"),
     ],
 )
@@ -179,7 +179,7 @@ def test_tiles_that_cannot_be(dataset: Dataset, given: Mapping[str, Any], messag
 @pytest.mark.parametrize(
     ("recipes", "message"),
     [
-        ((), "recipes: 0 of them; give 1 to 1,000"),
+        ((), "recipes: 0 of them; use 1 to 1,000"),
         ("rubble", "recipes: 'rubble' is not a recipe or a list of recipes"),
         ((RUBBLE, "hill"), "is not a recipe or a list of recipes"),
         ((RUBBLE, FLAT, RUBBLE), r"recipes\[2\].name: 'rubble' is the name of recipes\[0\] too"),

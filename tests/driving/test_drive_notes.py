@@ -57,7 +57,7 @@ def test_a_frame_that_stops_a_robot_is_named(height: float, said: str) -> None:
         return list(frame_notes(on, [run], DriveRecording(trajectories={run.name: track}, samples=[], errors=[])))
 
     assert noted(stopped) == [
-        f"the frame, {said} high, stopped burger_0; give robot='crawler', which climbs 10 cm, "
+        f"the frame, {said} high, stopped burger_0; use robot='crawler', which climbs 10 cm, "
         "or make the map without frames (boundary none)"
     ]
     # Not one that moves on, nor one that has not come to it, nor one on a map without a frame.

@@ -156,4 +156,4 @@ def test_gazebo_needs_a_screen_for_a_picture_and_has_no_video(
     with pytest.raises(ParameterError, match=r"^video: is for MuJoCo; Gazebo cannot record a video"):
         rsegen.drive(RECIPE, video=True, **given)
     assert main(["drive", "peak", "--video"]) == 2
-    assert the_line(capsys.readouterr().err) == "rsegen: --video: needs a folder to write into; give --output DIR too"
+    assert the_line(capsys.readouterr().err) == "rsegen: --video: needs a folder to write into; set --output DIR too"

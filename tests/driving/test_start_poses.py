@@ -68,7 +68,7 @@ def test_without_a_spot_a_drive_is_refused_and_a_trial_gets_the_best_place() -> 
 
 
 def test_too_many_robots_are_refused_by_the_name_of_their_number() -> None:
-    with pytest.raises(ParameterError, match=r"robots: found spots for . of 9 on this map; give fewer"):
+    with pytest.raises(ParameterError, match=r"robots: found spots for . of 9 on this map; use fewer"):
         robot_runs(flat(3), ROBOTS["burger"], "random", count=9, seed=1)
 
 

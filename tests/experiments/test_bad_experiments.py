@@ -118,7 +118,10 @@ def test_outcomes_with_any_odd_value_are_read_or_refused(tmp_path: Path) -> None
 
 DAMAGED = "is not a journal of rsegen, or is damaged"
 LOGS: Mapping[str, tuple[str, str]] = {
-    "no entry": (lines({}), "result 1: cell: nothing is not a mapping with row, size, pace; delete its line, or give"),
+    "no entry": (
+        lines({}),
+        "result 1: cell: an empty value is not a mapping with row, size, pace; delete its line, or use",
+    ),
     "a row beyond": (lines({**ENTRY, "cell": {**CELL, "row": 1}}), "result 1: cell.row: 1 is not 0"),
     "a row in a list": (lines({**ENTRY, "cell": {**CELL, "row": []}}), "result 1: cell.row: [] is not a whole number"),
     "a cell more": (
@@ -126,7 +129,7 @@ LOGS: Mapping[str, tuple[str, str]] = {
         "result 1: cell: unknown key 'n' (known: pace, row, size)",
     ),
     "figure in words": (lines(ENTRY, {**ENTRY, "outcome": {**OUTCOME, "load": "x"}}), "result 2: outcome.load: 'x' is"),
-    "no repeat": (lines({"cell": CELL, "outcome": OUTCOME}), "result 1: repeat: nothing is not a whole number"),
+    "no repeat": (lines({"cell": CELL, "outcome": OUTCOME}), "result 1: repeat: an empty value is not a whole number"),
     "no result": (lines(1), DAMAGED),
     "deep nesting": (f"{lines()}{'[' * 100_000}\n", DAMAGED),
     "no JSON": (f"{lines()}x\n", DAMAGED),

@@ -203,7 +203,7 @@ def test_a_plan_of_a_file_is_named_after_it(tmp_path: Path) -> None:
     [
         ("[]", "not a plan of an experiment"),
         ("rows: 3", "not a plan of an experiment"),
-        ("rows: []", "rows: is empty; give a row"),
+        ("rows: []", "rows: is empty; add a row"),
         ("rows: [3]", "rows[0]: 3 is not a row"),
         (ROWS + "secnds: 3", "unknown key 'secnds'; did you mean 'seconds'?"),
         (ROWS + "paces: [fast]", "paces[0]: 'fast' is not one of real, free"),

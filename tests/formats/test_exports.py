@@ -83,7 +83,7 @@ def test_a_format_that_a_map_has_is_replaced_by_force_alone(tmp_path: Path, caps
     before = contents(tmp_path)
     command: list[str | Path] = ["export", tmp_path / "recipe.yaml", "--to", "heightmap pixels=2", "-o", tmp_path]
     assert exit_code(*command) == 2
-    assert "rse_0000/heightmap: exists already; give --force to replace it" in the_line(capsys.readouterr().err)
+    assert "rse_0000/heightmap: exists already; use --force to replace it" in the_line(capsys.readouterr().err)
     assert contents(tmp_path) == before
     assert exit_code(*command, "--force") == 0
     after = contents(tmp_path)

@@ -121,8 +121,8 @@ def test_a_path_without_suffix_is_a_folder_with_the_recipe(scene: Scene, tmp_pat
     ("path", "name", "options", "message"),
     [
         ("x.doc", None, {}, r"format: unknown format 'doc'.*known: arrays, glb"),
-        ("x", None, {}, r"format: .*x has no suffix; give a format \(known: arrays, glb"),
-        ("x.urdf", None, {}, r"path: .*x.urdf is one file, but urdf writes \d+ of them; give a folder"),
+        ("x", None, {}, r"format: .*x has no suffix; choose a format \(known: arrays, glb"),
+        ("x.urdf", None, {}, r"path: .*x.urdf is one file, but urdf writes \d+ of them; use a folder"),
         ("x.png", "heightmap", {}, r"heightmap writes 2 of them"),
         ("x.usd", None, {"binaries": True}, r"unknown option of usd 'binaries'; did you mean 'binary'"),
         ("x", "mjcf", {"pixels": 0}, r"pixels: 0 is outside 1..100"),

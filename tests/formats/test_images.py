@@ -91,7 +91,7 @@ def test_frames_of_a_heightmap_keep_their_height(
     ("framed", "says"),
     [
         ("9x10", "framed: 9x10 blocks with frames are 11 x 12 cells, which do not divide 24 x 12"),
-        ("6x10", "framed: 6x10: chunks are squares; give the blocks of one, as in 10x10"),
+        ("6x10", "framed: 6x10: chunks are squares; use the blocks of one, as in 10x10"),
     ],
 )
 def test_frames_that_an_image_cannot_have_are_refused(
@@ -157,7 +157,7 @@ def test_a_margin_is_free_ground_of_whole_cells_around_the_map(margin_cm: float,
 
 
 def test_a_margin_that_makes_a_huge_image_is_refused() -> None:
-    with pytest.raises(ParameterError, match=r"margin_cm: 100000 cm .* 20002 x 20003 pixels; give less"):
+    with pytest.raises(ParameterError, match=r"margin_cm: 100000 cm .* 20002 x 20003 pixels; use less"):
         made(Occupancy(margin_cm=100_000), of_levels([[2, 0, 2], [0, 2, 2]]))
 
 

@@ -175,7 +175,7 @@ def test_a_pointer_of_git_lfs_in_place_of_a_robots_mesh_is_named(refused: Refuse
 
 def test_a_picture_of_more_than_16_bits(refused: Refused) -> None:
     Image.fromarray(np.array([[0, 70_000]], dtype=np.int32)).save("a.tif")
-    assert "a.tif: grey values of 0..70000; give an image of 8 or 16 bits" in refused("import", "a.tif", "-o", "out")
+    assert "a.tif: grey values of 0..70000; use an image of 8 or 16 bits" in refused("import", "a.tif", "-o", "out")
 
 
 @pytest.mark.parametrize("compression", ["tiff_lzw", "tiff_adobe_deflate", "jpeg", "packbits", "group4"])
@@ -212,7 +212,7 @@ MAP = "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_th
         (("0.05", "{a: 1}"), "resolution: {'a': 1} is not a number"),
         (("negate: 0", "negate: perhaps"), "negate: 'perhaps' is not a whole number"),
         ((MAP, "[1, 2]"), "not an occupancy grid of ROS"),
-        ((MAP, "image: m.pgm"), "resolution: nothing is not a number"),
+        ((MAP, "image: m.pgm"), "resolution: an empty value is not a number"),
     ],
 )
 def test_a_map_of_ros(refused: Refused, change: tuple[str, str], words: str) -> None:

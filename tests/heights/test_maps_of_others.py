@@ -40,14 +40,14 @@ def test_heights_of_terrain_are_read_in_their_unit(tmp_path: Path, dtype: str, f
 def test_floating_point_numbers_have_no_white(tmp_path: Path, low: float, high: float) -> None:
     file = image(tmp_path / "a.tif", np.array([[low, high]], dtype="f4"))
     with pytest.raises(
-        FileError, match=rf"a.tif: floating-point numbers of {low:g}..{high:g} have no white; give values m"
+        FileError, match=rf"a.tif: floating-point numbers of {low:g}..{high:g} have no white; set values m"
     ):
         Picture().read(file, None)
 
 
 def test_numbers_below_0_are_heights_alone(tmp_path: Path) -> None:
     file = image(tmp_path / "a.tif", np.array([[-200, -20]], dtype="i4"))
-    with pytest.raises(FileError, match=r"grey values of -200..-20; give an image of 8 or 16 bits, or values m"):
+    with pytest.raises(FileError, match=r"grey values of -200..-20; use an image of 8 or 16 bits, or set values m"):
         Picture().read(file, None)
     assert Picture(values="cm", datum_cm=-200).read(file, 10).levels.ravel().tolist() == [0, 18]
 

@@ -54,12 +54,12 @@ def test_heights_may_have_any_given_unit(values: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("heights", "said"),
     [
-        (LEVELS * 5, "whole multiples of 5: give values cm and unit_cm 5, or values in and unit_cm 12.7"),
-        (LEVELS * 3.5, "whole multiples of 3.5: give values cm and unit_cm 3.5, or values in and unit_cm 8.89"),
-        (LEVELS * 10 + 35, "whole units above 35 cm: give datum_cm 35 if that is the ground"),
-        (LEVELS * 1.0, "whole multiples of 1: give values levels, or values cm and unit_cm 1, "),
+        (LEVELS * 5, "whole multiples of 5: set values cm and unit_cm 5, or values in and unit_cm 12.7"),
+        (LEVELS * 3.5, "whole multiples of 3.5: set values cm and unit_cm 3.5, or values in and unit_cm 8.89"),
+        (LEVELS * 10 + 35, "whole units above 35 cm: set datum_cm 35 if that is the ground"),
+        (LEVELS * 1.0, "whole multiples of 1: set values levels, or values cm and unit_cm 1, "),
         (LEVELS * 0.1, "values m and unit_cm 10"),
-        (np.random.default_rng(3).random((10, 8)) * 50, "give another unit_cm, other values"),
+        (np.random.default_rng(3).random((10, 8)) * 50, "set another unit_cm, other values"),
     ],
     ids=["half-cubic", "inches", "datum", "levels", "metres", "no blocks"],
 )
@@ -103,7 +103,7 @@ def test_a_map_that_is_turned_and_shifted_in_a_fine_table_is_found(tmp_path: Pat
     np.save(tmp_path / "fine.npy", np.where(inside, LEVELS[i.clip(0, 9), j.clip(0, 7)] * 10, 0))
     reading = Saved(size=(10, 8), cells_per_block=10, origin=(60, 25), rotation=20)
     assert (build(imported(tmp_path / "fine.npy", reading)).levels == LEVELS).all()
-    with pytest.raises(ParameterError, match="size: give the number of blocks"):
+    with pytest.raises(ParameterError, match=r"size: missing; .* need the number of blocks"):
         imported(tmp_path / "fine.npy", Saved(rotation=20))
 
 

@@ -37,5 +37,5 @@ def test_torch_and_jax_agree_with_numpy(name: str) -> None:
 
 
 def test_rows_that_are_no_integers_are_refused() -> None:
-    with pytest.raises(ParameterError, match=r"rows: float64 of shape \(6,\); give integers, one per robot"):
+    with pytest.raises(ParameterError, match=r"rows: float64 of shape \(6,\); expected integers, one per robot"):
         next_rows(WALKED, WALKED, COMMANDED, count=10, length=8.0, rng=np.random.default_rng(1))

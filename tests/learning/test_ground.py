@@ -81,7 +81,7 @@ def test_rays_of_mujoco_end_on_the_ground_of_a_scene_with_frames() -> None:
     assert np.array_equal(ground.levels, scene.field.levels)
     x, y, z, _ = ground.spots((0.3, 0.3))[0]
     assert ground.highest([x, y], 0.149) == pytest.approx(z)
-    with pytest.raises(ParameterError, match="levels: the ground is that of one field; give Ground a recipe"):
+    with pytest.raises(ParameterError, match="levels: the ground is that of one field; make a Ground from a recipe"):
         ground.write(scene.field.levels)
 
 
@@ -235,24 +235,24 @@ def test_arrays_of_warp_are_viewed() -> None:
     [
         (
             lambda: Ground(replace(RECIPE, boundary="outer"), LEVELS),
-            r"boundary: 'outer' has frames; give none, or take",
+            r"boundary: 'outer' has frames; use none, or",
         ),
-        (lambda: Ground(RECIPE, LEVELS * 0.05), "levels: of float64; give integers, in units"),
+        (lambda: Ground(RECIPE, LEVELS * 0.05), "levels: of float64; expected integers, in units"),
         (lambda: Ground(RECIPE, LEVELS + 1), r"levels: 1..6 are not all in 0..5, the levels of the recipe"),
-        (lambda: Ground(RECIPE, LEVELS[0, 0]), r"levels: of shape \(12,\); give \(n_x, n_y\)"),
+        (lambda: Ground(RECIPE, LEVELS[0, 0]), r"levels: of shape \(12,\); expected \(n_x, n_y\)"),
         (lambda: Ground(RECIPE, {1: LEVELS}), "levels: .* is not an array of numpy, torch, jax or Warp"),
         (lambda: Ground(RECIPE, LEVELS, outside=6), "outside: level 6 is outside 0..5"),
-        (lambda: GROUND.heights(np.zeros((3, 2))), r"points: of shape \(3, 2\) for 5 worlds; give \(5, ..., 2\)"),
-        (lambda: GROUND.heights(np.zeros((5, 1))), r"points: of shape \(5, 1\); give \(..., 2\)"),
+        (lambda: GROUND.heights(np.zeros((3, 2))), r"points: of shape \(3, 2\) for 5 worlds; expected \(5, ..., 2\)"),
+        (lambda: GROUND.heights(np.zeros((5, 1))), r"points: of shape \(5, 1\); expected \(..., 2\)"),
         (lambda: GROUND.heights("here"), "points: 'here' is not an array"),
-        (lambda: GROUND.lift(np.zeros((5, 4, 2))), r"points: of shape \(5, 4, 2\); give \(..., 3\)"),
+        (lambda: GROUND.lift(np.zeros((5, 4, 2))), r"points: of shape \(5, 4, 2\); expected \(..., 3\)"),
         (lambda: GROUND.heights(np.zeros((1, 2)), worlds=0), "worlds: 0 is not a list of indices of worlds"),
         (lambda: GROUND.write(LEVELS, np.ones(5, dtype=bool)), r"worlds: array\(.*\) is not a list of indices"),
         (lambda: GROUND.heights(np.zeros((1, 2)), worlds=[5]), r"worlds: 5..5 are not all in 0..4"),
-        (lambda: Ground(RECIPE, LEVELS[0]).heights(np.zeros(2), worlds=[0]), "worlds: .* is of one map; give none"),
-        (lambda: GROUND.write(LEVELS[:2]), r"levels: of shape \(2, 6, 12\); give \(5, 6, 12\)"),
-        (lambda: GROUND.write(LEVELS[:2], worlds=[0]), r"levels: of shape \(2, 6, 12\); give \(1, 6, 12\)"),
-        (lambda: GROUND.normals(np.zeros((5, 2)), 0), "radius: 0 m; give one above 0"),
+        (lambda: Ground(RECIPE, LEVELS[0]).heights(np.zeros(2), worlds=[0]), "worlds: .* is of one map; leave it out"),
+        (lambda: GROUND.write(LEVELS[:2]), r"levels: of shape \(2, 6, 12\); expected \(5, 6, 12\)"),
+        (lambda: GROUND.write(LEVELS[:2], worlds=[0]), r"levels: of shape \(2, 6, 12\); expected \(1, 6, 12\)"),
+        (lambda: GROUND.normals(np.zeros((5, 2)), 0), "radius: 0 m; use one above 0"),
         (lambda: GROUND.spots((2, 0.3)), "size: 2 x 0.3 m is larger than the map of 6 x 12 blocks"),
         (lambda: GROUND.spots((0.3, 0.3), 41), "count: 41 is outside 1..40"),
     ],

@@ -168,5 +168,5 @@ def test_maps_that_are_made_ahead_are_those_of_the_recipe() -> None:
 def test_what_is_no_model_with_the_blocks_is_refused() -> None:
     with pytest.raises(UserError, match=r"has no geom block_0_0; add the blocks by grid\.add_to"):
         NewFieldAtReset(Dropped(mujoco.MjSpec()), GRID)
-    with pytest.raises(ParameterError, match=r"grid: a list; give the BlockGrid of rsegen\.learning\.mujoco"):
+    with pytest.raises(ParameterError, match=r"grid: a list; expected the BlockGrid of rsegen\.learning\.mujoco"):
         NewFieldAtReset(Dropped(mujoco.MjSpec()), [GRID])  # type: ignore[arg-type]

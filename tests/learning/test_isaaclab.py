@@ -282,15 +282,15 @@ def test_holes_are_below_the_ground_that_is_z_0(isaaclab: Any, kind: str) -> Non
 @pytest.mark.parametrize(
     ("values", "size", "message"),
     [
-        ({}, (0.9, 2.0), "size: a map of 10 x 10 cells is larger than a tile of 9 x 20; give 1 x 1 m or more"),
-        ({}, (1.23, 2.0), "size: 1.23 m along x is not a multiple of the block width 0.1 m; give 1.2 or 1.3"),
+        ({}, (0.9, 2.0), "size: a map of 10 x 10 cells is larger than a tile of 9 x 20; use 1 x 1 m or more"),
+        ({}, (1.23, 2.0), "size: 1.23 m along x is not a multiple of the block width 0.1 m; use 1.2 or 1.3"),
         (
             {"recipe": replace(RECIPE, level_friction=(0.5,))},
             None,
             "level_friction: a terrain of Isaac Lab is one",
         ),
         ({"recipe": replace(RECIPE, difficulty=(0, 1))}, None, "difficulty: .* is a range, and tiles have their own"),
-        ({"recipe": [RECIPE]}, None, r"recipe: \[.*\] is not a recipe; give one, and a sub-terrain for each"),
+        ({"recipe": [RECIPE]}, None, r"recipe: \[.*\] is not a recipe; pass one, and a sub-terrain for each"),
         ({"mesh": "boxes"}, None, r"unknown mesh 'boxes' .*merged, watertight"),
     ],
     ids=["larger", "no multiple", "frictions", "range", "a list", "mesh"],

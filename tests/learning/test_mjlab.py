@@ -240,11 +240,11 @@ def test_more_boxes_than_the_budget_are_refused(mjlab: Any) -> None:
 
 
 def test_impossible_values_are_refused(mjlab: Any) -> None:
-    with pytest.raises(ParameterError, match="level_friction: a height field has one friction; give only `friction`"):
+    with pytest.raises(ParameterError, match="level_friction: a height field has one friction; set only `friction`"):
         mjlab.StepFieldTerrainCfg(recipe=RECIPE, shape="hfield")
     with pytest.raises(UnknownName, match=r"unknown shape 'mesh' .*boxes, hfield"):
         mjlab.StepFieldTerrainCfg(recipe=RECIPE, shape="mesh")
-    with pytest.raises(ParameterError, match=r"recipe: \[.*\] is not a recipe; give one, and a sub-terrain for each"):
+    with pytest.raises(ParameterError, match=r"recipe: \[.*\] is not a recipe; pass one, and a sub-terrain for each"):
         mjlab.StepFieldTerrainCfg(recipe=[RECIPE])
     with pytest.raises(ParameterError, match="size: a map of 10 x 10 cells is larger than a tile of 5 x 5"):
         _compiled(mjlab, size=(0.5, 0.5))

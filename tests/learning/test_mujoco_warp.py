@@ -123,7 +123,7 @@ def test_colours_match_the_levels(worlds: Any) -> None:
 
 def test_too_few_maps_are_refused(worlds: Any) -> None:
     *_, blocks = worlds
-    with pytest.raises(ParameterError, match="levels: 3 maps for 32 worlds; give one for each"):
+    with pytest.raises(ParameterError, match="levels: 3 maps for 32 worlds; expected one for each"):
         blocks.write(rsegen.build_many(RECIPE, range(3)))
     with pytest.raises(ParameterError, match=r"worlds: 1..32 are not all in 0..31"):
         blocks.write(rsegen.build_many(RECIPE, range(2)), worlds=[1, 32])

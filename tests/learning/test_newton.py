@@ -112,7 +112,7 @@ def test_blocks_change_in_a_finalized_model() -> None:
 
 def test_other_shapes_are_refused() -> None:
     model, shapes = _worlds()
-    with pytest.raises(ParameterError, match="shapes: 32 for 16 blocks; give those of add_to"):
+    with pytest.raises(ParameterError, match="shapes: 32 for 16 blocks; pass those of add_to"):
         grid().write(model, build_many(RECIPE, [0])[0], shapes[:2])
     with pytest.raises(ParameterError, match=r"shapes: 1000..1015 of 51 shapes"):
         grid().write(model, build_many(RECIPE, [0])[0], shapes[0] + 1000)

@@ -309,7 +309,7 @@ def test_feet_of_a_higher_priority_slide_by_the_blocks_friction_up_to_theirs() -
 
 
 def test_a_contact_of_no_sort_is_refused() -> None:
-    with pytest.raises(ParameterError, match=r"condim: 2 is not a condim of MuJoCo; give 1, 3, 4 or 6"):
+    with pytest.raises(ParameterError, match=r"condim: 2 is not a condim of MuJoCo; use 1, 3, 4 or 6"):
         Contact(condim=2)
     with pytest.raises(ParameterError, match=r"priority: 1.5 is not a whole number"):
         Contact(priority=1.5)  # type: ignore[arg-type]

@@ -157,10 +157,10 @@ def test_what_no_sensor_has_is_refused() -> None:
         ScanSensor(dropout=1.5)
     with pytest.raises(ParameterError, match=r"delay: 0.5 is not a whole number"):
         ScanSensor(delay=0.5)  # type: ignore[arg-type]
-    with pytest.raises(ParameterError, match=r"pattern: of shape \(3,\); give \(points, 2\)"):
+    with pytest.raises(ParameterError, match=r"pattern: of shape \(3,\); expected \(points, 2\)"):
         ScanSensor(pattern=np.zeros(3))
     sensor = ScanSensor(noise=0.1)
     with pytest.raises(ParameterError, match="random: 3 is no Generator of numpy, and the ground is of numpy"):
         sensor.sense(GROUND, POSES, sensor.start(GROUND, POSES), 3)
-    with pytest.raises(ParameterError, match=r"poses: of shape \(40, 3\); give \(..., 4\)"):
+    with pytest.raises(ParameterError, match=r"poses: of shape \(40, 3\); expected \(..., 4\)"):
         sensor.start(GROUND, POSES[:, :3])

@@ -160,11 +160,11 @@ def test_a_model_without_blocks_is_put_above_the_boxes_around_its_geoms() -> Non
 def test_what_does_not_fit_is_refused() -> None:
     grid = BlockGrid(RECIPE)
     model = _model(CART, grid)
-    with pytest.raises(ParameterError, match=r"qpos: of shape \(5,\); give \(robots, 5\)"):
+    with pytest.raises(ParameterError, match=r"qpos: of shape \(5,\); expected \(robots, 5\)"):
         seat_many(model, model.qpos0, grid.ground(LEVELS[0]))
-    with pytest.raises(ParameterError, match="ground: 1 robots on the ground of 12 worlds; give as many of both"):
+    with pytest.raises(ParameterError, match="ground: 1 robots on the ground of 12 worlds; use as many of both"):
         seat_many(model, model.qpos0[None], grid.ground(LEVELS), grid)
-    with pytest.raises(ParameterError, match="ground: 12 robots on the ground of 12 worlds; give as many"):
+    with pytest.raises(ParameterError, match="ground: 12 robots on the ground of 12 worlds; use as many"):
         seat_many(model, np.tile(model.qpos0, (12, 1)), grid.ground(LEVELS))
 
 

@@ -120,7 +120,7 @@ def test_the_recipe_of_a_terrain_builds_the_same_field() -> None:
 
 def test_a_terrain_of_several_frictions_is_no_single_map() -> None:
     terrain = Terrain(recipes=[ROUGH, replace(ROUGH, level_friction=(0.5,))], rows=2, columns=2)
-    with pytest.raises(ParameterError, match=r"recipes\[1\].level_friction: .* give one for all"):
+    with pytest.raises(ParameterError, match=r"recipes\[1\].level_friction: .* use the same for all"):
         assert terrain.recipe
     assert set(np.unique(terrain.frictions)) == {0.5, ROUGH.friction}
     assert np.array_equal(terrain.frictions == 0.5, (terrain.field.levels == 1) & (np.arange(40) >= 20))
@@ -196,7 +196,7 @@ def _alone(terrain: Terrain, levels: Any) -> rsegen.StepField:
         ({"recipes": [ROUGH] * 3, "columns": 2}, "recipes: 3 for 2 columns"),
         ({"recipes": ["rough"]}, "recipes: .* is not a recipe or a list of recipes"),
         ({"by": "steps.rsm"}, "by: unknown metric 'steps.rsm'; did you mean 'steps.rms'"),
-        ({"by": "reach.coverage"}, "by: reach.coverage needs a robot; give robot too"),
+        ({"by": "reach.coverage"}, "by: reach.coverage needs a robot; set robot too"),
         ({"rows": 0}, "rows: 0 is outside 1..1000"),
         ({"difficulty": 0.5}, "difficulty: 0.5 is not 2 values"),
         ({"recipes": [ROUGH, replace(ROUGH, chunk_size=8)]}, r"recipes\[1\]: tiles of 8 x 8 and 10 x 10 cells"),

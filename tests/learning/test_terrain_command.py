@@ -61,7 +61,7 @@ def test_a_seed_is_that_of_all_recipes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (("--by", "reach.coverage"), "by: reach.coverage needs a robot; give robot too"),
+        (("--by", "reach.coverage"), "by: reach.coverage needs a robot; set robot too"),
         (("--rows", "0"), "--rows: 0 is outside 1..1000"),
         (("--difficulty", "0.5"), "--difficulty: [0.5] is not 2 values"),
         (("--columns", "1"), "recipes: 2 for 1 columns"),

@@ -79,7 +79,7 @@ def test_levels_are_a_tensor_on_the_device() -> None:
 
 @pytest.mark.parametrize("device", ["toaster", "meta", 0.5], ids=str)
 def test_a_device_that_cannot_be_used_is_refused(device: Any) -> None:
-    with pytest.raises(ParameterError, match=r"^device: .* cannot be used .*give cuda or cpu$"):
+    with pytest.raises(ParameterError, match=r"^device: .* cannot be used .*use cuda or cpu$"):
         adapter.build_many(Recipe(seed=1), [0], device=device)
 
 

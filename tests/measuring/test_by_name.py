@@ -72,17 +72,17 @@ def test_a_function_is_a_metric_and_a_metric_is_itself() -> None:
         ("steps.rsm", None, r"by: unknown metric 'steps.rsm'; did you mean 'steps.rms'\? \(known: opening"),
         (7, None, "by: unknown metric 7"),
         (["steps.rms"], None, "by: unknown metric"),
-        (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} needs a robot; give robot too"),
+        (min(OF_A_ROBOT), None, f"by: {min(OF_A_ROBOT)} needs a robot; set robot too"),
         (
             "steps.rms",
             LIMITS,
-            "robot: steps.rms does not depend on a robot; give by='reach.west_east.cost', or",
+            "robot: steps.rms does not depend on a robot; use by='reach.west_east.cost', or",
         ),
         (len, LIMITS, "robot: a function does not depend on a robot"),
         (
             "steps.rms",
             "burger",
-            r"robot: 'burger' is neither a robot nor limits of steps; give rsegen.robot_of",
+            r"robot: 'burger' is neither a robot nor limits of steps; use rsegen.robot_of",
         ),
     ],
 )

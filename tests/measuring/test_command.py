@@ -178,8 +178,8 @@ def test_poses_at_a_heading_are_drawn(capsys: pytest.CaptureFixture[str], tmp_pa
     with Image.open(path) as picture:
         assert picture.size[0] > 1000
     for flags, message in (
-        (("--climb-cm", "5", "-o", path, "--force"), "--heading: limits of steps have no poses; give --robot"),
-        (("--robot", "jackal"), "--heading: is for a picture; give -o too"),
+        (("--climb-cm", "5", "-o", path, "--force"), "--heading: limits of steps have no poses; use --robot"),
+        (("--robot", "jackal"), "--heading: is for a picture; use -o too"),
     ):
         assert main(["metrics", str(PALLET), "--heading", "45", *map(str, flags)]) == 2
         assert message in capsys.readouterr().err

@@ -30,7 +30,7 @@ def test_without_it_the_message_says_how_to_get_it_and_what_else_drives(
     old = f"mujoco-core {found} is installed, which is too old; to install MuJoCo 4: pip install -U 'mujoco-core>=4'"
     missing = "MuJoCo 4 is not installed; to install it: pip install 'mujoco-core>=4'"
     assert (old if found else missing) in line
-    assert "Gazebo drives: give sim or classic as simulator" in line
+    assert "Gazebo drives: choose the simulator sim or classic" in line
     with pytest.raises(NoSimulator, match="which is too old" if found else "many drives need MuJoCo"):
         rsegen.drive_many(RECIPE)
 

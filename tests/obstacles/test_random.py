@@ -53,13 +53,13 @@ def test_counts_that_do_not_fill_the_cells_are_refused() -> None:
     assert rsegen.build(made({"first": (1, 1), "last": (2, 3)}, counts=(1, 2, 0, 2, 1))).levels.sum() == 12
     for place, counts, says in (
         ({}, (9, 27, 33, 21, 9), "counts: 99 blocks for 100 cells: the counts must add up to the number of cells"),
-        ({"first": "random"}, COUNTS, "counts: needs a region of fixed size; give first and last"),
-        ({}, (1, 2), "counts: 2 counts for 5 levels; give one for each level"),
+        ({"first": "random"}, COUNTS, "counts: needs a region of fixed size; set first and last"),
+        ({}, (1, 2), "counts: 2 counts for 5 levels; expected one for each level"),
     ):
         with pytest.raises(rsegen.UserError, match=says):
             made(place, counts=counts)
     for values in ({"weights": (1, 1, 1, 1, 1)}, {"softness": 10}):
-        with pytest.raises(rsegen.UserError, match="give no weights or softness"):
+        with pytest.raises(rsegen.UserError, match="excludes weights and softness"):
             made(counts=COUNTS, **values)
 
 

@@ -144,7 +144,7 @@ def test_an_example_is_opened_as_a_copy(host: Host) -> None:
     opened = host.opened(calls.open(host, what="figure-7")["doc"])
     state = calls.state(opened)
     assert (state["title"], state["path"], state["unsaved"]) == ("copy of figure-7", None, False)
-    with pytest.raises(UserError, match="give a name"):
+    with pytest.raises(UserError, match="choose a name"):
         calls.save(host, doc=opened.id)
     calls.save(host, doc=opened.id, path="mine.yaml")
     assert (host.folder / "mine.yaml").read_text().startswith("# The field that the paper built")
@@ -271,7 +271,7 @@ def test_a_draft_does_not_go_over_a_file_that_changed_since(host: Host, state_fo
     assert state["recovered"]
     assert (state["values"]["unit_cm"], state["changed_on_disk"]) == (5, True)
     act(opened, {"do": "set", "name": "unit_cm", "value": 7})
-    with pytest.raises(Question, match="changed by somebody else since these changes were begun"):
+    with pytest.raises(Question, match="changed by another program after you opened it"):
         calls.save(host, doc=opened.id)
     assert (host.folder / "course.yaml").read_text() == newer
     # A second crash does not make it forget.

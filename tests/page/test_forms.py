@@ -95,8 +95,8 @@ def test_what_is_needed_is_asked_for_in_a_sentence(tmp_path: Path) -> None:
     }
     assert asked["export", "formats"] == "Choose at least one format."
     assert asked["rate", "robot"] == "Choose a robot."
-    assert asked["import", "file"] == "Give a file."
-    assert asked["scan", "clouds"] == "Give at least one cloud."
+    assert asked["import", "file"] == "Enter the name of a file."
+    assert asked["scan", "clouds"] == "Enter the name of at least one cloud."
     for (command, name), sentence in asked.items():
         with pytest.raises(ParameterError) as error:
             command_form(command).arguments({}, Places(tmp_path))

@@ -204,7 +204,7 @@ def test_the_end_of_the_server_ends_all_jobs_also_those_that_wait(host: Host, st
     jobs = [start("dataset", f"data{number}", workers=1) for number in range(6)]
     until(lambda: sum(each["step"] == "" for each in host.jobs.listed()) == 4)
     waiting = [each["step"] for each in host.jobs.listed()]
-    assert waiting.count("waits for other commands") == 2
+    assert waiting.count("waiting for other commands") == 2
     host.jobs.close()
     assert not set(psutil.Process().children(recursive=True)) - before
     assert {each["state"] for each in host.jobs.listed()[: len(jobs)]} <= {"cancelled", "running"}
@@ -224,14 +224,14 @@ def test_an_invalid_document_is_not_run(host: Host, start: Start, doc: str) -> N
     with pytest.raises(ParameterError, match="chunk_size: 0"):
         start("generate", "worlds")
     host.opened(doc).document.session.set(name="chunk_size", value=10)
-    with pytest.raises(ParameterError, match="output: Give a name below the folder"):
+    with pytest.raises(ParameterError, match="output: Enter a name"):
         start("generate")
 
 
 def test_an_error_is_its_one_line(host: Host, start: Start) -> None:
     job = ended(host, start("metrics", climb_cm=None, drop_cm=5))
     assert (job["state"], len(job["lines"])) == ("failed", 1)
-    assert job["lines"][0].startswith("--climb-cm: give a robot")
+    assert job["lines"][0].startswith("--climb-cm: choose a robot")
 
 
 def test_modules_in_the_folder_are_not_run(host: Host, start: Start) -> None:

@@ -241,7 +241,7 @@ def test_the_course_of_the_paper_is_made_with_the_keyboard_alone(page: Page, fol
         page.settled()
     rows = page.settled()["rows"]
     assert [row["entry"]["kind"] for row in rows] == ["diagonal_barrier", "horizontal_barrier", "peak", "random"]
-    tab_to(page, "Select; arrow keys")
+    tab_to(page, "Select this obstacle")
     for row in (1, 2):
         press(page, Keys.ARROW_DOWN)
         until(partial(page.js, f"return document.activeElement === document.querySelectorAll('.pick')[{row}]"))
@@ -391,7 +391,7 @@ def test_what_somebody_else_wrote_is_overwritten_after_a_question(chrome: Chrome
     until(lambda: len(chrome.find_elements(By.CSS_SELECTOR, ".banner")) == 1)
     assert file.read_text().startswith("# theirs")
     assert not chrome.find_elements(By.CSS_SELECTOR, ".status .problem")  # it is asked once
-    chrome.find_element(By.XPATH, "//button[starts-with(., 'Keep mine')]").click()
+    chrome.find_element(By.XPATH, "//button[starts-with(., 'Keep my version')]").click()
     until(lambda: not page.settled()["unsaved"])
     assert "kind: peak" in file.read_text()
     assert not chrome.find_elements(By.CSS_SELECTOR, ".banner")
@@ -515,7 +515,7 @@ def test_a_robot_is_chosen_from_a_list_with_the_sizes_or_is_a_file(chrome: Chrom
     assert not chrome.find_elements(By.CSS_SELECTOR, 'dialog [data-field="Robot"] input')
     robots.select_by_value("crawler")
     until(lambda: "--robot crawler" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
-    robots.select_by_visible_text("a file …")
+    robots.select_by_visible_text("from a file …")
     page.type("Robot", "other robot.sdf")
     until(lambda: "--robot 'other robot.sdf'" in chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text)
 
@@ -718,7 +718,7 @@ def test_a_path_of_a_drive_plays_it_too(page: Page, folder: Path) -> None:
     path.send_keys("typed", Keys.ENTER)
     until(lambda: page.js("return state.playbacks.value.length === 1"))
     until(lambda: page.js("return state.dialog.value === null && location.search.includes('play=typed')"))
-    page.button("End the playback").click()
+    page.button("Close the playback").click()
     until(lambda: page.js("return !location.search.includes('play=')"))
 
 
@@ -743,7 +743,7 @@ def test_what_was_generated_is_shown_by_name_with_pictures_and_what_comes_next(
         for card in cards:
             assert [button.text for button in card.find_elements(By.TAG_NAME, "button")] == [
                 "Open in Gazebo",
-                "Drive here …",
+                "Drive a robot here …",
                 "Edit",
             ]
         page.js("state.dialog.value = null")
@@ -808,8 +808,8 @@ def test_a_robot_settles_under_the_mouse_and_its_searches_are_seen_and_stopped(p
     assert heading
     until(lambda: abs(page.js("return state.pose.value.yaw") - heading) < 1e-6)
     facts = page.chrome.find_element(By.CSS_SELECTOR, '[aria-label="Robot"] .facts')
-    assert "margin to tipping over" in facts.text
-    page.button("Put it into a running Gazebo").click()
+    assert "margin before it tips over" in facts.text
+    page.button("Spawn it in a running Gazebo").click()
     until(lambda: page.chrome.find_elements(By.CSS_SELECTOR, "dialog .shell code"))
     line = page.chrome.find_element(By.CSS_SELECTOR, "dialog .shell code").text
     assert re.search(r"--robot burger --pose -?[\d.]+,-?[\d.]+,-?[\d.]+ -o worlds$", line)
@@ -879,7 +879,7 @@ def test_two_drives_of_the_folder_are_played_side_by_side(page: Page, folder: Pa
     assert told == ["0:01.8 burger_0: has crossed the map", "0:01.0 burger_0: has crossed the map"]
     events[1].click()
     assert page.js("return state.second.value") == 1.0
-    page.button("End the playback").click()
+    page.button("Close the playback").click()
     assert len(page.chrome.find_elements(By.CSS_SELECTOR, ".solid canvas")) == 1
 
 

@@ -143,7 +143,7 @@ def test_a_read_only_folder_is_shown_and_nothing_is_lost(place: Place, *, keeps_
     holds = [] if keeps_drafts else [str(place.state)]
     with page(place, holds=holds) as shown:
         told = shown.client.call("hello")["read_only"]
-        assert told.startswith(f"nothing can be saved in {place.folder}, which is read-only; ")
+        assert told.startswith(f"{place.folder} is read-only, so nothing can be saved; ")
         assert shown.client.get(f"/?{urlsplit(shown.url).query}").status == 200
         assert [entry["path"] for entry in shown.client.call("files")["entries"]] == ["course.yaml"]
         assert shown.ask("edit", actions=[{"do": "add", "entry": PEAK}]).status == 200
@@ -159,7 +159,7 @@ def test_a_read_only_folder_is_shown_and_nothing_is_lost(place: Place, *, keeps_
         assert (held["unsaved"], len(held["rows"]), held["path"]) == (True, 2, str(place.folder / "course.yaml"))
         assert bool(held["journal"]) is not keeps_drafts
         if not keeps_drafts:
-            assert f"cannot be kept against a crash in {place.state}" in held["journal"]
+            assert f"cannot be kept in {place.state}" in held["journal"]
         shown.program.kill()
         assert shown.program.stderr
         assert shown.program.stderr.read().splitlines() == [f"warning: {told}"]
@@ -229,10 +229,10 @@ def test_the_page_says_what_cannot_be_saved_in_one_line(place: Place) -> None:
         chrome.get(shown.url)
         until(lambda: chrome.execute_script("return Boolean(window.rsegen?.state.scene.value)"))
         banner = chrome.find_element(By.CSS_SELECTOR, ".banner p")
-        until(lambda: f"nothing can be saved in {place.folder}" in banner.text)
-        assert "against a crash" not in banner.text
+        until(lambda: f"{place.folder} is read-only" in banner.text)
+        assert "cannot be kept" not in banner.text
         shown.ask("edit", actions=[{"do": "add", "entry": PEAK}])
-        until(lambda: f"cannot be kept against a crash in {place.state}" in banner.text)
+        until(lambda: f"cannot be kept in {place.state}" in banner.text)
         assert len(chrome.find_elements(By.CSS_SELECTOR, ".banner")) == 1
         chrome.find_element(By.CSS_SELECTOR, ".banner button").click()
         until(lambda: not chrome.find_elements(By.CSS_SELECTOR, ".banner"))
@@ -281,7 +281,7 @@ def test_a_user_without_a_home_has_the_page_too(monkeypatch: pytest.MonkeyPatch,
         client = Client(service.listening_port, service.token)
         doc = client.call("open", what="course.yaml")["doc"]
         held = client.call("edit", doc=doc, actions=[{"do": "add", "entry": PEAK}])
-        assert "cannot be kept against a crash" in held["journal"]
+        assert "cannot be kept" in held["journal"]
         assert not client.call("save", doc=doc)["unsaved"]
     finally:
         service.close()

@@ -466,7 +466,7 @@ def test_servers_of_a_folder_on_this_machine_have_one_token_and_others_have_none
 def test_a_port_that_is_taken_is_a_line(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(rsegen.UserError, match=f"port: {port} of 127.0.0.1 cannot be listened at"):
+        with pytest.raises(rsegen.UserError, match=f"port: cannot listen on port {port} of 127.0.0.1"):
             Service(host=Host(folder=tmp_path), port=port)
     with pytest.raises(rsegen.UserError, match="is no address of this machine"):
         Service(host=Host(folder=tmp_path), address="no.such.host.invalid")

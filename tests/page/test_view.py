@@ -56,8 +56,11 @@ def test_a_file_that_exists_is_replaced_on_request_only(tmp_path: Path, capsys: 
     ("arguments", "said"),
     [
         (["peak", "-o", "map.png"], "map.png: a page must be an .html file"),
-        ([*OBSTACLE, "--chunk-size", "1000", "--chunks", "2", "-o", "map.html"], "2004 x 2004 cells are more than"),
-        ([*OBSTACLE, "--maps", "1000000000", "-o", "map.html"], "1,000,000,000 maps are more than the 1000 of a page"),
+        ([*OBSTACLE, "--chunk-size", "1000", "--chunks", "2", "-o", "map.html"], "2004 x 2004 cells are too many"),
+        (
+            [*OBSTACLE, "--maps", "1000000000", "-o", "map.html"],
+            "1,000,000,000 maps are too many for a page, which holds up to 1000",
+        ),
         ([*OBSTACLE, "--chunk-size", "900", "--maps", "9", "-o", "map.html"], "9 maps have 7,322,436 cells"),
     ],
 )

@@ -64,9 +64,9 @@ def test_a_call_gets_canonical_values_and_its_own_defaults() -> None:
     ("wrong", "message"),
     [
         ({"cups": 13}, "cups: 13 is outside 1..12 cups"),
-        ({"heat_": "hot"}, "heat: 'hot' is not a number; give 20..100 C"),
+        ({"heat_": "hot"}, "heat: 'hot' is not a number; expected 20..100 C"),
         ({"kind": "blak"}, "kind: 'blak' is not one of green, black; did you mean 'black'?"),
-        ({"cups": None}, "cups: nothing is not a whole number"),
+        ({"cups": None}, "cups: an empty value is not a whole number"),
         ({"milk": "yes"}, "milk: 'yes' is neither yes nor no"),
     ],
 )
@@ -169,6 +169,6 @@ def test_parameters_of_one_name_mean_the_same_in_every_command(function: Any) ->
 @pytest.mark.parametrize("folder", ["", 3, None])
 def test_an_invalid_folder_is_refused(folder: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ParameterError, match=r"folder: .*give a folder"):
+    with pytest.raises(ParameterError, match=r"folder: .*expected a folder"):
         rsegen.generate(rsegen.Recipe(seed=1), folder)
     assert not list(tmp_path.iterdir())

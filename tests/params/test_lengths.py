@@ -36,5 +36,5 @@ def test_a_length_becomes_a_number_of_its_parameter_s_unit(text: str, parameter:
 def test_in_inches_a_length_without_a_unit_is_refused() -> None:
     assert with_lengths("3.5in", CM, "k", units="in") == "8.89"
     assert with_lengths("7", Integer(0, 9), "k", units="in") == "7"
-    with pytest.raises(ParameterError, match=r"unit_cm: '3\.5' has no unit; with units in give 3\.5in or 3\.5cm"):
+    with pytest.raises(ParameterError, match=r"unit_cm: '3\.5' has no unit; with units in write 3\.5in or 3\.5cm"):
         with_lengths("3.5", CM, "unit_cm", units="in")

@@ -123,23 +123,23 @@ def test_canonical_forms() -> None:
     [
         (Integer(2, 5, unit="units"), 6, "here: 6 is outside 2..5 units"),
         (Integer(2), 1, "here: 1 is not 2 or more"),
-        (Integer(2), "1", "here: '1' is not a whole number; give 2 or more"),
+        (Integer(2), "1", "here: '1' is not a whole number; expected 2 or more"),
         (Float(0.5, 2, unit="cm"), 3.0, "here: 3.0 is outside 0.5..2 cm"),
         (Float(0, unit="m"), -1, "here: -1 is outside 0 or more m"),
-        (Float(0, 1), math.nan, "here: nan is not a finite number; give 0..1"),
-        (Float(0, 1), "1", "here: '1' is not a number; give 0..1"),
+        (Float(0, 1), math.nan, "here: nan is not a finite number; expected 0..1"),
+        (Float(0, 1), "1", "here: '1' is not a number; expected 0..1"),
         (Choice(("a", "b")), "c", "here: 'c' is not one of a, b"),
         (Flag(), "maybe", "here: 'maybe' is neither yes nor no"),
         (Text("a", "an a"), "b", "here: invalid value 'b': expected an a"),
         (ListOf(Integer(0, 9)), [], "here: [] is not 0..9, or a list of these"),
         (ListOf(Integer(0, 9), 2), [1], "here: [1] is not 2 values, each 0..9"),
         (ListOf(Integer(0, 9)), [1, 10], "here[1]: 10 is outside 0..9"),
-        (CellRef(), [1, -1], "here[1]: -1 is not a coordinate; give a cell from 0 on, or random"),
+        (CellRef(), [1, -1], "here[1]: -1 is not a coordinate; expected a cell from 0 on, or random"),
         (Size2D(), 0, f"here: 0 is not {Size2D().describe()}"),
         (Weights(), [1, -1], "here[1]: -1 is outside 0..1000000000000"),
-        (Weights(), [0, 0], "here: all weights are 0; give at least one above 0"),
+        (Weights(), [0, 0], "here: all weights are 0; at least one must be above 0"),
         (Counts(), [1, -1], "here[1]: -1 is outside 0..1000000000"),
-        (Counts(), [0, 0], "here: all counts are 0; give at least one above 0"),
+        (Counts(), [0, 0], "here: all counts are 0; at least one must be above 0"),
         (Rows(), ["0 1", "2"], "here[1]: has 1 cells, and here[0] 2"),
         (Rows(), ["0 x"], "here[0]: '0 x' is not a row of levels and dots, as in '0 1 . 2'"),
     ],
@@ -166,7 +166,7 @@ def test_only_whole_numbers_are_whole() -> None:
 
 def test_nothing_is_taken_only_where_it_is_the_default() -> None:
     assert Recipe(seed=1, max_step=None).max_step is None
-    with pytest.raises(ParameterError, match=r"^maps: nothing is not a whole number; give 1 or more$"):
+    with pytest.raises(ParameterError, match=r"^maps: an empty value is not a whole number; expected 1 or more$"):
         Recipe(seed=1, maps=None)  # type: ignore[arg-type]
-    with pytest.raises(ParameterError, match=r"^softness: nothing is not a number; give 0..100 %$"):
+    with pytest.raises(ParameterError, match=r"^softness: an empty value is not a number; expected 0..100 %$"):
         Peak(levels=5, softness=None)  # type: ignore[arg-type]

@@ -200,7 +200,7 @@ def test_a_folder_goes_on_to_more_trials(tmp_path: Path) -> None:
 
 def test_a_folder_of_another_rating_is_refused_and_replaced_by_force(tmp_path: Path) -> None:
     rated(trials=8, output=tmp_path / "out")
-    with pytest.raises(OutputError, match="out: has another rating; give another folder, or force=True"):
+    with pytest.raises(OutputError, match="out: has another rating; use another folder, or force=True"):
         rated(trials=8, output=tmp_path / "out", seed=8)
     rated(trials=9, output=tmp_path / "out", seed=8, force=True)
     assert json.loads((tmp_path / "out" / "rating.json").read_text())["seed"] == 8
@@ -216,7 +216,7 @@ def test_a_journal_that_was_changed_is_refused(tmp_path: Path) -> None:
     rated(trials=8, output=tmp_path)
     journal = tmp_path / ".rsegen.jsonl"
     journal.write_text(journal.read_text().replace('"map": 3', '"map": 5'))
-    with pytest.raises(FileError, match=r"jsonl: result 4: map: 5 is not 3, the next one; give another folder"):
+    with pytest.raises(FileError, match=r"jsonl: result 4: map: 5 is not 3, the next one; use another folder"):
         rated(trials=9, output=tmp_path)
 
 
@@ -338,4 +338,4 @@ def test_a_shell_names_its_flags(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["rate", "burger", "--trials", "2"]) == 2
     assert capsys.readouterr().err == "rsegen: --trials: 2 is outside 8..100000\n"
     assert main(["rate", "burger", "--obstacle", "random levels=3", "--confidence", "0.9"]) == 2
-    assert capsys.readouterr().err == "rsegen: --confidence: is for a test of reliability; give that too\n"
+    assert capsys.readouterr().err == "rsegen: --confidence: is for a test of reliability; set reliability too\n"

@@ -192,7 +192,7 @@ def test_a_pit_below_the_floor_is_refused() -> None:
     with pytest.raises(ParameterError) as caught:
         _on_ground(Random(levels=5), Pit(levels=5))
     assert str(caught.value) == (
-        "obstacles[1]: pit reaches 4 units down, and the ground is at level 3; give a ground_level of 4 or more"
+        "obstacles[1]: pit reaches 4 units down, and the ground is at level 3; use a ground_level of 4 or more"
     )
     _on_ground(Random(levels=5), Pit(levels=5, enabled=False))
 

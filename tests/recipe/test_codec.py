@@ -93,7 +93,7 @@ def test_derived_keys_equal_keys_of_recipes_with_max_height() -> None:
     [
         ({"levels": 1}, r"obstacles\[0\].levels: 1 is outside 2..32767 units"),
         ({"max_height": 5}, r"obstacles\[0\]: unknown parameter of peak 'max_height'.*known: .*levels"),
-        ({}, r"obstacles\[0\].levels: give a value: 2..32767 units"),
+        ({}, r"obstacles\[0\].levels: missing; expected 2..32767 units"),
     ],
 )
 def test_wrong_missing_and_misnamed_levels_are_refused(row: dict[str, int], message: str) -> None:

@@ -93,10 +93,10 @@ def test_a_robot_is_known_by_what_is_in_its_file(tmp_path: Path, name: str) -> N
     ("name", "text", "says"),
     [
         ("go2.xml", "<mujoco/>", "a scene of MuJoCo without a <body>, so without a robot"),
-        ("a.sdf", "<sdf><world><model name='a'/></world></sdf>", "a world; give the SDF file of the robot alone"),
+        ("a.sdf", "<sdf><world><model name='a'/></world></sdf>", "a world; use the SDF file of the robot alone"),
         ("a.sdf", "<sdf><model name='a'/><model name='b'/></sdf>", "nor URDF: there are 2 in <sdf>"),
         ("page.xml", "<html/>", "not an SDF file with one <model> in <sdf>, nor URDF: it begins with <html>"),
-        ("robot.proto", "", "a PROTO of Webots; export it as URDF there, and give that file"),
+        ("robot.proto", "", "a PROTO of Webots; export it as URDF there, and use that file"),
         ("robot.wbt", "", "robots are read from files named *.sdf, *.urdf, *.xacro, *.xml, *.mjcf"),
     ],
 )

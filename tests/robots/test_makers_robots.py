@@ -119,7 +119,7 @@ def test_what_is_needed_and_not_found_is_said_in_one_line(tmp_path: Path) -> Non
         assert "\n" not in str(caught.value)
     text = file.read_text()
     file.write_text(text.replace('<xacro:arg name="mass" default="3"/>', ""))
-    with pytest.raises(FileError, match="argument mass; give it after the file, as in 'FILE mass:=VALUE'"):
+    with pytest.raises(FileError, match="argument mass; pass it after the file, as in 'FILE mass:=VALUE'"):
         from_file(file)
     assert robot_of(f"{file} mass:=3").size == pytest.approx((0.4, 0.32, 0.13))
     file.write_text(text)

@@ -366,12 +366,12 @@ def test_wheels_that_are_too_light_for_a_drive_without_torque_are_named(
     notes = [note for note in robot.notes("classic") if "its wheels are light" in note]
     assert len(notes) == is_light
     newtons = 2 * float(moment) * robot.driving_speed / (0.05**2 * 0.001)
-    assert all(f"give the ground {newtons:.3g} N at 0.2 m/s, and it weighs 33.4 N" in note for note in notes)
+    assert all(f"they push with {newtons:.3g} N at 0.2 m/s, and the robot weighs 33.4 N" in note for note in notes)
     assert not any("its wheels are light" in note for note in robot.notes("sim"))
 
 
 def test_enough_inertia_for_a_drive_without_torque_is_enough(tmp_path: Path) -> None:
     light = read(tmp_path, two_wheels(ROS_1).replace("<izz>0.0008</izz>", "<izz>1e-5</izz>")).light_wheels
-    enough = re.search(r"give each wheel (\S+) kg m\^2", light)
+    enough = re.search(r"about its axis to (\S+) kg m\^2", light)
     assert enough is not None
     assert not read(tmp_path, two_wheels(ROS_1).replace("<izz>0.0008</izz>", f"<izz>{enough[1]}</izz>")).light_wheels

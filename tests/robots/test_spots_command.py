@@ -47,11 +47,11 @@ def test_programs_get_a_list_and_people_a_picture(tmp_path: Path, capsys: pytest
         (["turtlebot", "--count", "0"], "--count: 0 is outside 1..1000"),
         (["turtlebot", "--count", "999"], "--count: found spots for"),
         (["turtlebot", "--size", "1"], "--size: [1.0] is not 2 values"),
-        (["turtlebot", "--size", "9,9"], "--robot: too large for 22 x 22 cells; give a smaller robot or a larger map"),
+        (["turtlebot", "--size", "9,9"], "--robot: too large for 22 x 22 cells; use a smaller robot or a larger map"),
         (["turtlebot", "--max-tilt", "-1"], "--max-tilt: -1.0 is outside"),
         (["turtlebot", "--robot", "burgr"], "--robot: unknown robot 'burgr'"),
         (["turtlebot", "-o", "spots.txt"], "spots.txt: a picture's name must end in"),
-        ([], "RECIPE: nothing is given"),
+        ([], "RECIPE: no input"),
     ],
 )
 def test_a_mistake_is_one_line_and_nothing_is_written(

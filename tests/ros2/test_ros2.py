@@ -258,7 +258,7 @@ def test_a_joined_package_is_kept_or_replaced_whole(tmp_path: Path, capsys: pyte
     assert contents(tmp_path) == before
     capsys.readouterr()
     for flags, problem in (
-        (["--maps", "2"], "exists already; give --force"),
+        (["--maps", "2"], "exists already; use --force"),
         (["--maps", "3", "--resume"], "exists already and contains other maps, or not all of these"),
         (["--maps", "1", "--resume"], "exists already and contains other maps, or not all of these"),
         (["--maps", "2", "--to", "stl"], "puts all maps into one folder, fields, and stl each into its own"),

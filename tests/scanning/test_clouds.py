@@ -157,14 +157,14 @@ NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "i.pcd": (damaged(bytes(200)), "not a PCD file"),
     "p.pcd": (damaged(PCD.replace(b"COUNT 1 1 1", b"COUNT 1 4294967296 1")), "4,294,967,298 values per point"),
     "q.pcd": (damaged(PCD.replace(b"POINTS 1", b"POINTS 99999999999")), "99,999,999,999 points"),
-    "j.npy": (lambda path: np.save(path, np.ones((2, 3, 4))), "give points (n, 3)"),
+    "j.npy": (lambda path: np.save(path, np.ones((2, 3, 4))), "expected points (n, 3)"),
     "k.npy": (lambda path: np.save(path, np.array(["a", "b"])), "k.npy: "),
-    "r.npy": (lambda path: np.save(path, np.ones((3, 900))), "give its transpose"),
+    "r.npy": (lambda path: np.save(path, np.ones((3, 900))), "use its transpose"),
     "s.csv": (damaged(b"0,033,-0,566,0,000\n0,317,-0,333,0,400\n"), "write semicolons or blanks between them"),
     "t.csv": (damaged(b"x,y,height\n1,2,3\n"), "0 of the titles 'x,y,height' name the column of z"),
     "u.pcd": (damaged(PCD.replace(b"x y z", b"u v w")), "no field x among u, v, w"),
     "l.png": (damaged(b"no image"), "not an image"),
-    "m.png": (lambda path: Image.new("RGB", (4, 4)).save(path), "give a depth image of one channel"),
+    "m.png": (lambda path: Image.new("RGB", (4, 4)).save(path), "expected a depth image of one channel"),
     "n.stl": (damaged(b""), "n.stl: "),
     "o.xyz": (lambda path: path.mkdir(), "o.xyz: "),
 }
@@ -183,7 +183,7 @@ def test_an_invalid_cloud_is_refused_in_one_line(name: str, tmp_path: Path) -> N
 def test_a_depth_image_wants_its_camera_and_points_want_none(tmp_path: Path) -> None:
     np.save(tmp_path / "depth.npy", depths())
     text(tmp_path / "points.xyz")
-    with pytest.raises(ParameterError, match="give fx,fy,cx,cy"):
+    with pytest.raises(ParameterError, match="pass fx,fy,cx,cy"):
         read_clouds([tmp_path / "depth.npy"])
     with pytest.raises(ParameterError, match="have to be above 0"):
         read_clouds([tmp_path / "depth.npy"], intrinsics=(0, 1, 1, 1))
@@ -195,7 +195,7 @@ def test_too_many_points_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(clouds, "MOST_POINTS", 100)
     for name in ("a.xyz", "f.npy", "g.pcd", "j.ply"):
         WRITERS[name](tmp_path / name)
-        with pytest.raises(FileError, match="800 points; give up to 100"):
+        with pytest.raises(FileError, match="800 points; at most 100 are allowed"):
             read_clouds([tmp_path / name])
 
 

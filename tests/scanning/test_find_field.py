@@ -314,7 +314,7 @@ BAD: Mapping[str, tuple[Any, ScanSettings, str]] = {
     "few points": (lambda: np.zeros((20, 3)), ScanSettings(), "20 points are too few"),
     "another shape": (lambda: np.zeros((900, 2)), ScanSettings(), r"shape \(900, 2\)"),
     "no numbers": (lambda: np.full((900, 3), np.nan), ScanSettings(), "0 points are too few"),
-    "millimetres": (lambda: 1000 * points_of(), ScanSettings(), "give the unit of its numbers"),
+    "millimetres": (lambda: 1000 * points_of(), ScanSettings(), "set the unit of its numbers"),
     "no plane": (lambda: np.random.default_rng(1).random((5000, 3)), ScanSettings(), "no ground plane"),
     "a floor alone": (
         lambda: np.random.default_rng(1).random((9000, 3)) * (2, 2, 0.004),

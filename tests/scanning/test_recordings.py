@@ -192,7 +192,7 @@ def test_a_topic_is_chosen_where_a_bag_has_several(tmp_path: Path, capsys: pytes
     path = tmp_path / "two.mcap"
     bag(path, {"/left": [message(POINTS)], "/right": [message(POINTS + 1)], "/far": [message(POINTS[:0])]})
     assert np.allclose(np.sort(read_clouds([path], topic="/right").points, axis=0), np.sort(POINTS + 1, axis=0))
-    with pytest.raises(ParameterError, match=r"has clouds on /far, /left, /right; give one of them"):
+    with pytest.raises(ParameterError, match=r"has clouds on /far, /left, /right; choose one of them"):
         read_clouds([path])
     with pytest.raises(ParameterError, match=r"'/up' has no clouds in .*; /far, /left, /right has"):
         read_clouds([path], topic="/up")

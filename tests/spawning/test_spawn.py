@@ -62,7 +62,7 @@ def test_the_only_map_of_a_folder_has_no_next_one(sim_address: Mapping[str, str]
 def test_an_index_that_several_maps_have_is_refused(sim_address: Mapping[str, str]) -> None:
     for name in ("course", "other"):
         rsegen.generate(replace(COURSE, name=name), "maps")
-    with pytest.raises(ParameterError, match=r"^map: '0' may be course_0000 or other_0000; give the name"):
+    with pytest.raises(ParameterError, match=r"^map: '0' may be course_0000 or other_0000; use the full name"):
         rsegen.spawn("maps", map=0, simulator="sim")
     assert rsegen.spawn("maps", map="other_0000", simulator="sim").name == "other_0000"
 
@@ -93,8 +93,8 @@ def test_a_map_of_a_folder_is_chosen_by_index_or_name(which: int | str, sim_addr
         ("burger", {"simulator": "clasic"}, "simulator: unknown simulator 'clasic'"),
         ("burger", {"name": "ground_plane", "simulator": "sim"}, "name: 'ground_plane' exists already"),
         (COURSE, {"map": 9}, "map: there is no map 9"),
-        (COURSE, {"pose": (0, 0, 0)}, "pose: is the place of a robot on a map; give robot too"),
-        ("burger", {"robot": "crawler"}, "robot: burger is a robot already; give the map"),
+        (COURSE, {"pose": (0, 0, 0)}, "pose: is the place of a robot on a map; set robot too"),
+        ("burger", {"robot": "crawler"}, "robot: burger is a robot already; pass the map"),
         (COURSE, {"robot": "crawlr"}, "robot: unknown robot 'crawlr'; did you mean 'crawler'"),
         (COURSE, {"robot": "burger", "pose": (9, 0, 0), "simulator": "sim"}, r"pose\[0\]: 9 m is outside the field"),
         ("burgr", {}, "unknown folder, recipe, example or robot 'burgr'; did you mean 'burger'"),
@@ -112,7 +112,7 @@ def test_a_model_that_does_not_exist_is_not_removed_nor_any_other(sim_address: M
     with pytest.raises(UnknownName, match="unknown model 'burgr'; did you mean 'burger'"):
         rsegen.remove("burger", "burgr", simulator="sim")
     assert models(sim_address) == {"ground_plane", "burger"}
-    with pytest.raises(ParameterError, match="names: nothing is given"):
+    with pytest.raises(ParameterError, match="names: no name"):
         rsegen.remove()
 
 

@@ -97,7 +97,7 @@ def test_the_command_draws_a_robot_and_refuses_places_that_are_none(
     assert plain.read_bytes() != drawn.read_bytes()
     capsys.readouterr()
     for wrong, said in (
-        (["--at", "0,0,0"], "--at: is the place of a robot; give --robot too"),
+        (["--at", "0,0,0"], "--at: is the place of a robot; use --robot too"),
         (["--robot", "crawler", "--at", "9,0,0"], "--at: 9 m is outside the field, -0.6..0.6 m"),
         (["--robot", "crawler", "--at", "1,2"], "--at: [1.0, 2.0] is not 3 values"),
         (["--robot", "crawl"], "--robot: unknown robot 'crawl'"),

@@ -152,8 +152,8 @@ def test_a_larger_tilt_may_be_allowed_and_is_kept() -> None:
 @pytest.mark.parametrize(
     ("field", "count", "message"),
     [
-        (flat(1), 1, "robot: too large for 1 x 1 cells; give a smaller robot or a larger map"),
-        (flat(6), 30, "count: found spots for .* of 30 on this map; give fewer, or add a platform obstacle"),
+        (flat(1), 1, "robot: too large for 1 x 1 cells; use a smaller robot or a larger map"),
+        (flat(6), 30, "count: found spots for .* of 30 on this map; use fewer, or add a platform obstacle"),
     ],
 )
 def test_too_large_or_too_many_values_are_refused(field: StepField, count: int, message: str) -> None:

@@ -242,7 +242,7 @@ def test_a_killed_worker_is_reported_and_leaves_nothing(tmp_path: Path, many: li
     code, err = ended(process)
     assert (code, the_line(err)) == (
         1,
-        "rsegen: a worker was lost: it was killed, or ran out of memory; give fewer workers",
+        "rsegen: a worker was lost: it was killed, or ran out of memory; use fewer workers",
     )
     assert whole_maps_only(tmp_path / "out")
 

@@ -54,7 +54,7 @@ def refused(run: Run, recipe: Recipe, folder: Path, error: type[UserError], **fl
 @EVERY_RUN
 def test_a_file_in_place_of_the_folder_is_left_alone(tmp_path: Path, run: Run) -> None:
     (tmp_path / "out").write_text("mine")
-    assert "out: is a file; give a folder" in refused(run, RECIPE, tmp_path / "out", OutputError)
+    assert "out: is a file; use a folder" in refused(run, RECIPE, tmp_path / "out", OutputError)
 
 
 @EVERY_RUN
@@ -79,7 +79,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path: Path, run: Run) -> N
 def test_existing_outputs_stay_without_force_or_resume(tmp_path: Path, name: str) -> None:
     RUNS[name](RECIPE, tmp_path / "out")
     message = refused(RUNS[name], RECIPE, tmp_path / "out", OutputError)
-    assert re.search(r"already; give (force|resume)=True", message)
+    assert re.search(r"already; use (force|resume)=True", message)
 
 
 @pytest.mark.parametrize("name", ["generate", "series", "dataset"])

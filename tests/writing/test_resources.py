@@ -41,7 +41,7 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(resources, "_free_disk", lambda _: 200_000)
-    with pytest.raises(TooLarge, match=r"maps: 106 maps need 1\.3 MB of disk or more, 200\.0 kB are free; give fewer"):
+    with pytest.raises(TooLarge, match=r"maps: 106 maps need 1\.3 MB of disk or more, 200\.0 kB are free; make fewer"):
         check_needs([Recipe(seed=1)], 106, tmp_path)
 
 
@@ -49,7 +49,7 @@ def test_a_disk_that_is_too_small_is_refused_in_the_unit_that_fits(
 def test_more_obstacles_than_a_large_map_can_take_are_refused_before_the_work() -> None:
     rows = (Random(levels=5),) * 20_001
     recipe = Recipe(seed=1, chunk_size=1000, boundary="none", obstacles=rows)
-    with pytest.raises(TooLarge, match=r"obstacles: 20,001 of them on .* cells .* give 20,000 or fewer"):
+    with pytest.raises(TooLarge, match=r"obstacles: 20,001 of them on .* cells .* use 20,000 or fewer"):
         resources.refuse_too_large(recipe)
     resources.refuse_too_large(replace(recipe, obstacles=rows[:-1]))
 
@@ -126,5 +126,5 @@ def test_a_map_needs_more_to_be_measured_or_exported_than_to_be_built(monkeypatc
     resources.refuse_too_large(recipe)
     with pytest.raises(TooLarge, match=r"^chunks: a map of 1000 x 1000 cells needs about 824\.3 MB of memory, 700"):
         resources.refuse_too_large(recipe, "measure")
-    with pytest.raises(TooLarge, match=r"needs about 4\.5 GB of memory, .* give fewer chunks or a smaller chunk_size"):
+    with pytest.raises(TooLarge, match=r"needs about 4\.5 GB of memory, .* use fewer chunks or a smaller chunk_size"):
         resources.refuse_too_large(recipe, things=[FORMATS["stl"]()])

@@ -67,7 +67,7 @@ def test_the_journal_has_the_size_and_checksum_of_every_file(tmp_path: Path) -> 
 
 def test_an_existing_folder_stays_unchanged(tmp_path: Path) -> None:
     write_folder(BUNDLE, tmp_path / "map")
-    with pytest.raises(OutputError, match="give force=True to replace it"):
+    with pytest.raises(OutputError, match="use force=True to replace it"):
         write_folder({PurePosixPath("recipe.json"): [b"new"]}, tmp_path / "map")
     assert contents(tmp_path)["map/recipe.json"] == b"{}"
 

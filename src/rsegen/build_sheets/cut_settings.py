@@ -55,7 +55,7 @@ class CutSettings:
     def __post_init__(self) -> None:
         validate(self)
         if self.usable <= 0:
-            raise ParameterError("trim_cm", f"nothing is left of {decimal(self.stock_cm)} cm of stock; give less")
+            raise ParameterError("trim_cm", f"nothing is left of {decimal(self.stock_cm)} cm of stock; use less")
 
     @classmethod
     def default(cls, units: str) -> CutSettings:
@@ -101,4 +101,4 @@ class CutSettings:
         if not self.fits(nanometres(length_cm)):
             given, longest = decimal(self.stock_cm), decimal(length_cm)
             least = decimal(round(length_cm + (self.trim + self.tolerance) / 1e7, 7))
-            raise ParameterError("stock_cm", f"{given} is too short for {what}, {longest} cm; give {least} or more")
+            raise ParameterError("stock_cm", f"{given} is too short for {what}, {longest} cm; use {least} or more")

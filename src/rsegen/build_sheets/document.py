@@ -109,9 +109,9 @@ def refuse_unbuildable(recipe: Recipe, saw: CutSettings) -> None:
     """Raise a ParameterError if a map is too large to build by hand, or a block is longer than the stock."""
     if recipe.chunk_size > LARGEST_PALLET:
         problem = f"{recipe.chunk_size} blocks per side do not fit on a page of a build sheet"
-        raise ParameterError("chunk_size", f"{problem}; give up to {LARGEST_PALLET}")
+        raise ParameterError("chunk_size", f"{problem}; use up to {LARGEST_PALLET}")
     (m_x, m_y), (n_x, n_y) = recipe.chunks, recipe.grid.shape
     if m_x * m_y > MOST_PALLETS or n_x * n_y > MOST_BLOCKS:
         problem = f"{m_x * m_y:,} pallets with {n_x * n_y:,} blocks are too many for a build sheet"
-        raise ParameterError("chunks", f"{problem}; give up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
+        raise ParameterError("chunks", f"{problem}; use up to {MOST_PALLETS} with {MOST_BLOCKS:,}")
     saw.check(recipe.highest_level * recipe.unit_cm, "blocks of the highest level")

@@ -132,7 +132,7 @@ def _code_and_words(error: BaseException, signal: int) -> tuple[int, str]:
             message = "" if isinstance(error, BrokenPipeError) else system_message(error, "the output")
             return 2 if error.errno in REFUSED else 1, message
         case MemoryError():
-            return 1, "out of memory; give fewer chunks or a smaller chunk_size"
+            return 1, "out of memory; use fewer chunks or a smaller chunk_size"
     if message := _of_plugin(error):
         return 1, message
     message = f"{type(error).__name__}: {error}"

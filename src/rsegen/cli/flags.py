@@ -1,4 +1,4 @@
-"""From flags to recipes and maps: one flag for every global parameter, named after it, and --obstacle.
+"""Recipes and maps from flags: one flag for every global parameter, named after it, and --obstacle.
 
 Commands that look at maps take where these are, or a recipe of them, and flags over it.
 """
@@ -115,7 +115,7 @@ def obstacle_in(text: str) -> Obstacle:
     try:
         name, *pairs = shlex.split(text)
     except ValueError:
-        raise ParameterError(where, "give a kind and then KEY=VALUE, as in 'peak levels=5'") from None
+        raise ParameterError(where, "expected a kind and then KEY=VALUE, as in 'peak levels=5'") from None
     try:
         values = key_values(pairs, parameters(kind(name, "")))
         if "kind" in values:
@@ -133,7 +133,7 @@ def _file(text: str) -> Path:
     path = Path(text) / "recipe.json"
     if not path.is_file():
         raise FileError(
-            f"{text}: a folder without a recipe.json; give a recipe file, the folder of a map, or DIR#0 of a data set"
+            f"{text}: a folder without a recipe.json; use a recipe file, the folder of a map, or DIR#0 of a data set"
         )
     return path
 
@@ -157,14 +157,14 @@ _WHERE = "a recipe (YAML, JSON), the name of an example, the folder of a map, a 
 def add_target_flags(command: Parser, default: str = "the first") -> None:
     """Add where to look, and which map; `add_target_recipe_flags` adds what makes a map of flags alone."""
     group = command.group("input")
-    add_input(group, f"{_WHERE}; leave it out if you give --obstacle", name="target", metavar="RECIPE-or-DIR")
+    add_input(group, f"{_WHERE}; leave it out if you use --obstacle", name="target", metavar="RECIPE-or-DIR")
     group.add_argument("--map", metavar="INDEX", help=f"index or name of the map (default: {default})")
 
 
 def is_of_flags(arguments: argparse.Namespace) -> bool:
     """Return whether a map is to be made of flags, alone or over a target's; ParameterError if nothing is given."""
     if arguments.target is None and not arguments.obstacle:
-        raise ParameterError("RECIPE", "nothing is given; give a recipe, a folder or --obstacle 'random levels=5'")
+        raise ParameterError("RECIPE", "no input; pass a recipe, a folder or --obstacle 'random levels=5'")
     return has_recipe_flags(arguments)
 
 

@@ -76,7 +76,7 @@ rsegen makes Random Step Environments (NIST stepfields) as worlds and models for
   rsegen gui                                               shape a map with the mouse
   rsegen --help                                            list all commands
 """
-"""What `rsegen` alone prints."""
+"""Text that `rsegen` without arguments prints."""
 
 
 def complete() -> None:
@@ -97,7 +97,7 @@ def complete() -> None:
 
 FLAG = "--plugin"
 VARIABLE = "RSEGEN_PLUGINS"
-"""Of the environment: the same for every command, separated like PATH."""
+"""Environment variable with the plug-ins of every command, separated like PATH."""
 
 
 def load_plugins(arguments: Sequence[str]) -> list[str]:

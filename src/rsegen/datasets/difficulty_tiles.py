@@ -31,7 +31,7 @@ def check_tile(recipe: Recipe) -> None:
     """Raise a ParameterError if the maps of a recipe cannot be tiles."""
     if isinstance(recipe.difficulty, tuple):
         given = shown(list(recipe.difficulty))
-        raise ParameterError("difficulty", f"{given} is a range, and tiles have their own; give one number")
+        raise ParameterError("difficulty", f"{given} is a range, and tiles have their own; use one number")
     if recipe.boundary != "none" and recipe.frame_height_cm % recipe.unit_cm:
         problem = f"{recipe.frame_height_cm:g} is no multiple of the unit, {recipe.unit_cm:g}"
         raise ParameterError("frame_height_cm", f"{problem}; the frames of a tile are blocks like others")
@@ -69,7 +69,7 @@ def refuse_unlike(recipes: Sequence[Recipe], names: Iterable[str]) -> None:
         for name in names:
             own, others = getattr(recipe, name), getattr(recipes[0], name)
             if own != others:
-                problem = f"{shown(own)}, and {shown(others)} in the first recipe; give one for all"
+                problem = f"{shown(own)}, and {shown(others)} in the first recipe; use the same for all"
                 raise ParameterError(f"recipes[{index}].{name}", problem)
 
 
@@ -112,7 +112,7 @@ def mean_span(spans: Sequence[Span], name: str) -> Span:
         fsum(values) / len(spans) for values in zip(*((span.level, span.full) for span in spans), strict=True)
     )
     if level == full:
-        raise ParameterError("by", f"{name} is {level:g} at difficulty 0 and at 1; give a metric that changes")
+        raise ParameterError("by", f"{name} is {level:g} at difficulty 0 and at 1; choose a metric that changes")
     return Span(level, full)
 
 
@@ -121,7 +121,7 @@ def span_of(recipe: Recipe, index: int, metric: Metric) -> Span:
     level, full = (_value(recipe, index, metric, share) for share in (0.0, 1.0))
     if isnan(level):
         name = recipe.map_name(index)
-        raise ParameterError("by", f"{metric.name} of {name} has no value even at difficulty 0; give another metric")
+        raise ParameterError("by", f"{metric.name} of {name} has no value even at difficulty 0; choose another metric")
     if not isnan(full):
         return Span(level, full)
     hardest, _ = bisected(lambda share: isnan(_value(recipe, index, metric, share)))

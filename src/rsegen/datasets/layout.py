@@ -73,7 +73,7 @@ class ShardLayout:
         object.__setattr__(self, "shard_maps", self.shard_maps or max(CELLS // (n_x * n_y), least))
         if self.shard_maps < least:
             raise ParameterError(
-                "shard_maps", f"{self.shard_maps} would make {self.shards} shards; give {least} or more"
+                "shard_maps", f"{self.shard_maps} would make {self.shards} shards; use {least} or more"
             )
 
     @property
@@ -174,12 +174,12 @@ class ShardLayout:
 def _check_kinds(recipes: Sequence[Recipe]) -> None:
     """Raise a ParameterError if there are none or too many, if they do not go together, or if two have one name."""
     if not 0 < len(recipes) <= _MOST_RECIPES:
-        raise ParameterError("recipes", f"{len(recipes)} of them; give 1 to {_MOST_RECIPES:,}")
+        raise ParameterError("recipes", f"{len(recipes)} of them; use 1 to {_MOST_RECIPES:,}")
     refuse_unlike(recipes, _ALIKE)
     first: dict[str, int] = {}
     for index, recipe in enumerate(recipes):
         if first.setdefault(recipe.name, index) != index:
-            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; give each its own name"
+            problem = f"'{recipe.name}' is the name of recipes[{first[recipe.name]}] too; each needs its own name"
             raise ParameterError(f"recipes[{index}].name", problem)
 
 
@@ -334,6 +334,6 @@ def recipe_of_place(text: str) -> Recipe | None:
         return None
     layout, place = read_manifest(Path(match[1]))[0], int(match[2])
     if place >= layout.maps:
-        raise ParameterError(text, f"there is no map {place} in the data set; give 0..{layout.maps - 1}")
+        raise ParameterError(text, f"there is no map {place} in the data set; use 0..{layout.maps - 1}")
     recipe, index = layout.map_at(place)
     return recipe.alone(index)

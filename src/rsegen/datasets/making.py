@@ -101,10 +101,10 @@ def _existing(layout: ShardLayout, folder: Path, on_existing: OnExisting) -> lis
     """Return the shards that exist and are kept; an OutputError if the folder may be neither continued nor replaced."""
     journal = read_journal(folder)
     if journal is None or journal.holds != HOLDS:
-        raise OutputError(f"{folder}: is not empty, and not a data set of rsegen; give another folder")
+        raise OutputError(f"{folder}: is not empty, and not a data set of rsegen; use another folder")
     if on_existing is OnExisting.REFUSE:
         raise OutputError(
-            f"{folder}: a data set exists there already; give resume=True to continue it, force=True to replace it, or "
+            f"{folder}: a data set exists there already; use resume=True to continue it, force=True to replace it, or "
             "another folder"
         )
     if on_existing is OnExisting.REPLACE:

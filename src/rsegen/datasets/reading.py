@@ -78,7 +78,7 @@ def arrow() -> tuple[Any, Any]:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install([DATASET.name])}; or give npy") from None
+        raise ParameterError("metrics", f"parquet needs pyarrow: {pip_install([DATASET.name])}; or use npy") from None
     return pyarrow, parquet
 
 

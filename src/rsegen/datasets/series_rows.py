@@ -55,10 +55,10 @@ class SeriesPlan:
         if self.from_ > self.to:
             raise ParameterError("from", f"{shown(self.from_)} is above to, {shown(self.to)}; a series rises")
         if self.recipe.maps < 2:
-            raise ParameterError("maps", f"{self.recipe.maps} map is not a series; give 2 or more")
+            raise ParameterError("maps", f"{self.recipe.maps} map is not a series; use 2 or more")
         if self.recipe.difficulty != 1:
             given = shown(self.recipe.difficulty)
-            raise ParameterError("difficulty", f"{given} is for maps of one difficulty; give from and to instead")
+            raise ParameterError("difficulty", f"{given} is for maps of one difficulty; use from and to instead")
         self.whole(self.recipe.maps - 1)
         _ = self.metric
 

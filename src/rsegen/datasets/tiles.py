@@ -114,7 +114,7 @@ def _kinds(dataset: Dataset, names: Sequence[str] | None, columns: int) -> NDArr
         if not isinstance(name, str) or name not in known:
             raise UnknownName.among(f"recipes[{index}]", "recipe", name, known)
     if not 0 < len(wanted) <= columns:
-        raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; give at most one per column")
+        raise ParameterError("recipes", f"{len(wanted)} for {columns} columns; use at most one per column")
     return np.array([known[wanted[kind_of_column(column, columns, len(wanted))]] for column in range(columns)])
 
 

@@ -220,7 +220,7 @@ def refuse_output(output: Path | None, *, picture: bool, video: bool, force: boo
     """Raise a UserError, before anything is driven, if the results could not be written."""
     for name, is_wanted in (("picture", picture), ("video", video)):
         if is_wanted and output is None:
-            raise ParameterError(name, "needs a folder to write into; give output='DIR' too")
+            raise ParameterError(name, "needs a folder to write into; set output='DIR' too")
     if output is not None:
         for folder in (output, output.parent):
             refuse_busy(folder)
@@ -270,7 +270,7 @@ def frame_notes(scene: Scene, runs: Sequence[RobotRun], recording: DriveRecordin
             held.append(run.name)
     if held and field.frame[0].all():
         height = lengths_in(scene.units).with_unit(field.frame_height, 3)
-        advice = "give robot='crawler', which climbs 10 cm, or make the map without frames (boundary none)"
+        advice = "use robot='crawler', which climbs 10 cm, or make the map without frames (boundary none)"
         yield f"the frame, {height} high, stopped {', '.join(held)}; {advice}"
 
 

@@ -108,7 +108,7 @@ def crossing(host: Host, *, doc: str, index: int, robot: str) -> DrawnReach:
     sides = {side: side.replace("_", " to ") for side in found}
     told = "; ".join(f"{name}: {found[side]}" for side, name in sides.items())
     return {
-        "text": told or "it cannot be driven here, as MuJoCo is not installed",
+        "text": told or "MuJoCo is not installed, so it cannot be driven here",
         "region": base64_of(np.ones(scene.field.shape), "u1"),
         "ways": [
             {"points": draped(scene.field, outcome.path).tolist(), "name": sides[side], "crosses": not outcome.reason}
@@ -172,7 +172,7 @@ def _trajectory(file: Path) -> Trajectory:
 
 
 _Touch = tuple[float, str, str]
-"""When a part touched something, the part, and what it touched."""
+"""Time of a contact, seconds, the part, and what it touched."""
 
 
 def _touches(folder: Path, robot: Mapping[str, Any]) -> Iterator[_Touch]:

@@ -57,7 +57,7 @@ _SECONDS = 0.5
 """CPU seconds that a drive takes, about."""
 
 _BAR = "drives"
-"""What a progress bar says."""
+"""Label of the progress bar."""
 
 _SEEN = 0.25
 """Seconds between the places of a drive that are kept."""

@@ -65,7 +65,7 @@ LARGER = "barriers and peaks"
 """The maps of the paper's larger worlds: one of each of these kinds for every chunk along a side, at random places."""
 
 KINDS_OF_MAPS = ("random", *_SINGLE, LARGER)
-"""What stands on the maps of a row: random blocks, a single obstacle, or several."""
+"""Words for the maps of a row: random blocks, a single obstacle, or several."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -199,7 +199,7 @@ class ExperimentPlan:
     def __post_init__(self) -> None:
         validate(self)
         if not self.rows:
-            raise ParameterError("rows", "is empty; give a row, such as {robot: burger, sizes: [0, 80]}")
+            raise ParameterError("rows", "is empty; add a row, such as {robot: burger, sizes: [0, 80]}")
 
     @property
     def cells(self) -> tuple[Cell, ...]:

@@ -158,7 +158,7 @@ def _opened(plan: ExperimentPlan, folder: Path, *, force: bool) -> Iterator[Stor
         return
     if journal and (journal.holds, journal.of) != (HOLDS, of):
         has = "the outcomes of another plan" if journal.holds == HOLDS else "other files of rsegen"
-        raise OutputError(f"{folder}: has {has}; give another folder{', or force=True' * (journal.holds == HOLDS)}")
+        raise OutputError(f"{folder}: has {has}; use another folder{', or force=True' * (journal.holds == HOLDS)}")
     with read_errors(folder):
         for name in (*REPORT_FILES, *track_names(plan)):
             is_intact(folder, name, journal)
@@ -259,7 +259,7 @@ def read_entries(journal: Journal | None, folder: Path, rows: int) -> Entries:
             cell, outcome = read_cell(result.get("cell"), rows), read_outcome(result.get("outcome"))
             entries[cell, Integer(0).check("repeat", result.get("repeat"))] = outcome
         except ParameterError as error:  # an experiment has some hundred
-            advice = "delete its line, or give another folder, or force=True"
+            advice = "delete its line, or use another folder, or force=True"
             raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
     return entries
 

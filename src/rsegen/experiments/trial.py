@@ -111,7 +111,7 @@ _SLOWEST = 20
 
 
 TrialSimulator: TypeAlias = Installation | EmbeddedSimulator
-"""In what a trial is simulated: a Gazebo, or a simulator in the box, in its own process."""
+"""Simulator of a trial: a Gazebo, or an embedded one, in its own process."""
 
 
 def refuse_without_frames(plan: ExperimentPlan, installed: Mapping[str, TrialSimulator]) -> None:

@@ -67,7 +67,7 @@ class CrossingModel(ABC):
 
     def pose_maps(self, scene: Any, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
         """Return maps of its poses on a scene at a heading [rad], as an image file."""
-        raise ParameterError("heading", "limits of steps have no poses; give a robot")
+        raise ParameterError("heading", "limits of steps have no poses; choose a robot")
 
 
 def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> CrossingModel:
@@ -76,7 +76,7 @@ def robot_that_crosses(what: object, where: str, *, kind_only: bool = False) -> 
         robot: CrossingModel = find(what, where, kind_only=kind_only)
         return robot
     named = os.fspath(what) if isinstance(what, str | os.PathLike) else what
-    raise ParameterError(where, f"{shown(named)}: no robots are installed; give limits of steps")
+    raise ParameterError(where, f"{shown(named)}: no robots are installed; use limits of steps")
 
 
 def predictions(robot: CrossingModel, scene: Any) -> Mapping[str, Any]:

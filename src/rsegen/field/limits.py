@@ -28,7 +28,7 @@ class StepLimits(CrossingModel):
     climb_cm: Annotated[float, Float(0, 100_000, unit="cm", help="highest step up on a path of cells")]
     drop_cm: Annotated[float | None, Float(0, 100_000, unit="cm", help="highest step down; default: as climb")] = None
     width_cm: Annotated[
-        float, Float(0, 100_000, unit="cm", help="width of the path, of which the highest cell counts; 0: one cell")
+        float, Float(0, 100_000, unit="cm", help="width of the path, whose highest cell counts; 0: one cell")
     ] = 0.0
 
     def __post_init__(self) -> None:

@@ -85,7 +85,7 @@ READING = frozenset(
 def _problem(cls: type[Format]) -> str:
     """Return the problem of the name and the options of a plug-in's format; an empty text if there is none."""
     if not (cls.name.isidentifier() and cls.name.islower()):
-        return f"has the name {cls.name!r}; give one of small letters, digits and _, as its folder is called so"
+        return f"has the name {cls.name!r}; use one of small letters, digits and _, as its folder is called so"
     return name_conflict(cls, RESERVED_FLAGS | READING, others=FORMATS.own()) or (
         "" if cls() else "cannot be made without options"
     )

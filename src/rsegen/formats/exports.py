@@ -95,7 +95,7 @@ def export_one(
     files = chosen.files(scene)
     if len(files) != 1:
         problem = f"{path} is one file, but {chosen.name} writes {len(files)} of them"
-        raise ParameterError("path", f"{problem}; give a folder, without a suffix")
+        raise ParameterError("path", f"{problem}; use a folder, without a suffix")
     (content,) = files.values()
     write_file(content, path, force=force)
     return Exported(path=path, format=chosen.name, files=(path,))
@@ -104,7 +104,7 @@ def export_one(
 def _format(path: Path, name: str | None, options: Mapping[str, Any]) -> Format:
     """Return the format of a name, or of the suffix of a path, with its options."""
     if name is None and not path.suffix:
-        raise ParameterError("format", f"{path} has no suffix; give a format (known: {', '.join(FORMATS)})")
+        raise ParameterError("format", f"{path} has no suffix; choose a format (known: {', '.join(FORMATS)})")
     cls = FORMATS.named(path.suffix.lower().removeprefix(".") if name is None else name, "format")
     for option in options:
         if option not in parameters(cls):
@@ -242,7 +242,7 @@ def _missing_formats(
     """Return the formats to write for a map that exists; an OutputError if it has one that may not be replaced."""
     listed = listed_formats(str(home))
     if listed is None:
-        raise OutputError(f"{home / FORMATS_FILE}: is damaged, so no format is added; give another folder")
+        raise OutputError(f"{home / FORMATS_FILE}: is damaged, so no format is added; use another folder")
     refuse_link(home / FORMATS_FILE)
     missing = []
     for format_ in formats:
@@ -267,16 +267,16 @@ def _refuse_other_map(home: Path, formats: Sequence[Format], on_existing: OnExis
     names = {_RECIPE, FORMATS_FILE, JOURNAL, *(format_.name for format_ in formats)}
     others = sorted({path.name for path in home.iterdir()} - names)
     if f"{home.name}.world" in others:
-        raise OutputError(f"{home}: has the world of another map in it, so it is not replaced; give another folder")
+        raise OutputError(f"{home}: has the world of another map in it, so it is not replaced; use another folder")
     if on_existing is not OnExisting.REPLACE:
         raise OutputError(
             f"{home}: exists already and is another map, of another seed or parameter; "
-            "give force=True to replace it, or another folder or name"
+            "use force=True to replace it, or another folder or name"
         )
     if others:
         raise OutputError(
             f"{home}: has {others[0]} of another map in it, which would be overwritten; "
-            "name all of its formats to replace them, or give another folder"
+            "name all of its formats to replace them, or use another folder"
         )
 
 
@@ -344,11 +344,11 @@ def _refuse_incomplete(home: Path, chosen: Format, maps: Sequence[tuple[Recipe, 
         others = {name for name in held if name.startswith(f"{_RECIPES}/")} - expected.keys()
         if journal is None or not same or others:
             problem = "exists already and contains other maps, or not all of these"
-            raise OutputError(f"{home}: {problem}; give force=True to replace it, or another package or folder")
+            raise OutputError(f"{home}: {problem}; use force=True to replace it, or another package or folder")
         comparison = compare(home, journal)
     for name in (*comparison.changed, *comparison.missing):
         raise OutputError(
-            f"{home / name}: was changed or lost after rsegen wrote it; give force=True, or another folder"
+            f"{home / name}: was changed or lost after rsegen wrote it; use force=True, or another folder"
         )
 
 

@@ -65,7 +65,7 @@ class Mjcf(Format):
 
     def _body(self, scene: Scene) -> _BodyElements:
         if self.shape == "hfield" and not scene.recipe.is_of_one_friction:
-            problem = "'hfield' has one friction coefficient, but the recipe gives several; give boxes or mesh"
+            problem = "'hfield' has one friction coefficient, but the recipe has several; use boxes or mesh"
             raise ParameterError("shape", problem)
         if not scene.field.is_raised():
             return _BodyElements()

@@ -76,5 +76,5 @@ class Occupancy(Format):
         width, height = ((n + 2 * margin) * self.pixels for n in field.shape)
         if margin and width * height > _MOST_PIXELS:
             problem = f"{decimal(self.margin_cm)} cm around the map make an image of {width} x {height} pixels"
-            raise ParameterError("margin_cm", f"{problem}; give less, so that it has up to {_MOST_PIXELS:,}")
+            raise ParameterError("margin_cm", f"{problem}; use less, so that it has up to {_MOST_PIXELS:,}")
         return margin

@@ -56,7 +56,7 @@ _FLAT = 1e-6
 far, and rounding errors smaller."""
 
 _NOWHERE, _ANYWHERE = -1, 3
-"""Where a vertex may move, besides along the axes 0, 1 and 2."""
+"""Codes of a vertex that may not move, and of one that may move along all axes; 0, 1 and 2 are single axes."""
 
 _PIECE = 2**14
 """Rows that are worked on at a time: their arrays fit into a processor's cache, which saves half the time and much
@@ -378,7 +378,7 @@ _FAR = np.array([[1, 0, 0, 1], [1, 0, 0, 1], [0, 0, 0, 0], [1, 1, 1, 1], [1, 1, 
 """1 for the sides of a face at which its block lies on the side of larger y, for each of NORMALS."""
 
 _APEXES = np.array([0, 1, 0, 1], dtype=np.int32)
-"""How far after the first point of the sides 3, 2, 1, 0 the point is to which the edges of the sides 0, 1, 2, 3 go."""
+"""Steps from the first point of the sides 3, 2, 1, 0 to the point where the edges of the sides 0, 1, 2, 3 end."""
 
 
 class _Orders(NamedTuple):

@@ -31,7 +31,7 @@ class Saved(Measured):
         array = mapped(path)
         if array.ndim != 2 or array.dtype.kind not in "biuf":
             sort = str(array.dtype)[:60]
-            raise FileError(f"{path}: {array.ndim} axes of {sort}; give an array of numbers with two axes")
+            raise FileError(f"{path}: {array.ndim} axes of {sort}; expected an array of numbers with two axes")
         refuse_too_many_cells(path, *array.shape)
         unit = unit_cm or USUAL_UNIT_CM
         centimetres = {**CENTIMETRES, "levels": unit}[self.values]

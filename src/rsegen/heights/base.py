@@ -90,14 +90,14 @@ def advice(heights_cm: Array, unit_cm: float) -> str:
 
     heights = heights_cm[np.isfinite(heights_cm) & (heights_cm >= 0)]
     if not heights.any():
-        return "give other values (cm, m, in, ...)"
+        return "set other values (cm, m, in, ...)"
     # First another ground, then this unit measured badly, then another unit, of which blocks have 1 to 150 cm.
     lowest = float(heights.min())
     if lowest > unit_cm / 4 and _are_near(heights - lowest, unit_cm):
-        return f"they are whole units above {lowest:.6g} cm: give datum_cm {lowest:.6g} if that is the ground"
+        return f"they are whole units above {lowest:.6g} cm: set datum_cm {lowest:.6g} if that is the ground"
     step = _largest_step(heights)
     if step is None:
-        return "give another unit_cm, other values (cm, m, in, ...), or rounded"
+        return "set another unit_cm, other values (cm, m, in, ...), or rounded"
     if abs(step / unit_cm - 1) < _NEAR:
         return "they are nearly whole units: rounded takes the nearest"
     may_be = {"levels": 1.0} if abs(step - 1) < 1e-6 else {}
@@ -106,7 +106,7 @@ def advice(heights_cm: Array, unit_cm: float) -> str:
         f"values {name}" + (f" and unit_cm {step * factor:.4g}" if name != "levels" else "")
         for name, factor in may_be.items()
     )
-    return f"they are whole multiples of {step:.4g}: give {', or '.join(ways)}"
+    return f"they are whole multiples of {step:.4g}: set {', or '.join(ways)}"
 
 
 def _largest_step(heights: Array) -> float | None:
@@ -266,7 +266,7 @@ def _problem(cls: type[Importer]) -> str:
     """Return the problem of a plug-in's importer: a suffix or an option; empty if there is none."""
     for suffix in cls.suffixes:
         if not (suffix.startswith(".") and suffix.islower()):
-            return f"reads files named *{suffix}; give a suffix such as .asc, in small letters"
+            return f"reads files named *{suffix}; use a suffix such as .asc, in small letters"
     return name_conflict(cls, RESERVED_FLAGS) or ("" if cls() else "cannot be made without options")
 
 

@@ -47,7 +47,7 @@ def add_import(command: Parser) -> None:
     )
     epilog += "(map.yaml). The folder of the world has its recipe, which can be opened on the page and generated again."
     command.explain(_Errors.__doc__, epilog)
-    command.add_argument("file", metavar="FILE", help=f"named {', '.join('*' + suffix for suffix in IMPORTERS)}")
+    command.add_argument("file", metavar="FILE", help=f"a file: {', '.join('*' + suffix for suffix in IMPORTERS)}")
     _add_reading_flags(command)
     add_output_flags(command)
     add_flags(command, _Errors)

@@ -134,7 +134,7 @@ def _without_frames(levels: Ints, blocks: Cell) -> tuple[Ints, dict[str, object]
     if levels.shape == (m_x + 2, m_y + 2):
         return kept, {"boundary": "outer"}
     if m_x != m_y:
-        raise ParameterError("framed", f"{m_x}x{m_y}: chunks are squares; give the blocks of one, as in 10x10")
+        raise ParameterError("framed", f"{m_x}x{m_y}: chunks are squares; use the blocks of one, as in 10x10")
     return kept, {"boundary": "divided", "chunk_size": m_x}
 
 
@@ -208,11 +208,11 @@ def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
 
     if image.mode == "F":
         low, high = image.getextrema()
-        raise FileError(f"{path}: floating-point numbers of {low:g}..{high:g} have no white; give {_THEIR_UNIT}")
+        raise FileError(f"{path}: floating-point numbers of {low:g}..{high:g} have no white; set {_THEIR_UNIT}")
     if image.mode.startswith("I"):
         grey = np.asarray(image.convert("I"), dtype=np.int64)
         if not 0 <= grey.min() <= grey.max() <= _WHITE_OF_16_BITS:
-            problem = f"grey values of {grey.min()}..{grey.max()}; give an image of 8 or 16 bits, or {_THEIR_UNIT}"
+            problem = f"grey values of {grey.min()}..{grey.max()}; use an image of 8 or 16 bits, or set {_THEIR_UNIT}"
             raise FileError(f"{path}: {problem}")
         clear = image.info.get("transparency")
         return grey, float(_WHITE_OF_16_BITS), (grey != clear) * _OPAQUE if isinstance(clear, int) else None

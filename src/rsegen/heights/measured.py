@@ -74,7 +74,7 @@ _MOST_HOLES = 0.5
 class Measured(Importer):
     """An importer of heights that were measured."""
 
-    rounded: Annotated[bool, Flag(help="round heights that are not whole units; without it they are errors")] = False
+    rounded: Annotated[bool, Flag(help="round heights that are not whole units; else they are an error")] = False
     any_heights: Annotated[
         bool, Flag(help="round heights even if most are far from whole units, as those of natural ground are")
     ] = False
@@ -82,18 +82,19 @@ class Measured(Importer):
         float | None, Float(-100_000, 100_000, unit="cm", help="height of the ground in the file, which is subtracted")
     ] = None
     fill_holes: Annotated[
-        bool, Flag(help="give blank cells and holes the median height of their neighbours; the recipe lists them apart")
+        bool,
+        Flag(help="fill blank cells and holes with the median height of their neighbours; the recipe lists them apart"),
     ] = False
     size: Annotated[Cell | None, Size2D(help=RESAMPLED)] = None
     cells_per_block: Annotated[
-        float | None, Float(0.01, 4096, help="cells of the file along the side of a block, for size")
+        float | None, Float(0.01, 4096, help="with size: cells of the file along one side of a block")
     ] = None
     origin: Annotated[
         tuple[float, float] | None,
         ListOf(
             Float(-4096, 4096),
             2,
-            help="south-west corner of the map in the file, in cells from its own, for size; default: centred",
+            help="with size: south-west corner of the map, in cells from that of the file; default: centred",
         ),
     ] = None
     rotation: Annotated[
@@ -133,7 +134,7 @@ class Measured(Importer):
         if self.size is None:
             if rest or self.origin or self.cells_per_block:
                 raise ParameterError(
-                    "size", "give the number of blocks along x and y with origin, rotation, cells_per_block"
+                    "size", "missing; origin, rotation and cells_per_block need the number of blocks along x and y"
                 )
             return np.rot90(heights, -int(quarters))
         extent = heights.shape[:: -1 if quarters % 2 else 1]

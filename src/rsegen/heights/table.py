@@ -145,7 +145,7 @@ class Table(Measured):
         if head := _head().search(text):
             written = head["unit"]
             if self.values not in ("auto", written):
-                problem = f"{path} is a build sheet, whose heights are in {written}; give no {self.values}"
+                problem = f"{path} is a build sheet, whose heights are in {written}; do not set {self.values}"
                 raise ParameterError("values", problem)
             own_values = {name: _value(str(path), name, value) for name, value in _parameter_pattern().findall(text)}
             unit = unit_cm or own_values.get("unit_cm", USUAL_UNIT_CM)

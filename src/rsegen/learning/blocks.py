@@ -30,7 +30,7 @@ class BlockArrays:
 
     def __init__(self, recipe: Recipe, name: str = "block", pos: Sequence[float] = (0, 0, 0)) -> None:
         if recipe.boundary != "none":
-            raise ParameterError("boundary", f"'{recipe.boundary}' has frames, and a grid has only blocks; give none")
+            raise ParameterError("boundary", f"'{recipe.boundary}' has frames, and a grid has only blocks; use none")
         self.recipe: Recipe = recipe
         self.name: str = name
         self.position: Array = np.array(pos, dtype=float)

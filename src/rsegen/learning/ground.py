@@ -108,7 +108,7 @@ class Ground:
         priority: int = CONTACT.priority,
     ) -> None:
         if recipe.boundary != "none":
-            raise ParameterError("boundary", f"'{recipe.boundary}' has frames; give none, or take Ground.of(scene)")
+            raise ParameterError("boundary", f"'{recipe.boundary}' has frames; use none, or Ground.of(scene)")
         self.block_width: float = recipe.block_width_cm / 100
         self.unit: float = recipe.unit_cm / 100
         self._floor: float = recipe.ground_level * self.unit
@@ -119,7 +119,7 @@ class Ground:
         self.library, given = library_of("levels", levels)
         self._array: type = class_of(self.library)
         if given.ndim not in (2, 3):
-            raise ParameterError("levels", f"of shape {tuple(given.shape)}; give (n_x, n_y) or (worlds, n_x, n_y)")
+            raise ParameterError("levels", f"of shape {tuple(given.shape)}; expected (n_x, n_y) or (worlds, n_x, n_y)")
         if not 0 <= outside <= recipe.highest_level:
             raise ParameterError("outside", f"level {outside} is outside 0..{recipe.highest_level}")
         # A row of the ground around is kept on each side, so that every point has a cell.
@@ -128,7 +128,7 @@ class Ground:
             around = array_like(given, np.full((*many, n_x + 2, n_y + 2), outside, dtype=np.int16))
         except MemoryError:
             worlds = f"{many[0] if many else 1} maps of {n_x} x {n_y} blocks"
-            raise TooLarge(f"levels: {worlds} are more than this machine's memory; give fewer") from None
+            raise TooLarge(f"levels: {worlds} are more than this machine's memory; use fewer") from None
         self._keep_tables(np.arange(recipe.highest_level + 1) * self.unit, friction_by_level(recipe), like=given)
         self._cells = with_values(around, (..., slice(1, -1), slice(1, -1)), self._checked(given, is_new=True))
         self._every = array_like(given, np.arange(many[0] if many else 0))
@@ -180,11 +180,11 @@ class Ground:
         """Put maps into these worlds, (worlds, n_x, n_y), or into all: at a reset, as in BlocksOfWorlds."""
         _, given = self._library_of("levels", levels)
         if self._fixed is not None:
-            raise ParameterError("levels", "the ground is that of one field; give Ground a recipe")
+            raise ParameterError("levels", "the ground is that of one field; make a Ground from a recipe")
         rows = None if worlds is None else self._rows(worlds)
         shape = tuple(self.levels.shape) if rows is None else (len(rows), *self.levels.shape[1:])
         if tuple(given.shape) != shape:
-            raise ParameterError("levels", f"of shape {tuple(given.shape)}; give {shape}")
+            raise ParameterError("levels", f"of shape {tuple(given.shape)}; expected {shape}")
         place = (... if rows is None else rows, slice(1, -1), slice(1, -1))
         self._cells = with_values(self._cells, place, self._here(self._checked(given), self._cells.dtype))
 
@@ -224,7 +224,7 @@ class Ground:
         5 x 5 heights up to `radius` metres along x and y: that of the ground under a foot or a robot.
         """
         if not radius > 0:
-            raise ParameterError("radius", f"{shown(radius)} m; give one above 0, as tops are level")
+            raise ParameterError("radius", f"{shown(radius)} m; use one above 0, as tops are level")
         points, library = self.own("points", points), self.library
         # The heights of five rows along x, each of five points along y; their sums over the squares of the distances.
         steps = [radius * (2 * place / (_PLANE - 1) - 1) for place in range(_PLANE)]
@@ -351,7 +351,7 @@ class Ground:
         rows = self._rows(worlds)
         if points.ndim < 2 or points.shape[0] != len(rows):
             given = f"of shape {tuple(points.shape)} for {len(rows)} worlds"
-            raise ParameterError("points", f"{given}; give ({len(rows)}, ..., {points.shape[-1]})")
+            raise ParameterError("points", f"{given}; expected ({len(rows)}, ..., {points.shape[-1]})")
         return self._index(rows.reshape((-1, *[1] * (points.ndim - 2)))) * (
             self._cells.shape[-2] * self._cells.shape[-1]
         )
@@ -359,7 +359,7 @@ class Ground:
     def _rows(self, worlds: Any) -> Any:
         """Return indices of worlds as an array, by default of all; ParameterError if any is not there."""
         if self.worlds is None:
-            raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; give none")
+            raise ParameterError("worlds", f"{shown(worlds)}, and the ground is of one map; leave it out")
         if worlds is None:
             return self._every
         library, rows = self._library_of("worlds", worlds)
@@ -388,10 +388,10 @@ class Ground:
         if library is not self.library:
             if library is not np:
                 own, other = self.library.__name__, library.__name__
-                raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; give that")
+                raise ParameterError(where, f"an array of {other}, and the levels are one of {own}; use that")
             array = array_like(self._cells, array, self.library.float32)
         if array.ndim < 1 or array.shape[-1] < least:
-            raise ParameterError(where, f"of shape {tuple(array.shape)}; give (..., {least})")
+            raise ParameterError(where, f"of shape {tuple(array.shape)}; expected (..., {least})")
         return array
 
     def _checked(self, levels: Any, *, is_new: bool = False) -> Any:
@@ -400,7 +400,7 @@ class Ground:
         Those that are on a device, or that are being traced, are kept within the levels of the recipe.
         """
         if not _is_whole(levels):
-            raise ParameterError("levels", f"of {levels.dtype}; give integers, in units")
+            raise ParameterError("levels", f"of {levels.dtype}; expected integers, in units")
         most = len(self._heights) - 1
         if isinstance(levels, np.ndarray) or (is_new and _can_be_asked(levels)):
             if min(levels.shape):
@@ -471,7 +471,7 @@ def next_rows(rows: Any, walked: Any, commanded: Any, *, count: int, length: flo
     """
     library, own = library_of("rows", rows)
     if "int" not in str(own.dtype) or own.ndim != 1:
-        raise ParameterError("rows", f"{own.dtype} of shape {tuple(own.shape)}; give integers, one per robot")
+        raise ParameterError("rows", f"{own.dtype} of shape {tuple(own.shape)}; expected integers, one per robot")
     walked, commanded = (array_like(own, values) for values in (walked, commanded))
     up = walked > length / 2
     down = ~up & (walked < commanded / 2)

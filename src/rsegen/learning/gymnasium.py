@@ -62,7 +62,7 @@ class NewFieldAtReset(gymnasium.Wrapper[Any, Any, Any, Any]):
         self.grid = grid
         model = getattr(self.unwrapped, "model", None)
         if not isinstance(grid, BlockGrid):
-            raise ParameterError("grid", f"a {type(grid).__name__}; give the BlockGrid of rsegen.learning.mujoco")
+            raise ParameterError("grid", f"a {type(grid).__name__}; expected the BlockGrid of rsegen.learning.mujoco")
         if model is None or grid.names[0] not in {model.geom(geom).name for geom in range(model.ngeom)}:
             raise UserError(f"the model of {self.unwrapped} has no geom {grid.names[0]}; add the blocks by grid.add_to")
         self._draws = MapDraws(grid.recipe, np.random.default_rng())

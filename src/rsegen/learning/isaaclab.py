@@ -77,7 +77,7 @@ class StepFieldTerrainCfg(_Parameters):
             check_recipe(self.recipe)
             self.recipe = to_json(self.recipe)
         if not _recipe(self.recipe).is_of_one_friction:
-            problem = "a terrain of Isaac Lab is one mesh with one friction; give only `friction`"
+            problem = "a terrain of Isaac Lab is one mesh with one friction; set only `friction`"
             raise ParameterError("level_friction", problem)
         if self.mesh not in MESHES:
             raise UnknownName.among("mesh", "mesh", self.mesh, MESHES)

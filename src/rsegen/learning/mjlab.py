@@ -58,7 +58,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
         if self.shape not in _SHAPES:
             raise UnknownName.among("shape", "shape", self.shape, _SHAPES)
         if self.shape == "hfield" and not self.recipe.is_of_one_friction:
-            raise ParameterError("level_friction", "a height field has one friction; give only `friction`, or boxes")
+            raise ParameterError("level_friction", "a height field has one friction; set only `friction`, or use boxes")
 
     def function(self, difficulty: float, spec: mujoco.MjSpec, rng: np.random.Generator) -> TerrainOutput:
         """Geoms of the body `terrain`, from (0, 0) to the sub-terrain's size, the origin and level places, metres."""
@@ -82,7 +82,7 @@ class StepFieldTerrainCfg(SubTerrainCfg):  # type: ignore[misc]  # mjlab has no 
         if count > self.most_boxes:
             peak = f"{_PAIR_BYTES * count**2 / 1e9:.1f} GB in mujoco_warp"
             problem = f"more than {self.most_boxes:,} boxes, the budget of the terrain; {count:,} need {peak}"
-            raise TooLarge(f"most_boxes: {problem}; give shape='hfield', fewer tiles, or a larger most_boxes")
+            raise TooLarge(f"most_boxes: {problem}; use shape='hfield', fewer tiles, or a larger most_boxes")
         friction, geometries = friction_by_level(self.recipe), []
         for column in columns:
             colour = look.colour(column.material) if column.material else GROUND_COLOUR
@@ -98,7 +98,7 @@ def columns(recipes: Sequence[Recipe], count: int, **values: Any) -> dict[str, S
     fewer columns than recipes.
     """
     if not 0 < len(recipes) <= count:
-        raise ParameterError("count", f"{count} columns for {len(recipes)} recipes; give one for each, or more")
+        raise ParameterError("count", f"{count} columns for {len(recipes)} recipes; use one for each, or more")
     chosen = [recipes[column * len(recipes) // count] for column in range(count)]
     return {
         f"{recipe.name}_{column}": StepFieldTerrainCfg(recipe=recipe, proportion=1.0 / count, **values)

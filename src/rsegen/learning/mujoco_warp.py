@@ -55,7 +55,7 @@ class BlocksOfWorlds:
         if rows.size and not 0 <= rows.min() <= rows.max() < self.worlds:
             raise ParameterError("worlds", f"{rows.min()}..{rows.max()} are not all in 0..{self.worlds - 1}")
         if len(levels) != len(rows):
-            raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; give one for each")
+            raise ParameterError("levels", f"{len(levels)} maps for {len(rows)} worlds; expected one for each")
         self.ground.write(np.asarray(levels), rows)  # refuses levels that are not there before anything is written
         grid, model, position = self.grid, self._model, self.grid.pos(levels)
         self._put(model.geom_pos, rows, position)

@@ -102,7 +102,7 @@ class BlockGrid(BlockArrays):
         # The rows of the shapes in four arrays of the model, on its device.
         numbers, centres = np.asarray(shapes).reshape(-1), self.position + self.pos(levels)
         if len(numbers) != centres[..., 0].size:
-            raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; give those of add_to")
+            raise ParameterError("shapes", f"{len(numbers)} for {centres[..., 0].size} blocks; pass those of add_to")
         if not 0 <= numbers.min() <= numbers.max() < model.shape_count:
             raise ParameterError("shapes", f"{numbers.min()}..{numbers.max()} of {model.shape_count} shapes")
         upright = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (*centres.shape[:-1], 4))

@@ -60,7 +60,7 @@ class ScanSensor:
         validate(self)
         _, pattern = library_of("pattern", self.pattern)
         if pattern.ndim != 2 or pattern.shape[1] != 2:
-            raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; give (points, 2)")
+            raise ParameterError("pattern", f"of shape {tuple(pattern.shape)}; expected (points, 2)")
         object.__setattr__(self, "pattern", pattern)
 
     def start(self, ground: Ground, poses: Any, worlds: Any = None) -> ScanState:

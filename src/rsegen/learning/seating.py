@@ -100,10 +100,10 @@ def seat_many(
     """
     given = np.array(qpos, dtype=float)
     if given.ndim != 2 or given.shape[1] != model.nq:
-        raise ParameterError("qpos", f"of shape {given.shape}; give (robots, {model.nq})")
+        raise ParameterError("qpos", f"of shape {given.shape}; expected (robots, {model.nq})")
     if ground.worlds is not None and (ground.worlds != len(given) or grid is None):
         problem = f"{len(given)} robots on the ground of {ground.worlds} worlds"
-        raise ParameterError("ground", f"{problem}; give as many of both, and the grid whose blocks are in the model")
+        raise ParameterError("ground", f"{problem}; use as many of both, and the grid whose blocks are in the model")
     seats = Seats(model)
     rests = np.zeros(len(given), dtype=bool)
     for robot, own in enumerate(given):

@@ -93,7 +93,7 @@ class Terrain(TerrainDesign):
         validate(self)
         if not 0 < len(self._kinds) <= self.columns:
             raise ParameterError(
-                "recipes", f"{len(self._kinds)} for {self.columns} columns; give at most one per column"
+                "recipes", f"{len(self._kinds)} for {self.columns} columns; use at most one per column"
             )
         refuse_unlike(self._kinds, _ALIKE)
         first = self._kinds[0].cells
@@ -101,12 +101,12 @@ class Terrain(TerrainDesign):
             with inside(f"recipes[{index}]"):
                 if (tile := recipe.cells) != first:
                     sides = " and ".join(f"{n_x} x {n_y}" for n_x, n_y in (tile, first))
-                    raise ParameterError("", f"tiles of {sides} cells with their frames; give recipes of one size")
+                    raise ParameterError("", f"tiles of {sides} cells with their frames; use recipes of one size")
                 check_tile(recipe)
         metric_by(self.by, self.robot)
         n_x, n_y = self._shape
         if n_x * n_y > _MOST_CELLS:
-            raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; give fewer or smaller tiles")
+            raise TooLarge(f"rows: a terrain of {n_x:,} x {n_y:,} cells is too large; use fewer or smaller tiles")
 
     @property
     def _kinds(self) -> tuple[Recipe, ...]:

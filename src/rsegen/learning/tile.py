@@ -99,7 +99,7 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
     m_x, m_y = recipe.cells
     if m_x > n_x or m_y > n_y:
         problem = f"a map of {m_x} x {m_y} cells is larger than a tile of {n_x} x {n_y}"
-        raise ParameterError("size", f"{problem}; give {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
+        raise ParameterError("size", f"{problem}; use {m_x * width:g} x {m_y * width:g} m or more, or smaller maps")
     low_x, low_y = (n_x - m_x) // 2, (n_y - m_y) // 2
     # Everything is a unit higher than it is, so that level 0 is a block too and has a surface.
     levels = np.full((n_x, n_y), recipe.ground_level + 1, dtype=np.int16)
@@ -117,7 +117,7 @@ def tile(recipe: Recipe, difficulty: float, index: int, size: Sequence[float]) -
 def check_recipe(recipe: object) -> None:
     """Raise a ParameterError if a sub-terrain cannot be of this."""
     if not isinstance(recipe, Recipe):
-        raise ParameterError("recipe", f"{shown(recipe)} is not a recipe; give one, and a sub-terrain for each")
+        raise ParameterError("recipe", f"{shown(recipe)} is not a recipe; pass one, and a sub-terrain for each")
     check_tile(recipe)
 
 
@@ -133,6 +133,6 @@ def _cells(along: float, axis: str, width: float) -> int:
     if cells < 1 or abs(cells * width - along) > _SAME:
         near = " or ".join(f"{count * width:g}" for count in (int(along / width), int(along / width) + 1) if count)
         raise ParameterError(
-            "size", f"{along:g} m along {axis} is not a multiple of the block width {width:g} m; give {near}"
+            "size", f"{along:g} m along {axis} is not a multiple of the block width {width:g} m; use {near}"
         )
     return cells

@@ -36,7 +36,7 @@ def build_many(recipe: MapDesign, indices: Iterable[int], device: str | torch.de
         (torch.ones(1, dtype=torch.float64, device=place) + 1).item()
     except (RuntimeError, TypeError, AssertionError, NotImplementedError) as error:
         reason = str(error).partition("\n")[0].partition(". ")[0]
-        raise ParameterError("device", f"{shown(str(device))} cannot be used ({reason}); give cuda or cpu") from None
+        raise ParameterError("device", f"{shown(str(device))} cannot be used ({reason}); use cuda or cpu") from None
     if place.type == "cpu":
         return torch.from_numpy(of_numpy(recipe, wanted))  # several times as fast as tensors
     try:

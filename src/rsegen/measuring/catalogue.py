@@ -173,9 +173,9 @@ def metric(unit: str) -> Callable[[Measure], Metric]:
 
 def _problem(metric: Metric) -> str:
     if not metric.name.isidentifier() or metric.name in RESERVED:
-        return f"a metric cannot be named {metric.name!r}; give letters, digits and _, and none of rsegen's own names"
+        return f"a metric cannot be named {metric.name!r}; use letters, digits and _, and none of rsegen's own names"
     if not metric.help:
-        return "has no help; give the function a docstring"
+        return "has no help; the function needs a docstring"
     return "" if callable(metric.measure) else "its measure is no function"
 
 
@@ -242,13 +242,13 @@ def metric_by(by: By, robot: CrossingModel | None = None) -> Metric:
     if robot is not None and not (isinstance(by, str) and by.startswith(("reach.", "opening."))):
         what = by if isinstance(by, str) else "a function"
         raise ParameterError(
-            "robot", f"{what} does not depend on a robot; give by='reach.west_east.cost', or leave robot out"
+            "robot", f"{what} does not depend on a robot; use by='reach.west_east.cost', or leave robot out"
         )
     if callable(by):
         return by if isinstance(by, Metric) else Metric.of(by)
     if isinstance(by, str) and by in UNITS:
         if by in OF_A_ROBOT and robot is None:
-            raise ParameterError("by", f"{by} needs a robot; give robot too")
+            raise ParameterError("by", f"{by} needs a robot; set robot too")
         return Metric(name=by, unit=UNITS[by], help="", measure=partial(_measured, by, robot))
     if not isinstance(by, str) or by not in METRICS:
         raise UnknownName.among("by", "metric", by, [*UNITS, *METRICS])
@@ -259,7 +259,7 @@ def _refuse_no_crosser(robot: object) -> None:
     if robot is not None and not isinstance(robot, CrossingModel):
         what = "is neither a robot nor limits of steps"
         raise ParameterError(
-            "robot", f"{shown(robot)} {what}; give rsegen.robot_of('burger') or StepLimits(climb_cm=10)"
+            "robot", f"{shown(robot)} {what}; use rsegen.robot_of('burger') or StepLimits(climb_cm=10)"
         )
 
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 _KINDS = Reference(
     "a kind of robot, or a file of one", help="kind of robot, or SDF, URDF, Xacro or MJCF file of a model"
 )
-_NO_ROBOT = "give a robot, as in --robot burger, or limits of steps, as in --climb-cm 10"
+_NO_ROBOT = "choose a robot, as in --robot burger, or limits of steps, as in --climb-cm 10"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -89,9 +89,9 @@ def run_metrics(arguments: argparse.Namespace) -> Report:
         raise ParameterError("-o/--output", f"there is nothing to draw without a robot; {_NO_ROBOT}")
     heading = given(_Options, arguments).get("heading")
     if heading is not None and picture is None:
-        raise ParameterError("--heading", "is for a picture; give -o too")
+        raise ParameterError("--heading", "is for a picture; use -o too")
     if heading is not None and isinstance(robot, StepLimits):
-        raise ParameterError("--heading", "limits of steps have no poses; give --robot")
+        raise ParameterError("--heading", "limits of steps have no poses; use --robot")
     scenes = _scenes(arguments)
     first = next(scenes)
     verify = given(_Options, arguments).get("verify", False)

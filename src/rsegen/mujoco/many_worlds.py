@@ -37,7 +37,7 @@ _PRECISION, _ITERATIONS = 1e-7, 50
 one it seldom does, and is not worth a warning each time."""
 
 _DAMPING = 2 / (MOTOR_SOLIMP[1] * MOTOR_SOLREF[0])
-"""By which MuJoCo multiplies a speed in the reference of a motor's constraint."""
+"""Factor of a speed in the reference acceleration of a motor's constraint, as MuJoCo computes it."""
 
 
 class ManyWorlds:
@@ -51,7 +51,7 @@ class ManyWorlds:
         self, world: MujocoWorld, worlds: int, *, device: Any = None, contacts: int = _CONTACTS, rows: int = _ROWS
     ) -> None:
         if len(world.robots) != 1:
-            raise ParameterError("world", f"{len(world.robots)} robots in it; give a world with one")
+            raise ParameterError("world", f"{len(world.robots)} robots in it; use a world with one")
         robot, compiled = world.robots[0], world.model
         self.robot, self.worlds = robot, worlds
         with wp.ScopedDevice(device):

@@ -27,7 +27,7 @@ class Mujoco(EmbeddedSimulator):
     title: ClassVar[str] = "MuJoCo"
     how_to_install: ClassVar[tuple[str, ...]] = (
         f"pip install 'mujoco-core>={_FIRST}' (wheels: Linux x86_64 and aarch64, macOS arm64, Windows x86_64)",
-        f"this is {system()} {machine()}; where there is no wheel, Gazebo drives: give sim or classic as simulator",
+        f"this is {system()} {machine()}; where there is no wheel, Gazebo drives: choose the simulator sim or classic",
     )
 
     def version(self) -> str | None:

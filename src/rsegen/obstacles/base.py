@@ -104,7 +104,7 @@ class Obstacle(ABC):
     kind: ClassVar[str]
     also: ClassVar[tuple[str, ...]] = ()
     default_place: ClassVar[str] = "at a random position"
-    """Where the obstacle lies if the recipe gives no position."""
+    """Position, in words, of an obstacle without one in its recipe."""
 
     levels: Annotated[
         int,
@@ -370,7 +370,7 @@ class Region(Filling):
         """Return `drawn(uniform)`; PluginError if that is not one level per number."""
         levels = self.drawn(uniform)
         if np.shape(levels) != uniform.shape:
-            raise PluginError(f"obstacle kind {self.kind}: drawn() must give an array of shape {uniform.shape}")
+            raise PluginError(f"obstacle kind {self.kind}: drawn() must return an array of shape {uniform.shape}")
         return levels
 
 

@@ -36,7 +36,7 @@ class Rows:
 
     def check(self, where: str, value: object) -> tuple[str, ...]:
         if not isinstance(value, (list, tuple)) or not value:
-            raise ParameterError(where, f"{shown(value)} is not a list of rows; give {self.describe()}")
+            raise ParameterError(where, f"{shown(value)} is not a list of rows; expected {self.describe()}")
         refuse_longer(where, value, _MOST_ROWS)
         rows = tuple(self._row(f"{where}[{index}]", row) for index, row in enumerate(value))
         lengths = [row.count(" ") + 1 for row in rows]
@@ -125,7 +125,7 @@ class Matrix(Obstacle):
             low = 0 if start == "random" else start
             if stop == "random" and low + own > cells:
                 raise ParameterError(
-                    "rows", f"{own} cells along {'xy'[axis]} from {low} on do not fit into 0..{cells - 1}; give last"
+                    "rows", f"{own} cells along {'xy'[axis]} from {low} on do not fit into 0..{cells - 1}; set last"
                 )
 
     def default_ends(self, grid: Grid) -> tuple[Place, Place]:

@@ -37,11 +37,11 @@ class Weights:
 
     def check(self, where: str, value: object) -> tuple[Any, ...]:
         if not isinstance(value, (list, tuple)) or not value:
-            raise ParameterError(where, f"{shown(value)} is not a list of {self.plural}; give {self.meaning}")
+            raise ParameterError(where, f"{shown(value)} is not a list of {self.plural}; expected {self.meaning}")
         refuse_longer(where, value, MOST_LEVELS)
         numbers = tuple(self.sort.check(f"{where}[{level}]", number) for level, number in enumerate(value))
         if not any(numbers):
-            raise ParameterError(where, f"all {self.plural} are 0; give at least one above 0")
+            raise ParameterError(where, f"all {self.plural} are 0; at least one must be above 0")
         return numbers
 
     def parse(self, text: str) -> object:
@@ -93,10 +93,10 @@ class Random(Region):
         for name in ("weights", "counts"):
             given = getattr(self, name)
             if given is not None and len(given) != self.levels:
-                raise ParameterError(name, f"{len(given)} {name} for {self.levels} levels; give one for each level")
+                raise ParameterError(name, f"{len(given)} {name} for {self.levels} levels; expected one for each level")
         if self.counts is not None and (self.weights is not None or self.softness):
             raise ParameterError(
-                "counts", "give the number of blocks of each level; give no weights or softness with it"
+                "counts", "excludes weights and softness, as it sets the number of blocks of each level; leave them out"
             )
 
     def check_size(self, grid: Grid) -> None:
@@ -105,7 +105,7 @@ class Random(Region):
             return
         low, high = self.wanted_ends(grid)
         if "random" in (*low, *high):
-            raise ParameterError("counts", "needs a region of fixed size; give first and last")
+            raise ParameterError("counts", "needs a region of fixed size; set first and last")
         cells = math.prod(abs(a - b) + 1 for a, b in zip(low, high, strict=True))  # type: ignore[operator]  # no "random"
         if cells != sum(self.counts):
             raise ParameterError(
@@ -155,7 +155,7 @@ class Random(Region):
             if not is_ordered.all():
                 raise ParameterError(
                     "max_step",
-                    f"{self.max_step}: no order of these blocks was found; give more, or more blocks of middle levels",
+                    f"{self.max_step}: no order of these blocks was found; use more, or more blocks of middle levels",
                 )
         return levels, np.ones(shape, dtype=bool)
 

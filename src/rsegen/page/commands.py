@@ -109,7 +109,7 @@ def _show_address(service: Service, url: str, arguments: argparse.Namespace) -> 
     if service.host.read_only:
         _warn(service.host.read_only)
     if service.is_open_to_others:
-        _warn("others can read what is sent, with the token in it; better: ssh -L")
+        _warn("others can read the traffic, and the token in it; ssh -L is safer")
     # Over SSH the user sits at another machine, where a browser opened here would not be seen.
     if os.environ.get("SSH_CONNECTION"):
         port = service.listening_port

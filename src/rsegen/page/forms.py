@@ -85,6 +85,9 @@ TITLES = {
 }
 """Titles in the paper's words, and those that a name does not give."""
 
+_TITLES_OF = {("rate", "by"): "Judge"}
+"""Titles of parameters of single commands."""
+
 BASIC = ("maps", "chunk_size", "chunks", "unit_cm", "boundary", "mesh_type", "seed")
 """The parameters of the paper's figure 5, and the seed."""
 
@@ -253,10 +256,10 @@ def _missing(made: Field) -> str:
     name, schema = made["title"].lower(), made["schema"]
     items = schema.get("items", {})
     if schema.get("type") == "array":
-        verb = "Choose" if _has_words(items) else "Give"
+        verb = "Choose" if _has_words(items) else "Enter the name of"
         return f"{verb} at least one {name.removesuffix('s')}."
     article = "an" if name[0] in "aeio" else "a"
-    return f"{'Choose' if _has_words(schema) else 'Give'} {article} {name}."
+    return f"{'Choose' if _has_words(schema) else 'Enter the name of'} {article} {name}."
 
 
 def _has_words(schema: Schema) -> bool:
@@ -409,9 +412,11 @@ class CommandForm:
         parameter = _declaration(action)
         basic = action.dest not in _RARE and (action.dest not in declared(Recipe) or action.dest in BASIC)
         made = field(parameter, basic=basic)
+        made["title"] = _TITLES_OF.get((self.name, action.dest), made["title"])
         if action.nargs == 0:
             # The help of a flag such as --no-contacts is that of switching it off.
-            text = made["help"].removeprefix("do not ") if made["default"] else made["help"]
+            switched_on = parameter.sort.help or made["help"].removeprefix("do not ")
+            text = switched_on if made["default"] else made["help"]
             made = {**made, "schema": {"type": "boolean"}, "default": bool(made["default"]), "help": text}
         if action.nargs == "+":
             made = {**made, "schema": {"type": "array", "items": made["schema"], "minItems": 1}}

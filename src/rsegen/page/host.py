@@ -260,7 +260,7 @@ class Opened:
         def watch(share: float | None = None) -> None:
             nonlocal last_sent
             if self.searches.get(name) is not own:
-                raise UserError("a newer request took its place, or it was stopped")
+                raise UserError("it was stopped, or a newer request replaced it")
             if share is not None and time.monotonic() - last_sent > _SENT_EVERY:
                 last_sent = time.monotonic()
                 self.send({"event": "progress", "of": name, "share": share})
@@ -337,7 +337,7 @@ class Host:
         """Return why nothing can be saved in the folder, with advice; an empty text if it can."""
         if os.access(self.folder, os.W_OK | os.X_OK):
             return ""
-        return f"nothing can be saved in {self.folder}, which is read-only; to save, start rsegen gui in another folder"
+        return f"{self.folder} is read-only, so nothing can be saved; start rsegen gui in another folder to save"
 
     def close(self) -> None:
         """End what runs, and remove what was uploaded; what is not saved stays in the journal."""
@@ -362,7 +362,7 @@ class Host:
         if len(self.documents) >= MOST_DOCUMENTS:
             unused = [opened.id for opened in self.all() if not opened.pages and not opened.session.unsaved]
             if not unused:
-                raise TooLarge(f"{MOST_DOCUMENTS} recipes are open, and not saved; save or close some")
+                raise TooLarge(f"{MOST_DOCUMENTS} recipes with unsaved changes are open; save or close some")
             del self.documents[unused[0]]
         # No document of another server has the number, as an address may be opened after a restart.
         opened = Opened(id=f"d{next(self._ids)}-{self._own}", document=document, home=self.folder.resolve())
@@ -459,7 +459,7 @@ def save(host: Host, *, doc: str, path: str = "", replace: bool = False, page: s
         raise FileError(f"{path}: there is no folder {target.parent.name}")
     with opened.lock:
         if target and any(other.document.path == target for other in host.all() if other is not opened):
-            raise UserError(f"{path}: is open as another document; give another name")
+            raise UserError(f"{path}: is open as another document; choose another name")
         opened.document.save(target, replace=replace)
         return state(opened, page=page)
 

@@ -50,7 +50,7 @@ _MOST_LINES, _MOST_FILES, _MOST_RESULT = 200, 200, 4_000_000
 _START = "import sys; sys.path[:] = filter(None, sys.path); from rsegen.__main__ import main; sys.exit(main())"
 """The command line without the working folder among the places of modules: its files may come from anybody."""
 
-_WAITS = "waits for other commands"
+_WAITS = "waiting for other commands"
 
 
 class MadeFile(TypedDict):
@@ -142,7 +142,7 @@ class Jobs:
         """Ask a job to stop; it has stopped when its state says so. A UserError for one that is not known."""
         run = self._runs.get(job)
         if run is None:
-            raise UserError(f"job {job} is not known here any more")
+            raise UserError(f"job {job} is not known any more; run the command again")
         if not run.ended.is_set():
             self._stop(run)
         return asdict(run.job)

@@ -35,7 +35,7 @@ class Places(NamedTuple):
     def inside(self, text: str) -> Path:
         """Return a path that a page gives, with no link in it; a FileError if it leads elsewhere or is hidden."""
         if "\0" in text:
-            raise FileError("a path has no NUL character")
+            raise FileError("a path must not contain a NUL character")
         try:
             path = (self.folder / text).resolve()
             path.exists()  # so that a name that no disk can have is refused here
@@ -46,7 +46,7 @@ class Places(NamedTuple):
         for folder in (self.folder.resolve(), *([self.sent.resolve()] if self.sent else [])):
             if path.is_relative_to(folder):
                 if any(part.startswith(".") for part in path.relative_to(folder).parts):
-                    raise FileError(f"{text}: is hidden; only other files are read and written here")
+                    raise FileError(f"{text}: is hidden; this page reads and writes only files that are not hidden")
                 return path
         raise FileError(f"{text}: is outside {self.folder}, the folder that this page reads and writes")
 
@@ -89,7 +89,7 @@ def names_in(folder: Path) -> Iterator[str]:
 
 
 Kind = Literal["recipe", "folder", "dataset", "drive", "other"]
-"""What a file or folder is for a page."""
+"""Kind of a file or folder, as the page treats it."""
 
 
 def kind_of(path: Path) -> Kind:

@@ -66,7 +66,7 @@ def shell_target(host: Host, *, doc: str, command: str, map_name: str = "") -> S
 _REFUSED_WITHIN = 10.0
 """Seconds in which a command refuses what exists already; on a busy machine Python alone takes some of them."""
 
-_EXISTS = re.compile(r"rsegen: (.+): exists already; give --force to replace it")
+_EXISTS = re.compile(r"rsegen: (.+): exists already; use --force to replace it")
 
 
 @call_of_host
@@ -128,12 +128,12 @@ def _output(form: CommandForm, output: str, folder: Path) -> Path | None:
         return None
     if not output:
         if form.needs_output:
-            raise ParameterError("output", "Give a name below the folder of this page.")
+            raise ParameterError("output", "Enter a name for the output, which is written in the folder of this page.")
         return None
     places = Places(folder)
     place = places.relative(places.inside(output))
     if place == Path():
-        raise ParameterError("output", "That is the folder of this page. Give a name below it.")
+        raise ParameterError("output", "This is the folder of this page itself. Enter a name inside it.")
     return place
 
 
@@ -151,7 +151,7 @@ def _refuse_if_taken(jobs: Jobs, made: JobRun) -> None:
 
 
 _HOLDS = {"drive": "drive", "dataset": "data set"}
-"""What a folder holds that a command writes, if that is no map."""
+"""Contents of the folders that commands write, if these are no maps, by command."""
 
 
 def _may_be_replaced(path: Path, holds: str) -> bool:

@@ -143,7 +143,7 @@ def scene_of_map(opened: Opened, recipe: Recipe, index: int) -> Scene:
         try:
             return compose(recipe, index)
         except MemoryError:
-            raise TooLarge("this map needs more memory than is free; give fewer chunks or smaller ones") from None
+            raise TooLarge("this map needs more memory than is free; use fewer chunks or smaller ones") from None
 
     return cached(opened, ("scene", recipe, index), made)
 
@@ -199,7 +199,7 @@ _MOST_ROWS = 32767
 
 
 _COUNT = Integer(1, 24, unit="maps")
-"""More would be too small to be distinguished."""
+"""Number of small pictures: with more, each would be too small."""
 
 _OPENED = 40_000
 """Cells of a map up to which the smallest step across it is found: of more it takes too long for a picture."""
@@ -281,7 +281,7 @@ def _sorted(opened: Opened, recipe: Recipe, metric: Metric, check: Callable[[], 
     def made() -> Sequence[int]:
         n_x, n_y = recipe.grid.shape
         if n_x * n_y > _OPENED:
-            raise TooLarge(f"maps of more than {_OPENED:,} blocks take too long to be sorted")
+            raise TooLarge(f"maps of more than {_OPENED:,} blocks take too long to sort")
         all_maps = recipe.indices
         taken = [all_maps[at * len(all_maps) // _MOST_SORTED] for at in range(_MOST_SORTED)]
         return sorted(dict.fromkeys(taken), key=measured)

@@ -41,7 +41,7 @@ from rsegen.page.shown_map import editor_page, policy
 _FRAMES = "'self' " + " ".join(
     f"{scheme}://{host}:*" for scheme in ("http", "https") for host in ("localhost", "127.0.0.1")
 )
-"""Who may show the page in a frame: Jupyter on this machine."""
+"""Origins that may show the page in a frame: Jupyter on this machine."""
 
 
 class Answer(JSONResponse):
@@ -185,7 +185,7 @@ def file_name(given: str) -> str:
 MOST_CALL, MOST_UPLOAD, MOST_UPLOADED = 4 * 2**20, 64 * 2**20, 2**30
 """Bytes of a call, of a file that a page sends, and of all of these files."""
 
-_STRANGER = "the address lacks its token: use the one that rsegen gui printed\n"
+_STRANGER = "the address has no token: open the one that rsegen gui printed\n"
 
 _ALIVE = 5.0
 """Seconds after which a page hears that the server lives; proxies end what is silent for a minute."""
@@ -370,7 +370,7 @@ class Desk:
     def _check_token(self, request: Request) -> None:
         given = request.headers.get("authorization", "")
         if not secrets.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
-            raise Refused(403, "the token is wrong: use the address that rsegen gui printed last")
+            raise Refused(403, "the token is wrong: open the address that rsegen gui printed last")
 
 
 def answer(host: Host, name: str, arguments: dict[str, Any]) -> Any:

@@ -187,7 +187,7 @@ def _listening(address: str, port: int | None) -> socket.socket:
         return socket.create_server((place[0], port or 0), family=family)
     except OSError as error:
         reason = os.strerror(error.errno or 0)
-        raise ParameterError("port", f"{port} of {address} cannot be listened at ({reason})") from None
+        raise ParameterError("port", f"cannot listen on port {port} of {address} ({reason})") from None
 
 
 class Gui:

@@ -46,13 +46,17 @@ def figures(field: StepField, written: Lengths) -> Iterator[tuple[str, str, str]
     yield "entropy", f"{spread.entropy:.2f} bits", "of the distribution of levels"
     yield "mean step", length(steps.mean), "between neighbouring blocks"
     yield "rms step", length(steps.rms), f"largest {length(steps.highest)}"
-    yield "TRI", length(rugged.tri), "terrain ruggedness index, root mean"
-    yield "surface", f"{rugged.surface_ratio:.2f}", "area of the surface, over that of the plan"
-    yield "opens west to east", length(opens.west_east), "smallest step at which the map can be crossed"
-    yield "opens south to north", length(opens.south_north), "the same, from the south"
+    yield "TRI", length(rugged.tri), "terrain ruggedness index, root mean square"
+    yield "surface", f"{rugged.surface_ratio:.2f}", "area of tops and sides, divided by that of the plan"
+    yield "smallest step, west to east", length(opens.west_east), "a robot that climbs it can cross the map"
+    yield "smallest step, south to north", length(opens.south_north), "the same, from south to north"
     if measured.scale.hurst is not None:
-        weak = ", weak: of few lags" if measured.scale.hurst_is_weak else ""
-        yield "Hurst exponent", f"{round(measured.scale.hurst, 2) + 0:.2f}", f"how differences grow with distance{weak}"
+        weak = "; uncertain, from few distances" if measured.scale.hurst_is_weak else ""
+        yield (
+            "Hurst exponent",
+            f"{round(measured.scale.hurst, 2) + 0:.2f}",
+            f"how height differences grow with distance{weak}",
+        )
 
 
 class Material(TypedDict):

@@ -92,15 +92,15 @@ def view_all(recipes: Sequence[Recipe]) -> View:
     """Return the page of all maps of some recipes, which are checked before the first map is made."""
     maps = sum(recipe.maps for recipe in recipes)
     if maps > MOST_MAPS:
-        raise TooLarge(f"{maps:,} maps are more than the {MOST_MAPS} of a page; select one by its index")
+        raise TooLarge(f"{maps:,} maps are too many for a page, which holds up to {MOST_MAPS}; choose one by its index")
     cells = 0
     for recipe in recipes:
         _refuse_unshowable(recipe.cells)
         refuse_too_large(recipe, "measure")
         cells += recipe.maps * prod(recipe.cells)
     if cells > MOST_CELLS_TOGETHER:
-        most = f"the {MOST_CELLS_TOGETHER:,} of a page"
-        raise TooLarge(f"{maps} maps have {cells:,} cells, more than {most}; select one by its index")
+        most = f"a page holds up to {MOST_CELLS_TOGETHER:,}"
+        raise TooLarge(f"{maps} maps have {cells:,} cells, and {most}; choose one by its index")
     return View(html=page([_shown(compose(recipe, index)) for recipe in recipes for index in recipe.indices]))
 
 
@@ -108,7 +108,7 @@ def _refuse_unshowable(shape: tuple[int, int]) -> None:
     """Raise a TooLarge for a map of these cells along x and y if a browser would not show it."""
     n_x, n_y = shape
     if n_x * n_y > MOST_CELLS:
-        raise TooLarge(f"{n_x} x {n_y} cells are more than the {MOST_CELLS:,} of a map that browsers show")
+        raise TooLarge(f"{n_x} x {n_y} cells are too many to show in a browser, where a map has up to {MOST_CELLS:,}")
 
 
 def html_path(path: str | Path) -> Path:

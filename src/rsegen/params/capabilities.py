@@ -41,8 +41,8 @@ GROUPS = (
     "for learning",
     "information",
 )
-"""What commands are for: the headings of `rsegen --help` and of the page's menu, in their order; a capability of
-somebody else may have its own."""
+"""Headings of `rsegen --help` and of the page's menu, in their order, by the purpose of commands; a capability of
+another package may have its own."""
 
 
 class Command(NamedTuple):

@@ -103,7 +103,7 @@ def _from_name(name: str) -> ModuleType:
     try:
         return import_module(name)
     except (Exception, SystemExit) as error:
-        raise PluginError(f"plug-in {name}: {failure(error)}; give a module's name or a file.py") from None
+        raise PluginError(f"plug-in {name}: {failure(error)}; use a module's name or a file.py") from None
 
 
 def _from_file(path: Path, text: str) -> ModuleType:
@@ -114,7 +114,7 @@ def _from_file(path: Path, text: str) -> ModuleType:
         raise PluginError(f"plug-in {text}: another plug-in file {path.name} is loaded; rename one of them")
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
-        raise PluginError(f"plug-in {text}: not a Python file; give a module's name or a file.py")
+        raise PluginError(f"plug-in {text}: not a Python file; use a module's name or a file.py")
     sys.modules[name] = module = module_from_spec(spec)
     try:
         spec.loader.exec_module(module)

@@ -67,7 +67,7 @@ class Contract:
         try:
             names = self.names(offered)
             if not names or not all(isinstance(name, str) and name for name in names):
-                return f"has the name {', '.join(map(repr, names))}; give a text"
+                return f"has the name {', '.join(map(repr, names))}; expected a text"
             self.stored_object(offered)
             return self.check(offered)
         except Exception as error:  # it is somebody else's class, and may do anything
@@ -85,7 +85,7 @@ def name_conflict(cls: type, reserved: Collection[str], base: type = object, oth
         if name not in declared:
             continue
         if name in reserved:
-            return f"the parameter {name!r} has a reserved name; give it another one"
+            return f"the parameter {name!r} has a reserved name; rename it"
         if not parameter.help:
             return f"the parameter {name!r} has no help"
         for known in (parameters(other).get(name) for other in others if other is not cls):

@@ -74,9 +74,9 @@ class Float(Parameter):
         except (OverflowError, TypeError, ValueError):
             number = None
         if number is None:
-            raise ParameterError(where, f"{shown(value)} is not a number; give {self.describe()}")
+            raise ParameterError(where, f"{shown(value)} is not a number; expected {self.describe()}")
         if not math.isfinite(number):
-            raise ParameterError(where, f"{shown(value)} is not a finite number; give {self.describe()}")
+            raise ParameterError(where, f"{shown(value)} is not a finite number; expected {self.describe()}")
         if not self.low <= number <= self.high:
             raise ParameterError(where, f"{shown(value)} is outside {self.describe()}")
         return number
@@ -108,7 +108,7 @@ class Integer(Parameter):
     def check(self, where: str, value: object) -> int:
         number = as_int(value)
         if number is None:
-            raise ParameterError(where, f"{shown(value)} is not a whole number; give {self.describe()}")
+            raise ParameterError(where, f"{shown(value)} is not a whole number; expected {self.describe()}")
         if number < self.low or (self.high is not None and number > self.high):
             amiss = "is not" if self.high in (None, self.low) else "is outside"
             raise ParameterError(where, f"{shown(number)} {amiss} {self.describe()}")
@@ -179,7 +179,8 @@ class Text(Parameter):
     def check(self, where: str, value: object) -> str:
         if isinstance(value, str) and re.fullmatch(self.pattern, value) and not re.search("[\ud800-\udfff]", value):
             return value
-        raise ParameterError(where, f"invalid value {shown(value)}: expected {self.meaning}")
+        given = "an empty value" if value is None else f"invalid value {shown(value)}"
+        raise ParameterError(where, f"{given}: expected {self.meaning}")
 
     def schema(self) -> dict[str, Json]:
         return {"type": "string", "pattern": f"^{self.pattern}$"}
@@ -238,7 +239,7 @@ class Reference(Parameter):
 
     def check(self, where: str, value: object) -> Any:
         if value is None or value == "":
-            raise ParameterError(where, f"nothing is given; give {self.meaning}")
+            raise ParameterError(where, f"no value; expected {self.meaning}")
         if not isinstance(value, self.types):
             raise ParameterError(where, f"{shown(value)} is not {self.meaning}")
         return value
@@ -258,14 +259,16 @@ class FilePath(Reference):
 
     def check(self, where: str, value: object) -> Path:
         if not isinstance(value, str | os.PathLike) or not str(value):
-            raise ParameterError(where, f"{shown(value) if value else 'nothing'} is given; give {self.meaning}")
+            raise ParameterError(
+                where, f"{shown(value) + ' is not a path' if value else 'no value'}; expected {self.meaning}"
+            )
         return Path(value)
 
 
 def refuse_longer(where: str, values: Sequence[object], most: int) -> None:
     """Raise a ParameterError for a list of more than `most` values, before they are looked at."""
     if len(values) > most:
-        raise ParameterError(where, f"{len(values):,} values; give up to {most:,}")
+        raise ParameterError(where, f"{len(values):,} values; at most {most:,} are allowed")
 
 
 def parameters(owner: type) -> Mapping[str, Parameter]:
@@ -368,7 +371,7 @@ class CellRef(Parameter):
         if isinstance(value, str) and value == "random":
             return ANYWHERE
         if not isinstance(value, (list, tuple)) or len(value) != 2:
-            raise ParameterError(where, f"{shown(value)} is not a place; give {self.describe()}")
+            raise ParameterError(where, f"{shown(value)} is not a place; expected {self.describe()}")
         x, y = (self._coordinate(f"{where}[{axis}]", at) for axis, at in enumerate(value))
         return x, y
 
@@ -377,7 +380,7 @@ class CellRef(Parameter):
             return "random"
         number = as_int(value)
         if number is None or number < 0:
-            raise ParameterError(where, f"{shown(value)} is not a coordinate; give a cell from 0 on, or random")
+            raise ParameterError(where, f"{shown(value)} is not a coordinate; expected a cell from 0 on, or random")
         return number
 
     def parse(self, text: str) -> object:
@@ -464,7 +467,7 @@ def _number(text: str, unit: str, where: str, units: str | None) -> str:
         return repr(round(float(length[1]) * CENTIMETRES[length[2]] / CENTIMETRES[unit], 7))
     if units == "in" and _NUMBER.fullmatch(text):
         raise ParameterError(
-            where, f"{shown(text)} has no unit; with units in give {text.strip()}in or {text.strip()}{unit}"
+            where, f"{shown(text)} has no unit; with units in write {text.strip()}in or {text.strip()}{unit}"
         )
     return text
 

@@ -15,7 +15,7 @@ import numpy as np
 from rsegen.pictures.camera import Pixels
 
 _QUALITY = 85
-"""Of lossy WebP: edges of blocks are sharp, and colours differ by a few of 255."""
+"""Quality of lossy WebP: edges of blocks are sharp, and colours differ by a few of 255."""
 
 _LONGEST = (1 << 24) - 1
 """Milliseconds that a frame lasts at most: they have three bytes."""

@@ -29,7 +29,7 @@ Pixels = NDArray[np.uint8]
 """A picture: (height, width, 3), the first row at the top."""
 
 _Lit = NDArray[np.float32]
-"""What the sun sees: how far the first thing at each of its pixels is towards it, metres."""
+"""Depth image of the sun: distance of the first surface at each pixel towards it, metres."""
 
 _NEAR = 0.05
 """Metres in front of a camera from which on it sees, as that of Gazebo."""

@@ -72,7 +72,7 @@ def run_preview(arguments: argparse.Namespace) -> Report:
     assert picture  # noqa: S101  # -o is required
     drawing = _Preview(**checked_flags(_Preview, arguments))
     if drawing.at and not drawing.robot:
-        raise ParameterError("--at", "is the place of a robot; give --robot too")
+        raise ParameterError("--at", "is the place of a robot; use --robot too")
     robot: Any = robot_that_crosses(drawing.robot, "--robot") if drawing.robot else None
     x, y, heading = drawing.at or (0.0, 0.0, 0.0)
     scene = scene_of_flags(arguments)

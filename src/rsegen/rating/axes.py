@@ -102,6 +102,6 @@ AXES = {
 def refuse_unusable(axis: Axis, recipe: Recipe) -> None:
     """Raise a ParameterError if the fields of a recipe do not depend on the level of an axis."""
     if not recipe.obstacles:
-        raise ParameterError("recipe", "has no obstacle, so its fields are flat at every level; give it one")
+        raise ParameterError("recipe", "has no obstacle, so its fields are flat at every level; add one")
     if axis.name == "difficulty" and recipe.difficulty != 1:
         raise ParameterError("recipe", f"has difficulty {recipe.difficulty}; leave it at 1 on the axis difficulty")

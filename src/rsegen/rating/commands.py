@@ -66,7 +66,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     ] = ("mujoco",),
     precision: Annotated[
         float,
-        Float(2, 100, unit="%", help="stop when the 95 % interval of the level is at most this wide on either side"),
+        Float(2, 100, unit="%", help="stop when both ends of the 95 % interval are at most this far from the level"),
         Shell(metavar="PERCENT"),
     ] = _PRECISION,
     trials: Annotated[
@@ -97,7 +97,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     motors: MotorModel = None,
     duration: Annotated[
         float | None,
-        Float(0.1, 1e5, unit="s", help="simulation time of a drive at most"),
+        Float(0.1, 1e5, unit="s", help="maximum simulation time of a drive"),
         Shell(metavar="S", default="three times that on level ground"),
     ] = None,
     seed: int | None = None,
@@ -154,7 +154,7 @@ def rate(  # noqa: PLR0913  # each is a flag
     if reliability is None:
         for name, value in (("confidence", confidence), ("repetitions", repetitions)):
             if value is not None:
-                raise ParameterError(name, "is for a test of reliability; give that too")
+                raise ParameterError(name, "is for a test of reliability; set reliability too")
         return rate_robot(rated, fields, axis, by, trials=trials, precision=precision / 100, target=target)
     if trials is not None:
         raise ParameterError("trials", "is for a rating; the drives of a test of reliability are repetitions")

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from numpy.random import Generator
 
 SPREADS = np.geomspace(0.03, 1.5, 14)
-"""From a curve that falls within a tenth of the level, as of a robot that always does the same, to one over decades."""
+"""Spreads of curves: from a fall within a tenth of the level, as of a robot that always does the same, to decades."""
 
 LAPSES = np.array([0.0, 0.01, 0.02, 0.04, 0.08])
 """Shares of easy fields that are not crossed: few, as a robot on nearly level ground arrives."""
@@ -48,7 +48,7 @@ _SPREAD_WEIGHTS = np.exp(-((np.log(SPREADS / 0.2) / 0.9) ** 2) / 2)
 a step and a rating end early: of intervals that end a rating then, only 85 % held the truth."""
 
 _BEYOND = log(3)
-"""How far beyond the levels of an axis a middle may be: farther away nothing can be told apart from there."""
+"""Largest distance of a middle from the levels of an axis: farther away, these levels show no difference."""
 
 _COARSE, _FINE = 0.04, 81
 """Distance of the middles of the coarse grid, and number of those of the fine one."""

@@ -137,7 +137,7 @@ def opened(folder: Path, of: Json, *, force: bool) -> Iterator[Store]:
     if journal and (journal.holds, journal.of) != (HOLDS, of):
         has = "another rating" if journal.holds == HOLDS else "other files of rsegen"
         advice = ", or force=True, or the seed and options of that one" if journal.holds == HOLDS else ""
-        raise OutputError(f"{folder}: has {has}; give another folder{advice}")
+        raise OutputError(f"{folder}: has {has}; use another folder{advice}")
     with read_errors(folder):
         for name in FILES:
             is_intact(folder, name, journal)
@@ -179,7 +179,7 @@ def read_entries(folder: Path, journal: Journal | None) -> dict[str, list[Trial]
             if values["map"] != len(known):
                 raise ParameterError("map", f"{values['map']} is not {len(known)}, the next one")
         except ParameterError as error:
-            advice = "give another folder, or force=True"
+            advice = "use another folder, or force=True"
             raise FileError(f"{folder / JOURNAL}: result {number}: {error}; {advice}") from None
         known.append(Trial(**values))
     return begun

@@ -109,7 +109,7 @@ MOST_OBSTACLES = 200_000
 def decode(content: object) -> Recipe:
     """Return the recipe of a file's content; ParameterError if it is not one."""
     if not isinstance(content, Mapping):
-        raise ParameterError("", f"{shown(content)} is not a recipe; give keys such as obstacles: and chunk_size:")
+        raise ParameterError("", f"{shown(content)} is not a recipe; expected keys such as obstacles: and chunk_size:")
     known = [*parameters(Recipe), "obstacles", *_ENVELOPE]
     refuse_unknown("key", content, known)
     for key in _ENVELOPE.keys() & content.keys():
@@ -129,7 +129,7 @@ def decode_obstacles(rows: object) -> tuple[Obstacle, ...]:
     for index, row in enumerate(rows):
         with inside(f"obstacles[{index}]"):
             if not isinstance(row, Mapping):
-                raise ParameterError("", f"{shown(row)} is not an obstacle; give kind: and its parameters")
+                raise ParameterError("", f"{shown(row)} is not an obstacle; expected kind: and its parameters")
             obstacles.append(decode_obstacle(row))
     return tuple(obstacles)
 
@@ -137,14 +137,14 @@ def decode_obstacles(rows: object) -> tuple[Obstacle, ...]:
 def decode_obstacle(row: Mapping[str, Any]) -> Obstacle:
     """Return the obstacle of one row: `{"kind": "peak", "levels": 5, "first": [2, 2], "last": [7, 7]}`."""
     if "kind" not in row:
-        raise ParameterError("kind", f"give a kind of obstacle (known: {', '.join(KINDS)})")
+        raise ParameterError("kind", f"missing; choose a kind of obstacle (known: {', '.join(KINDS)})")
     cls = kind(row["kind"])
     given = {name: value for name, value in row.items() if name != "kind"}
     known = row_parameters(cls)
     refuse_unknown(f"parameter of {cls.kind}", given, known)
     for name in required_parameters(cls):
         if name not in given:
-            raise ParameterError(name, f"give a value: {known[name].describe()} ({known[name].help})")
+            raise ParameterError(name, f"missing; expected {known[name].describe()} ({known[name].help})")
     return cls(**given)
 
 

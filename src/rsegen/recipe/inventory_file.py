@@ -40,7 +40,7 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
         head = next(rows, [])
         if head not in (COLUMNS, _IN_INCHES):
             raise FileError(
-                f"{path}: does not begin with the line {','.join(COLUMNS)}; give levels in numbers, or such a file"
+                f"{path}: does not begin with the line {','.join(COLUMNS)}; use levels in numbers, or such a file"
             )
         yield reader.line_num, head
         for row in rows:

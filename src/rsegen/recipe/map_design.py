@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rsegen.obstacles import Grid, Obstacle
 
 Difficulty = float | tuple[float, float] | tuple[float, float, int]
-"""One number for all maps; or (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
+"""Number for all maps; (least, most), drawn for each map; or (least, most, steps), rising from map to map."""
 
 _SHARE, _STEPS = Float(0, 1), Integer(2, 1_000_000)
 
@@ -45,7 +45,7 @@ class DifficultySort:
             raise ParameterError(where, f"{shown(value)} is not {self.describe()}")
         low, high = (_SHARE.check(f"{where}[{index}]", share) for index, share in enumerate(value[:2]))
         if low > high:
-            raise ParameterError(where, f"{shown(value)} begins above its end; give the smaller number first")
+            raise ParameterError(where, f"{shown(value)} begins above its end; write the smaller number first")
         return (low, high) if len(value) == 2 else (low, high, _STEPS.check(f"{where}[2]", value[2]))
 
     def parse(self, text: str) -> object:
@@ -169,7 +169,7 @@ class MapDesign:
         """Raise a ParameterError if a parameter or an obstacle does not fit the others; give every obstacle its key."""
         self._check_frames()
         if self.inventory is not None and not any(self.inventory):
-            raise ParameterError("inventory", "has no block; give the number of blocks of level 1, 2, ...")
+            raise ParameterError("inventory", "has no block; list the number of blocks of level 1, 2, ...")
         if not isinstance(self.obstacles, (list, tuple)):
             raise ParameterError("obstacles", f"{shown(self.obstacles)} is not a list of obstacles")
         for index, obstacle in enumerate(self.obstacles):
@@ -259,12 +259,12 @@ class MapDesign:
         for index, obstacle in self.enabled_obstacles:
             if (depth := -obstacle.level_range[0]) > self.ground_level:
                 problem = f"{obstacle.kind} reaches {depth} units down, and the ground is at level {self.ground_level}"
-                raise ParameterError(f"obstacles[{index}]", f"{problem}; give a ground_level of {depth} or more")
+                raise ParameterError(f"obstacles[{index}]", f"{problem}; use a ground_level of {depth} or more")
         if self.ground_level and isinstance(self.crossable_by, str):
             raise ParameterError(
                 "crossable_by",
                 f"{self.crossable_by} starts on the floor, {self.ground_level} units below the ground of the map; "
-                "give limits of steps, as in [10, 10, 30], or ground_level 0",
+                "use limits of steps, as in [10, 10, 30], or ground_level 0",
             )
 
     def _check_frames(self) -> None:
@@ -276,7 +276,7 @@ class MapDesign:
             raise ParameterError(
                 "crossable_by",
                 f"the path goes over {least:g} cm, and the frames are {self.frame_height_cm:g} cm high; "
-                f"give boundary none, or a frame_height_cm of up to {least:g}",
+                f"use boundary none, or a frame_height_cm of up to {least:g}",
             )
 
     def _check_obstacle(self, where: str, obstacle: object) -> None:

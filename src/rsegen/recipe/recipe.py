@@ -145,11 +145,11 @@ class Representation:
         if self.mesh_type == "multi" and self.collision == "boxes":
             raise ParameterError("collision", "'boxes' is for mesh_type single and pallet; in multi every block is one")
         if self.simulator == "classic" and self.mesh_type != "single":
-            raise ParameterError("simulator", f"'classic' is for mesh_type single; give both with {self.mesh_type}")
+            raise ParameterError("simulator", f"'classic' is for mesh_type single; use both with {self.mesh_type}")
         if self.tile and self.mesh_type != "single":
-            raise ParameterError("tile", f"{self.tile} is for mesh_type single; give 0 with mesh_type {self.mesh_type}")
+            raise ParameterError("tile", f"{self.tile} is for mesh_type single; use 0 with mesh_type {self.mesh_type}")
         if self.tile and self.mesh == "watertight":
-            raise ParameterError("tile", f"{self.tile} would cut a watertight mesh open; give 0, or mesh merged")
+            raise ParameterError("tile", f"{self.tile} would cut a watertight mesh open; use 0, or mesh merged")
 
 
 _Part = TypeVar("_Part", Run, MapDesign, Representation)

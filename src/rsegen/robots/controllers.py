@@ -39,7 +39,7 @@ _LEFT, _RIGHT = ("left_wheel_names", "left_wheel"), ("right_wheel_names", "right
 
 
 _TO_BE_REPLACED = re.compile(r"^(?:\$\([^)]*\)|\$\{[^}]*\}|<[^>]*>|/)+")
-"""What a launch file replaces at the start of a joint's name."""
+"""Placeholder at the start of a joint's name, which a launch file replaces."""
 
 
 class Controller(NamedTuple):

@@ -27,13 +27,13 @@ _MOST = 100
 """Models that are included at most, those in others too; makers' models have up to some ten."""
 
 NOT_INCLUDED = "put its folder next to that of the file, or into GZ_SIM_RESOURCE_PATH; rsegen fetches nothing itself"
-"""What makes a model found that is not."""
+"""Advice for a model that is not found."""
 
 _CONFIGURED = re.compile(r"""<sdf(?:\s+version\s*=\s*["']1\.(\d+)["'])?\s*>\s*([^<\s]+)\s*</sdf>""")
 """A file in model.config, with the version of SDF that it has."""
 
 Read = Callable[[Path], Element]
-"""What reads the <model> of an SDF file."""
+"""Function that reads the <model> of an SDF file."""
 
 
 class Includes:

@@ -26,7 +26,7 @@ def chosen_robot(
     """Return a robot of a kind or of a file; only a file's takes wheels, tracks, size, speed and turn rate."""
     given_limits = {name: value for name, value in limits.items() if value is not None}
     if wheels and tracks:
-        raise ParameterError("tracks", "excludes wheels: give those on which the robot drives")
+        raise ParameterError("tracks", "excludes wheels; name only those on which the robot drives")
     if isinstance(robot, str | os.PathLike) and is_robot_file(robot):
         return from_file(robot, wheels, tracks).given(given_limits)
     for name in [*given_limits, *(["wheels"] if wheels else []), *(["tracks"] if tracks else [])]:
@@ -70,13 +70,13 @@ def robot_of(what: str | os.PathLike[str] | DrivableRobot, where: str = "robot")
             return from_file(what)
         if what not in ROBOTS and os.path.isfile(what):
             if os.fspath(what).lower().endswith(".proto"):
-                raise FileError(f"{os.fspath(what)}: a PROTO of Webots; export it as URDF there, and give that file")
+                raise FileError(f"{os.fspath(what)}: a PROTO of Webots; export it as URDF there, and use that file")
             raise FileError(
                 f"{os.fspath(what)}: robots are read from files named {', '.join('*' + s for s in SUFFIXES)}"
             )
         return robot_of_kind(os.fspath(what), where)
     if not isinstance(what, Robot | SdfRobot):
-        raise ParameterError(where, f"{shown(what)} is no robot; give a kind, as in 'burger', or a file of one")
+        raise ParameterError(where, f"{shown(what)} is no robot; use a kind, as in 'burger', or a file of one")
     return what
 
 

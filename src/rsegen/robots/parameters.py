@@ -23,8 +23,8 @@ RobotModel = Annotated["str | os.PathLike[str] | DrivableRobot", _ROBOT, Shell(m
 AnyRobot = Annotated["str | os.PathLike[str] | DrivableRobot | None", _ROBOT, Shell(metavar="KIND|FILE")]
 
 MOTORS = ("reaction", "classic")
-"""How the motors of wheels act: with a torque that acts back on the chassis, as real ones do; or as Gazebo Classic's
-drive has it, which writes the speed of a wheel, so that nothing acts back."""
+"""Kinds of wheel motors: with a torque that acts on the chassis too, as real ones have; or as in Gazebo Classic's
+drive, which sets the speed of a wheel without a torque."""
 
 MotorModel = Annotated[
     str | None,

@@ -53,7 +53,7 @@ TRACK_CONTROLLER = "gz-sim-track-controller-system"
 """The plug-in of Gazebo Sim that moves a single track, for one that drives tracks."""
 
 _TORQUES = ("max_wheel_torque", "wheelTorque", "wheel_torque", "torque")
-"""What plug-ins of Gazebo Classic and of ROS call the torque of a wheel's motor, Nm."""
+"""Names of the torque of a wheel's motor, Nm, in plug-ins of Gazebo Classic and of ROS."""
 
 _ALONG = 0.99
 """Cosine of the angle between a wheel's axis and y at least: cambered wheels have some degrees."""
@@ -508,10 +508,10 @@ def light_wheels(drive: Wheels, frames: ModelFrames, speed: float) -> str:
         return ""
     enough = _HEAVY * weight * drive.radius**2 * _STEP / (speed * len(moments))
     return (
-        f"its wheels are light: Gazebo Classic's drive writes their speed and has no torque, so {min(moments):.2g}"
-        f" kg m^2 give the ground {newtons:.3g} N at {speed:g} m/s, and it weighs {weight:.3g} N: a caster or step may"
-        f" hold it; a motor's rotor has more inertia, so give each wheel {enough:.1g} kg m^2 about its axis, which is"
-        " enough on level ground, or drive it in MuJoCo, whose motors have a torque"
+        f"its wheels are light: Gazebo Classic's drive sets their speed without a torque, so with {min(moments):.2g}"
+        f" kg m^2 they push with {newtons:.3g} N at {speed:g} m/s, and the robot weighs {weight:.3g} N: a caster or a"
+        f" step may stop it; set the inertia of each wheel about its axis to {enough:.1g} kg m^2, which is enough on"
+        " level ground, or drive it in MuJoCo, whose motors have a torque"
     )
 
 

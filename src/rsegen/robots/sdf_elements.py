@@ -23,7 +23,7 @@ class Mass(NamedTuple):
 
 
 NO_MASS = Mass(0.0, np.zeros(3), np.zeros((3, 3)))
-"""No mass."""
+"""Mass of 0, at the origin."""
 
 
 def moved(body: Mass, place: Array) -> Mass:

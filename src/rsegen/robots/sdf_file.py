@@ -289,7 +289,7 @@ def from_file(path: str | os.PathLike[str], wheels: str | None = None, tracks: s
         text, missing = expanded(text, where, arguments)
         root = xml_root(text, where)
         if root.tag == "robot" and root.find("link") is None:
-            raise FileError(f"{where}: has macros and no <link>; give the file of the robot that includes it")
+            raise FileError(f"{where}: has macros and no <link>; use the file of the robot that includes it")
         remarks += [f"left out what it includes of packages that are not found: {_some(missing)}"] if missing else []
     elif arguments:
         raise FileError(f"{where}: {next(iter(arguments))}:= is for a Xacro file, and this one has no macros")
@@ -374,7 +374,7 @@ def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
         parts[0].set("merge", "true")
         models[0].append(parts[0])
     if root.find("world") is not None:
-        raise FileError(f"{where}: a world; give the SDF file of the robot alone, with one <model> in <sdf>")
+        raise FileError(f"{where}: a world; use the SDF file of the robot alone, with one <model> in <sdf>")
     if root.tag != "sdf" or len(models) != 1:
         name = shown(root.tag)[1:-1]
         here = f"there are {len(models)} in <{name}>" if root.tag == "sdf" else f"it begins with <{name}>"

@@ -172,7 +172,7 @@ def _reason(error: Exception, missing: Mapping[str, None]) -> str:
         return f"it includes {inner.filename}, and there is no such file"
     undefined = re.search(r"Undefined substitution argument (\w+)", reason)
     if undefined:
-        return f"{reason}; give it after the file, as in 'FILE {undefined[1]}:=VALUE'"
+        return f"{reason}; pass it after the file, as in 'FILE {undefined[1]}:=VALUE'"
     if missing and ("nknown macro" in reason or "is not defined" in reason):
         advice = "put them next to that of the file, or their folder into ROS_PACKAGE_PATH"
         return f"{reason}; these packages are not found: {', '.join(missing)}; {advice}"

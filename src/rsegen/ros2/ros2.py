@@ -68,7 +68,7 @@ class Ros2(Format):
     def __post_init__(self) -> None:
         super(Ros2, self).__post_init__()  # in a class with slots, super() alone is of the class without them
         if self.robot is not None and not ros_files(ROBOTS.named(self.robot, "robot")):
-            raise ParameterError("robot", f"{self.robot} has no description of links and joints; give another kind")
+            raise ParameterError("robot", f"{self.robot} has no description of links and joints; choose another kind")
 
     @property
     def joins(self) -> str:

@@ -129,7 +129,7 @@ def _read(
 def _of_depth(path: Path, depth: Array, intrinsics: Intrinsics | None) -> Array:
     """Return the points of a depth image (rows, columns), in its unit; 0 and nan are holes."""
     if intrinsics is None:
-        raise ParameterError("intrinsics", f"{path} is a depth image; give fx,fy,cx,cy of its camera in pixels")
+        raise ParameterError("intrinsics", f"{path} is a depth image; pass fx,fy,cx,cy of its camera in pixels")
     fx, fy, cx, cy = intrinsics
     if fx <= 0 or fy <= 0:
         raise ParameterError("intrinsics", f"fx {fx:g} and fy {fy:g} have to be above 0")
@@ -150,9 +150,9 @@ def _array(path: Path) -> tuple[Array, str]:
     if array.ndim in (2, 3) and 3 < array.shape[-1] <= _MOST_COLUMNS and array.size > _OF_POINTS * array.shape[-1] ** 2:
         array = array[..., :3]
     if array.dtype.kind not in "biuf" or not (array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)):
-        raise FileError(f"{path}: an array of shape {array.shape}; give points (n, 3) or depths (rows, columns)")
+        raise FileError(f"{path}: an array of shape {array.shape}; expected points (n, 3) or depths (rows, columns)")
     if array.ndim == 2 and array.shape[0] == 3 and array.shape[1] > _OF_POINTS:
-        raise FileError(f"{path}: an array of shape {array.shape}; give its transpose, points (n, 3)")
+        raise FileError(f"{path}: an array of shape {array.shape}; use its transpose, points (n, 3)")
     _refuse_many(path, array.size // 3)
     return np.asarray(array), "mm" if array.ndim == 2 and array.shape[1] != 3 and array.dtype.kind in "iu" else "m"
 
@@ -161,7 +161,9 @@ def _image(path: Path) -> tuple[Array, str]:
     with opened_image(path) as image:
         _refuse_many(path, image.width * image.height)
         if image.mode not in ("I", "I;16", "I;16B", "L", "F"):
-            raise FileError(f"{path}: a {image.mode} image; give a depth image of one channel (16 bit, millimetres)")
+            raise FileError(
+                f"{path}: a {image.mode} image; expected a depth image of one channel (16 bit, millimetres)"
+            )
         return np.array(image, dtype=np.float64), "m" if image.mode == "F" else "mm"
 
 
@@ -234,7 +236,7 @@ def _pcd(path: Path) -> tuple[Array, str]:
             header = MetaData.parse_header(list(_header_lines(file)))
             _refuse_many(path, header.points)
             if sum(header.count) > _MOST_VALUES:
-                raise FileError(f"{path}: {sum(header.count):,} values per point; give up to {_MOST_VALUES:,}")
+                raise FileError(f"{path}: {sum(header.count):,} values per point; at most {_MOST_VALUES:,} are allowed")
             file.seek(0)
             names = {name.lower(): name for name in header.fields}
             lacking = [axis for axis in "xyz" if axis not in names]
@@ -295,7 +297,7 @@ def _checked(path: Path, points: Array) -> Array:
 
 def _refuse_many(path: Path, points: int) -> None:
     if points > MOST_POINTS:
-        raise FileError(f"{path}: {points:,} points; give up to {MOST_POINTS:,}")
+        raise FileError(f"{path}: {points:,} points; at most {MOST_POINTS:,} are allowed")
 
 
 _READERS: Mapping[str, Callable[[Path], tuple[Array, str]]] = MappingProxyType(

@@ -40,7 +40,7 @@ _SHOWN = 8
 
 
 _MOST_PALLETS = 30
-"""Of a build sheet that is written unasked: a field of 11 x 10 blocks has 110 square chunks of a single block."""
+"""Most pallets of a build sheet that is written unasked: 11 x 10 blocks have 110 square chunks of a single block."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,8 +59,10 @@ def add_scan(command: Parser) -> None:
     epilog = "The cloud must show some floor around the field; rsegen finds the ground, the grid and all levels. "
     epilog += "Several files are views of one field in one common frame. PLY, PCD and mesh files need rsegen[scan]."
     command.explain(_Fit.__doc__, epilog)
-    command.add_argument("clouds", nargs="+", metavar="CLOUD", help=f"named {', '.join('*' + name for name in CLOUDS)}")
-    group = command.group("reading", "values that you do not give are estimated from the cloud")
+    command.add_argument(
+        "clouds", nargs="+", metavar="CLOUD", help=f"files: {', '.join('*' + name for name in CLOUDS)}"
+    )
+    group = command.group("reading", "values that you do not set are estimated from the cloud")
     add_flags(group, ScanOptions, without=parameters(Recipe))
     add_output_flags(command)
     add_flags(command, _Fit)
@@ -122,11 +124,11 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
         for side, (raised, cells) in scan.sparse_edges.items():
             yield (
                 f"warning: {raised} of {cells} cells of the {side} side are raised: if they are no part of the field, "
-                "give --size, or cut them out of the cloud"
+                "set --size, or cut them out of the cloud"
             )
     for side in scan.open_sides:
         yield (
-            f"warning: almost no cells next to the {side} side were seen: if the field goes on there, give --size, "
+            f"warning: almost no cells next to the {side} side were seen: if the field goes on there, set --size, "
             "or a scan that shows the floor next to it"
         )
     errors = np.abs(scan.errors[scan.seen])
@@ -252,7 +254,9 @@ def run_compare(arguments: argparse.Namespace) -> Report:
 
     *built, wanted = arguments.paths
     if not built:
-        raise ParameterError("MAP", f"only {wanted} is given; give a scan or a map, and then the map that should stand")
+        raise ParameterError(
+            "MAP", f"only {wanted} was passed; pass a scan or a map, and then the map that should stand"
+        )
     picture = picture_of(arguments.output, force=arguments.force)
     arguments.target = wanted
     _, recipe, index = map_of_flags(arguments)
@@ -278,7 +282,7 @@ def _compared(built: list[str], arguments: argparse.Namespace, recipe: Recipe) -
         options = {name: value for name, value in given_options.items() if name not in _OF_THE_MAP}
         return compare(clouds, recipe, ScanOptions(**options))
     if len(built) > 1:
-        raise ParameterError("SCAN-or-MAP", "give clouds of one field and a map, or two maps")
+        raise ParameterError("SCAN-or-MAP", "pass clouds of one field and a map, or two maps")
     _, other, index = chosen_map(built[0], arguments.map, "--map")
     refuse_too_large(other)
     return compare(other.alone(index), recipe)

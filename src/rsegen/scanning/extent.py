@@ -63,7 +63,7 @@ def extent_of(reading: Reading, unit: float, shape: Cell | None = None) -> tuple
     """
     raised = reading.levels(unit) > 0
     if not raised.any():
-        raise ScanError("no cell is above the ground; give other blocks, or a scan with more points")
+        raise ScanError("no cell is above the ground; set other blocks, or use a scan with more points")
     if shape is None:
         group = _largest_group(raised)
         i, j = np.nonzero(group)

@@ -76,13 +76,13 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
     if settings.block_width is None and settings.blocks is None:
-        advice = "is no field; give block_width_cm if it is made of blocks"
+        advice = "is no field; set block_width_cm if it is made of blocks"
         if _is_one_patch(scan):
             raise ScanError(f"one raised patch of one height, in which nothing shows blocks, {advice}")
         if scan.levels.size < _FEWEST_CELLS and _is_striped(scan):
             raise ScanError(f"a few stripes of {scan.levels.size} cells, across which nothing shows blocks, {advice}")
     if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
-        raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; give unit_cm if they are")
+        raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; set unit_cm if they are")
     return scan
 
 
@@ -245,16 +245,16 @@ def _usable(points: Array) -> tuple[Array, Array]:
     """The points without far outliers, about their middle, and the middle (3,); a ScanError if there are too few."""
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise ScanError(f"points have shape {points.shape}; give (n, 3)")
+        raise ScanError(f"points have shape {points.shape}; expected (n, 3)")
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < _FEWEST_POINTS:
-        raise ScanError(f"{len(points):,} points are too few for a field; give {_FEWEST_POINTS} or more")
+        raise ScanError(f"{len(points):,} points are too few for a field; at least {_FEWEST_POINTS} are needed")
     # The middle 96 % is free of outliers, up to 2 % at either end; points farther than its width from it are left out.
     low, high = np.quantile(sample(points), [0.02, 0.98], axis=0)
     extent = float((high - low).max())
     if not _SMALLEST < extent < _LARGEST:
         raise ScanError(
-            f"the cloud is {extent:.3g} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; give the unit of its numbers: "
+            f"the cloud is {extent:.3g} m wide, not {_SMALLEST:g} to {_LARGEST:g} m; set the unit of its numbers: "
             "values m, cm, mm or in"
         )
     near = ((points > low - extent) & (points < high + extent)).all(axis=1)
@@ -292,7 +292,7 @@ def _found_field(grid: _Gridded, settings: ScanSettings) -> Scan:
             if frames and settings.blocks in (None, frames.blocks):
                 return grid.scan(part, frames, grid.transform.moved(corner, shape))
     if boundary not in (None, "none"):
-        raise ScanError(f"no {boundary} frames of one height stand around the blocks; give boundary none, or size")
+        raise ScanError(f"no {boundary} frames of one height stand around the blocks; set boundary none, or size")
     corner, shape = extent_of(grid.reading, grid.unit, settings.blocks)
     _refuse_larger(grid, corner, shape)
     none = FrameLayout(boundary="none", side=settings.chunk_size, blocks=shape)
@@ -326,7 +326,7 @@ def _refuse_larger(grid: _Gridded, corner: Cell, shape: Cell) -> None:
     ]
     if raised.sum() - inside.sum() > _MOST_OUTSIDE * raised.sum():
         raise ScanError(
-            f"{n_x} x {n_y} cells are raised, not {shape[0]} x {shape[1]}; give another size, or cut the cloud"
+            f"{n_x} x {n_y} cells are raised, not {shape[0]} x {shape[1]}; set another size, or cut the cloud"
         )
 
 

@@ -345,7 +345,7 @@ _HALVINGS = 7
 """Halvings of the steps of the climb: the last are 0.08 / 2^6, about a thousandth of a width."""
 
 _COARSE_HALVINGS = 3
-"""The same for the choice: the last are 2 % of a width."""
+"""Halvings of the steps for the choice: the last are 2 % of a width."""
 
 _MOST_LEFT = 0.6
 """Share of the points off the levels in a grid that is half a block off which the best grid may have: if it has
@@ -363,7 +363,7 @@ def refined(grid: CloudGrid, points: Array, unit: float) -> CloudGrid:
     best = _climbed(grid, tops, _HALVINGS)
     if tops.off(best) > _MOST_LEFT * tops.off(replace(best, origin=best.origin + best.width / 2)):
         raise ScanError(
-            "no grid of blocks fits the cloud; give block_width_cm and unit_cm, a closer scan, "
+            "no grid of blocks fits the cloud; set block_width_cm and unit_cm, use a closer scan, "
             "or cut everything but the field and some floor out of it"
         )
     return best
@@ -425,7 +425,7 @@ class _Tops:
         levels = np.rint(few[:, 2] / unit)
         near = (np.abs(few[:, 2] - levels * unit) < _NEAR_LEVEL * unit) & (levels >= 0) & (levels <= _HIGHEST)
         if near.sum() < 100:  # fewer than one per cell of 10 x 10
-            raise ScanError("almost no points lie on top of blocks; give a scan from above, or another unit_cm")
+            raise ScanError("almost no points lie on top of blocks; use a scan from above, or set another unit_cm")
         return cls(levels=levels[near].astype(np.int64), places=few[near, :2])
 
     def off(self, grid: CloudGrid) -> int:

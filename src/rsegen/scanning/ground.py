@@ -124,7 +124,7 @@ def _normal(points: Array, tolerance: float, up: Sequence[float] | None) -> Arra
         refined.append(direction)
     layered = [_layered(points @ normal, tolerance) for normal in refined]
     if max(layered) < _LEAST_LAYERED:
-        raise ScanError("no ground plane: the points are not in level layers; give a cloud of blocks and some floor")
+        raise ScanError("no ground plane: the points are not in level layers; use a cloud of blocks and some floor")
     return refined[int(np.argmax(layered))]
 
 

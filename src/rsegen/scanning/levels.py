@@ -33,7 +33,7 @@ _CORE = 0.3
 of nine fields are wrong, with less there are fewer points."""
 
 _WIDE_CORE = 0.42
-"""The same for clouds of fewer than ten points in a typical core: twice as many points, nearer to the sides."""
+"""Core for clouds of fewer than ten points in a typical one: twice as many points, nearer to the sides."""
 
 _NOISE = 1.3
 """Deviations of the noise that points of a level top may have: of 25 points, one in a hundred cells has more."""
@@ -290,13 +290,13 @@ def find_unit(heights: Array, noise: float, given: float | None = None) -> float
     unit = float(candidates[first + int(agreement[first : last + 1].argmax())])
     if given is None:
         if best < _CLEAR:
-            raise ScanError("the heights above the ground are no whole multiples of a unit; give unit_cm if they are")
+            raise ScanError("the heights above the ground are no whole multiples of a unit; set unit_cm if they are")
         return unit
     own = given * np.linspace(0.95, 1.05, 41)  # blocks may be 5 % higher or lower than they should
     agrees = _agreement(values, weights, own)
     if best >= _CLEAR and agrees.max() < _WRONG * best:
         raise ScanError(
-            f"blocks rise by {unit * 100:.3g} cm in the cloud, not {given * 100:g} cm; give another unit_cm or values"
+            f"blocks rise by {unit * 100:.3g} cm in the cloud, not {given * 100:g} cm; set another unit_cm or values"
         )
     return float(own[int(agrees.argmax())]) if agrees.max() >= _CLEAR else given
 
@@ -312,7 +312,7 @@ def _raised(heights: Array, noise: float, given: float | None) -> tuple[Array, A
     counts, edges = np.histogram(above, bins=400, range=(0, top * 1.02))
     kept = counts > 1  # single ones of a sparse cloud are outliers
     if not kept.any():
-        raise ScanError("too few points are above the ground plane to see blocks; give a denser cloud")
+        raise ScanError("too few points are above the ground plane to see blocks; use a denser cloud")
     return ((edges[:-1] + edges[1:]) / 2)[kept], np.sqrt(counts[kept])
 
 

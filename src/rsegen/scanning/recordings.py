@@ -73,7 +73,7 @@ def _topic(path: Path, topic: str | None, clouds: list[str], others: list[str]) 
     if not clouds:
         raise FileError(f"{path}: has no topic with {_CLOUD}, but {_named(sorted(set(others))) or 'none at all'}")
     if topic is None and len(clouds) > 1:
-        raise ParameterError("topic", f"{path} has clouds on {_named(clouds)}; give one of them")
+        raise ParameterError("topic", f"{path} has clouds on {_named(clouds)}; choose one of them")
     if topic is not None and topic not in clouds:
         raise ParameterError("topic", f"{shown(topic)} has no clouds in {path}; {_named(clouds)} has")
     return topic or clouds[0]

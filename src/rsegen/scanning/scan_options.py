@@ -25,7 +25,7 @@ CLOUDS: Mapping[str, str] = MappingProxyType(
         **dict.fromkeys((".png", ".tif", ".tiff", ".pgm"), "image"),
     }
 )
-"""How files of clouds are read, by the suffixes of their names."""
+"""Readers of point clouds, by the suffixes of their files."""
 
 _UPWARDS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "-x": (-1, 0, 0), "-y": (0, -1, 0), "-z": (0, 0, -1)}
 _DESIGN = parameters(MapDesign)
@@ -61,7 +61,7 @@ class ScanOptions:
         Float(0, 1000, unit="cm", help="thickness of a board below the blocks; 0: none; default: estimated"),
     ] = None
     fill_holes: Annotated[
-        bool, Flag(help="give blocks that were not seen the median level of their neighbours, not 0")
+        bool, Flag(help="fill blocks that were not seen with the median level of their neighbours, not with 0")
     ] = False
     block_width_cm: Annotated[float | None, _DESIGN["block_width_cm"]] = None
     unit_cm: Annotated[float | None, _DESIGN["unit_cm"]] = None

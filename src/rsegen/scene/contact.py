@@ -51,7 +51,7 @@ class Contact:
     def __post_init__(self) -> None:
         validate(self)
         if self.condim not in _CONDIMS:
-            raise ParameterError("condim", f"{self.condim} is not a condim of MuJoCo; give 1, 3, 4 or 6")
+            raise ParameterError("condim", f"{self.condim} is not a condim of MuJoCo; use 1, 3, 4 or 6")
 
     def frictions(self, sliding: float) -> tuple[float, float, float]:
         """Return the three coefficients of friction of a block: sliding, torsional, rolling."""

@@ -32,10 +32,10 @@ _ANY = Reference(
 )
 
 OpenSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="the newest Gazebo that is installed")]
-"""Of what looks at worlds, which are files of Gazebo."""
+"""Simulator of commands that open worlds, which are files of Gazebo."""
 
 DriveSimulator = Annotated[str | None, _ANY, Shell(metavar="NAME", default="mujoco")]
-"""Of what asks how robots drive: MuJoCo answers on every machine alike."""
+"""Simulator of commands that drive robots: MuJoCo gives the same result on every machine."""
 
 
 RunningSimulator = Annotated[SimulatorName, Shell(default="whichever runs")]

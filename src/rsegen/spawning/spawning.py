@@ -219,7 +219,7 @@ def map_model(recipe: Recipe, output: Path, scene: Scene | None = None) -> MapMo
     """Return the map of a recipe in an output folder; OutputError if a different map of its name exists there."""
     model = MapModel(recipe=recipe, folder=output / recipe.map_name(recipe.first_map), made_of=scene)
     if model.folder.exists() and _recipe_in(model.folder) != model.recipe:
-        advice = "give that folder to spawn it as it is, or another output folder, or the recipe a seed"
+        advice = "use that folder to spawn it as it is, or another output folder, or the recipe a seed"
         raise OutputError(f"{model.folder}: exists already and is a different map; {advice}")
     return model
 
@@ -251,7 +251,7 @@ def unknown_map_notes(poses: Mapping[str, Pose], known: Iterable[SpawnedMap]) ->
     names = {spawned.name for spawned in known}
     for name in poses:
         if _is_map_name(name) and name not in names:
-            advice = "the robot may be inside them; give output='DIR', the folder that it is in, or at=[X, Y, Z]"
+            advice = "the robot may be inside them; set output='DIR', the folder that it is in, or at=[X, Y, Z]"
             yield f"the heights of the blocks of {name} are unknown, as its recipe.json was not found; {advice}"
 
 
@@ -320,7 +320,7 @@ def spawn_model(  # noqa: PLR0913, PLR0917  # as `rsegen.spawn`
     with connected(simulator, timeout) as (running, live):
         poses = live.poses()
         if name in poses:
-            raise ParameterError("name", f"{shown(name)} exists already; give another name, or remove {name} first")
+            raise ParameterError("name", f"{shown(name)} exists already; use another name, or remove {name} first")
         own = [what.folder.parent] if isinstance(what, MapModel) else []
         homes = [*opened_folder(running), output, *own]
         maps = [
@@ -359,10 +359,10 @@ def _rider(
     """Return the robot that is to be put on a map, if one is; a ParameterError for one without a map."""
     if robot is None:
         if pose is not None:
-            raise ParameterError("pose", "is the place of a robot on a map; give robot too")
+            raise ParameterError("pose", "is the place of a robot on a map; set robot too")
         return None
     if not isinstance(what, MapModel):
-        raise ParameterError("robot", f"{what.kind} is a robot already; give the map that this one is put on")
+        raise ParameterError("robot", f"{what.kind} is a robot already; pass the map that this one is put on")
     return robot_of(robot, "robot")
 
 
@@ -402,7 +402,7 @@ def _at_rest(field: StepField, robot: DrivableRobot, place: Sequence[float]) -> 
         where = {"x": "pose[0]", "y": "pose[1]"}.get(error.where, error.where)
         raise ParameterError(where, error.problem) from None
     if not rest.stands[0]:
-        raise ParameterError("pose", f"{robot.kind} tips over at {numbers(place)}; give a place where it stands")
+        raise ParameterError("pose", f"{robot.kind} tips over at {numbers(place)}; choose a place where it stands")
     x, y, z, roll, pitch, yaw = (float(of[0]) for of in (rest.x, rest.y, rest.z, rest.roll, rest.pitch, rest.yaw))
     return Pose(x=x, y=y, z=z + DROP_HEIGHT, roll=roll, pitch=pitch, yaw=yaw)
 
@@ -505,7 +505,7 @@ def replace_map(  # as `rsegen.respawn`
         new = _given_or_next(target, which, output, current)
         new.check_spawnable()
         if new.name in poses:
-            what = f"{shown(new.name)} exists already; give another"
+            what = f"{shown(new.name)} exists already; choose another"
             if which is None and new.name == current:
                 what = f"{shown(current)} is in the simulation, and {shown(str(target))} has no other map"
             raise ParameterError("" if which is None else "map", what)
@@ -537,7 +537,7 @@ def _current_map(poses: Mapping[str, Pose], stems: set[str], known: Iterable[str
         what = " or ".join(f"{stem}_0000" for stem in sorted(stems))
         raise ParameterError("", f"no map such as {what} in the simulation (models: {models})")
     if len(candidates) > 1:
-        raise ParameterError("name", f"several maps could be replaced; give one of {', '.join(candidates)}")
+        raise ParameterError("name", f"several maps could be replaced; choose one of {', '.join(candidates)}")
     return candidates[0]
 
 
@@ -579,7 +579,7 @@ class RemoveResult:
 def remove_models(names: Sequence[str], simulator: str | None, timeout: float) -> RemoveResult:
     """Delete models, or none of them if one does not exist; see `rsegen.remove`."""
     if not names:
-        raise ParameterError("names", "nothing is given; give the names of models in the simulation")
+        raise ParameterError("names", "no name; pass the names of models in the simulation")
     unique = tuple(dict.fromkeys(names))
     with connected(simulator, timeout) as (running, live):
         models = live.poses()

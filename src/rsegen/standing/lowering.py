@@ -60,7 +60,7 @@ _TRIED = 2
 """Lanes that are lowered, of which the best one counts."""
 
 _DRIVEN = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
-"""How pieces are driven: on the lane, to either side of it, and turned to either side."""
+"""Variants in which a piece is driven: on the lane, to either side of it, and turned to either side."""
 
 _TURNED = 0.1
 """Radians by which a robot is turned: blocks under one wheel, or track, turn robots by some ten degrees."""
@@ -105,7 +105,7 @@ def lane_caps(field: StepField, robot: RobotOnField, axis: int) -> Ints | None:
             return caps if (field.levels > caps).any() else None
     raise ParameterError(
         "crossable_by",
-        f"{robot.kind} cannot cross frames of {100 * field.frame_height:g} cm; give boundary none or lower frames",
+        f"{robot.kind} cannot cross frames of {100 * field.frame_height:g} cm; use boundary none or lower frames",
     )
 
 

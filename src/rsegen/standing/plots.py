@@ -28,7 +28,7 @@ _PER_BLOCK, _MOST = 4, 240
 
 _NAMES = ("stands and pushes", *REASONS[1:])
 _REASON_COLOURS = ("#4caf78", "#f2c14e", "#e8743b", "#8e2043")
-"""From good to bad, in lightness too, so that they differ in grey."""
+"""Colours from good to bad, darker for worse, so that they differ in grey too."""
 
 _MOST_MARGIN = 45.0
 """Degrees at which the colours of margins end: what is safer than that looks alike."""

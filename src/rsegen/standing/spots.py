@@ -452,7 +452,7 @@ def _judge(field: StepField, body: Body, most_tilt: float, parts: Sequence[Bound
             n_x, n_y = (
                 round((high - low) / field.block_width) for low, high in zip(bounds.low, bounds.high, strict=True)
             )
-            raise ParameterError("robot", f"too large for {n_x} x {n_y} cells; give a smaller robot or a larger map")
+            raise ParameterError("robot", f"too large for {n_x} x {n_y} cells; use a smaller robot or a larger map")
     return _Judge(field, body, most_tilt)
 
 
@@ -541,7 +541,7 @@ class _Part:
             return tuple(self.chosen)
         if self.chosen:
             enough = f"found spots for {len(self.chosen)} of {self.count} on this map"
-            raise NoSpot("count", f"{enough}; give fewer, or {_HELP}")
+            raise NoSpot("count", f"{enough}; use fewer, or {_HELP}")
         reason = min(self.others, key=_by_fault_and_tilt)[1].reason
         raise NoSpot("robot", f"no spot on this map: at the best place it {reason}; {_HELP}")
 
@@ -560,7 +560,7 @@ def _by_fault_and_tilt(place: _Place) -> tuple[int, float]:
     return -place[0], place[1].tilt
 
 
-_HELP = "add a platform obstacle, or give a smaller robot or another map"
+_HELP = "add a platform obstacle, or use a smaller robot or another map"
 
 
 def _searched_parts(

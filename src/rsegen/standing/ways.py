@@ -121,7 +121,7 @@ _MOVES = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), 
 """Cells by which a move in each heading goes on along x and y; heading k is k times 45 degrees."""
 
 BEST = ("safe", "length", "tilt", "margin")
-"""What a way is the best of: short and safe, the shortest, that with the least tilt, or with the largest margin."""
+"""Criteria of the best way: short and safe, the shortest, the least tilt, or the largest margin."""
 
 _RISK = 3.0
 """Weight of risk in a safe way: a metre at half of the tilt at which the robot tips over counts as 2.5 metres on level

@@ -90,11 +90,9 @@ class Crossing:
 
     def __post_init__(self) -> None:
         if not self.recipe.is_of_one_friction:
-            raise ParameterError(
-                "level_friction", "robots of rsegen cross fields of one friction; give only `friction`"
-            )
+            raise ParameterError("level_friction", "robots of rsegen cross fields of one friction; set only `friction`")
         if not STEP <= self.period <= self.seconds:
-            raise ParameterError("period", f"{self.period} s; give {STEP} s or more, and up to `seconds`")
+            raise ParameterError("period", f"{self.period} s; use {STEP} s or more, and up to `seconds`")
 
     @cached_property
     def driven(self) -> DrivableRobot:

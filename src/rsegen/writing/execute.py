@@ -182,7 +182,7 @@ def _processes(workers: int) -> Iterator[Executor]:
         # this process holds the sending end of that pipe too; once that is closed, it reads the end of the file.
         pool._result_queue._writer.close()  # type: ignore[attr-defined]
         if isinstance(error, BrokenProcessPool):
-            raise WorkerLost("a worker was lost: it was killed, or ran out of memory; give fewer workers") from error
+            raise WorkerLost("a worker was lost: it was killed, or ran out of memory; use fewer workers") from error
         raise
     finally:
         pool.shutdown(cancel_futures=True)

@@ -91,7 +91,7 @@ def read_journal(folder: Path) -> Journal | None:
     """Return the journal of a folder, None if there is none; FileError if it is damaged or not rsegen's."""
     path = folder / JOURNAL
     if path.is_symlink():
-        raise FileError(f"{path}: is a link, so nothing in this folder is replaced; give another folder")
+        raise FileError(f"{path}: is a link, so nothing in this folder is replaced; use another folder")
     try:
         with open_regular(path) as file:
             text = file.read(_LARGEST + 1)
@@ -103,7 +103,7 @@ def read_journal(folder: Path) -> Journal | None:
     except (ValueError, TypeError, KeyError, RecursionError, AttributeError):
         raise FileError(
             f"{path}: is not a journal of rsegen, or is damaged, so nothing in this folder is replaced; move it away, "
-            "or give another folder"
+            "or use another folder"
         ) from None
 
 
@@ -277,13 +277,11 @@ def is_intact(folder: Path, name: str, journal: Journal | None) -> bool:
         checksums = journal.files.get(name) if journal else None
         if checksums is None:
             refuse_link(path)
-            raise OutputError(
-                f"{path}: was not written by rsegen, so it is not replaced; move it, or give another name"
-            )
+            raise OutputError(f"{path}: was not written by rsegen, so it is not replaced; move it, or use another name")
         state = _state(path, status, checksums)
     if state == "changed":
         raise OutputError(
-            f"{path}: was changed after rsegen wrote it, so it is not replaced; move or delete it, or give another name"
+            f"{path}: was changed after rsegen wrote it, so it is not replaced; move or delete it, or use another name"
         )
     return state == "intact"
 
@@ -297,7 +295,7 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
     shown = at or folder
     refuse_link(folder)
     if not folder.is_dir():
-        raise OutputError(f"{shown}: is a file; give another folder or name")
+        raise OutputError(f"{shown}: is a file; use another folder or name")
     with read_errors(folder):
         journal = read_journal(folder)
         if journal is None:
@@ -306,7 +304,7 @@ def refuse_loss(folder: Path, holds: str, at: Path | None = None) -> None:
             return
         if journal.holds != holds:
             kind, expected = _KINDS.get(journal.holds, "files of rsegen"), _KINDS.get(holds, holds)
-            raise OutputError(f"{shown}: contains {kind}, not {expected}; give another folder")
+            raise OutputError(f"{shown}: contains {kind}, not {expected}; use another folder")
         comparison = compare(folder, journal)
     _refuse_lost(comparison, shown)
 
@@ -326,7 +324,7 @@ def _refuse_lost(comparison: FolderComparison, folder: Path) -> None:
 def refuse_link(path: Path) -> None:
     """Raise an OutputError if a path is a link: neither it nor what it leads to is replaced."""
     if path.is_symlink():
-        raise OutputError(f"{path}: is a link, so it is not replaced; give another folder or name")
+        raise OutputError(f"{path}: is a link, so it is not replaced; use another folder or name")
 
 
 def is_empty(folder: Path) -> bool:

@@ -222,12 +222,12 @@ def is_kept(home: Path, recipe_file: bytes, is_complete: Callable[[str], bool]) 
         if journal is None or Checksum.of(recipe_file) not in journal.files.get("recipe.json", ()):
             raise OutputError(
                 f"{home}: exists already and is not this map of rsegen: its journal is missing, or says another seed, "
-                "parameter or version; give those of the run that was stopped, or another folder or name"
+                "parameter or version; use those of the run that was stopped, or another folder or name"
             )
         comparison = compare(home, journal)
     for name in comparison.changed:
         raise OutputError(
-            f"{home / name}: was changed after rsegen wrote it; delete it to have the map made again, or give "
+            f"{home / name}: was changed after rsegen wrote it; delete it to have the map made again, or use "
             "another folder"
         )
     if not comparison.missing and is_complete(str(home)):

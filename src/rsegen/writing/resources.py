@@ -104,7 +104,7 @@ def check_needs(
         if size > most:
             raise TooLarge(
                 f"maps: {shown(maps)} maps need {format_bytes(size)} of {what} or more, {format_bytes(most)} are free; "
-                "give fewer, and the next ones from first_map on"
+                "make fewer, and the next ones from first_map on"
             )
     return needs
 
@@ -133,7 +133,7 @@ def refuse_full(size: int, folder: Path) -> None:
     free = _free_disk(folder)
     if size > free:
         raise TooLarge(
-            f"maps: they need {format_bytes(size)} of disk, {format_bytes(free)} are free; give fewer, or another disk"
+            f"maps: they need {format_bytes(size)} of disk, {format_bytes(free)} are free; make fewer, or change disks"
         )
 
 
@@ -152,13 +152,13 @@ def _checked_memory(recipe: Recipe, step: Step, things: Collection[InMemory], fr
         n_x, n_y = recipe.cells
         raise TooLarge(
             f"chunks: a map of {n_x} x {n_y} cells needs about {format_bytes(needed)} of memory, "
-            f"{format_bytes(free)} are free; give fewer chunks or a smaller chunk_size"
+            f"{format_bytes(free)} are free; use fewer chunks or a smaller chunk_size"
         )
     cells = prod(recipe.cells)
     if len(recipe.obstacles) * cells > MOST_WORK:
         raise TooLarge(
             f"obstacles: {len(recipe.obstacles):,} of them on a map of {cells:,} cells would take too long; "
-            f"give {MOST_WORK // cells:,} or fewer"
+            f"use {MOST_WORK // cells:,} or fewer"
         )
     return needed
 

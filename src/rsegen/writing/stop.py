@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 STATE = SimpleNamespace(asked=False, held=False)
-"""Whether a signal has come, and whether it is to wait."""
+"""State of signals: asked, if one has come; held, if it has to wait."""
 
 
 def ask() -> None:

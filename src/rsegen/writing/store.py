@@ -242,7 +242,7 @@ def refuse_unit(
     refuse_link(place)
     if not (place.is_dir() if is_folder else place.is_file()):
         kind = "folder" if is_folder else "file"
-        raise OutputError(f"{place}: exists already and is not a {kind}; give another name")
+        raise OutputError(f"{place}: exists already and is not a {kind}; use another name")
     if not (force if isinstance(force, bool) else name in force):
         raise taken(place)
     if is_folder:
@@ -259,7 +259,7 @@ def refuse_taken_file(path: Path, *, force: bool) -> None:
 def taken(place: Path) -> OutputError:
     """Return the error of a name that exists already."""
     what = "another folder or name" if place.is_dir() else "another name"
-    return OutputError(f"{place}: exists already; give force=True to replace it, or {what}")
+    return OutputError(f"{place}: exists already; use force=True to replace it, or {what}")
 
 
 def _remove(folder: Path) -> None:
@@ -399,7 +399,7 @@ def refuse_irreplaceable(folder: Path, holds: str) -> None:
     refuse_loss(real, holds, folder)
     if real.is_mount() or not os.access(real.parent, os.W_OK):
         problem = "cannot be replaced in one step, as it is a separate disk, or the folder above is read-only"
-        raise OutputError(f"{folder}: {problem}; give another folder")
+        raise OutputError(f"{folder}: {problem}; use another folder")
 
 
 # Checks before a run, and single files.
@@ -413,7 +413,7 @@ def refuse_busy(folder: Path) -> None:
         name = str(folder) if isinstance(error, OSError) else shown(str(folder))
         raise OutputError(f"{name}: {getattr(error, 'strerror', error)}") from None
     if is_taken:
-        raise OutputError(f"{folder}: is a file; give a folder")
+        raise OutputError(f"{folder}: is a file; use a folder")
     refuse_locked(folder)
 
 

@@ -59,7 +59,7 @@ def chosen_map(target: str, which: str | None, where: str = "map") -> ChosenMap:
     if which is not None and which.isdecimal():  # an index that maps of several recipes in the folder may have
         like = [file.parent.name for file in files if re.fullmatch(rf".*_0*{int(which[:20])}", file.parent.name)]
         if len(like) > 1:
-            raise ParameterError(where, f"{shown(which)} may be {' or '.join(like[:3])}; give the name")
+            raise ParameterError(where, f"{shown(which)} may be {' or '.join(like[:3])}; use the full name")
     return one_of(((file, recipe_in(file)) for file in files), which, target, where)
 
 
@@ -73,7 +73,7 @@ def one_of(
         if index is not None:
             return ChosenMap(file, recipe, index)
         names += [recipe.map_name(recipe.indices[0]), recipe.map_name(recipe.indices[-1])]
-    problem = f"there is no map {shown(which)} in {target}; give an index or name, {names[0]}..{names[-1]}"
+    problem = f"there is no map {shown(which)} in {target}; use an index or name, {names[0]}..{names[-1]}"
     raise ParameterError(where, problem)
 
 

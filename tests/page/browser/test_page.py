@@ -174,7 +174,7 @@ def test_metrics_equal_the_output_of_the_command(capsys: pytest.CaptureFixture[s
     assert found.steps.rms is not None
     assert values["rms step"] == f"{found.steps.rms * 100:.2f}".rstrip("0").rstrip(".") + " cm"
     assert values["entropy"] == f"{found.spread.entropy:.2f} bits"
-    assert re.fullmatch(r"[\d.]+ cm", values["opens west to east"])
+    assert re.fullmatch(r"[\d.]+ cm", values["smallest step, west to east"])
 
 
 def test_no_colour_of_tilt_is_that_of_a_height() -> None:

@@ -144,7 +144,7 @@ def test_the_distance_from_the_design_is_never_below_that_of_an_independent_solv
 
 
 def test_an_inventory_without_a_block_is_refused() -> None:
-    with pytest.raises(rsegen.UserError, match="inventory: has no block; give the number of blocks of level 1, 2"):
+    with pytest.raises(rsegen.UserError, match="inventory: has no block; list the number of blocks of level 1, 2"):
         recipe(inventory=(0, 0))
 
 
@@ -153,6 +153,6 @@ def test_an_inventory_that_cannot_be_used_at_all_is_refused(tmp_path: Path, caps
     assert main(["generate", *asked, "-o", str(tmp_path / "out")]) == 2
     assert (
         "inventory: none of its 50 blocks can be used on 100 cells with a max_step of 2; "
-        "give lower ones too, or one for each cell" in the_line(capsys.readouterr().err)
+        "add lower ones, or one for each cell" in the_line(capsys.readouterr().err)
     )
     assert not (tmp_path / "out").exists()

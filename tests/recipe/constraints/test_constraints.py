@@ -293,7 +293,7 @@ def test_the_roughness_of_ways_is_that_of_their_cells() -> None:
 
 @pytest.mark.slow
 def test_frames_that_a_robot_does_not_get_over_are_refused() -> None:
-    with pytest.raises(rsegen.UserError, match="crossable_by: burger cannot cross frames of 10 cm; give boundary"):
+    with pytest.raises(rsegen.UserError, match="crossable_by: burger cannot cross frames of 10 cm; use boundary"):
         rsegen.build(recipe(crossable_by="burger"))
     assert straight(rsegen.build(recipe(crossable_by="crawler")), ROBOTS["crawler"].body, 0).passed.any()
 

@@ -199,7 +199,7 @@ def _span(covered: Mask, axis: int) -> tuple[int, int]:
 
 
 End = Literal["first", "last", "both"]
-"""Which end is moved; both: the middle of the two, and them with it."""
+"""End of an obstacle that is moved; both: its middle, and the two ends with it."""
 
 
 class Ends(TypedDict):

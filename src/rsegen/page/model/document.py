@@ -34,7 +34,7 @@ from rsegen.writing.store import write_file
 from rsegen.writing.user_state import state_file, state_files, state_folder, write_state
 
 SUFFIXES = (".yaml", ".yml", ".json")
-"""How the names of recipe files end."""
+"""Suffixes of recipe files."""
 
 
 @dataclass(kw_only=True)
@@ -83,7 +83,7 @@ class Document:
         """Write the recipe to its file or another one; a Question if that would replace what somebody else wrote."""
         target = path or self.path
         if target is None:
-            raise UserError("the recipe has no file yet; give a name")
+            raise UserError("the recipe has no file yet; choose a name")
         if target.suffix.lower() not in SUFFIXES:
             raise FileError(f"{target.name}: a recipe must be a .yaml or .json file")
         if not replace:
@@ -138,7 +138,7 @@ class Document:
         if target == self.path:
             if self._differs():
                 self.changed_on_disk = True
-                raise Question(f"{target.name} was changed by somebody else since these changes were begun", "changed")
+                raise Question(f"{target.name} was changed by another program after you opened it", "changed")
         elif os.path.lexists(target):
             raise Question(f"{target.name} exists already", "exists")
 
@@ -209,7 +209,7 @@ class DraftFile:
             self.failed = ""
         except OSError as error:
             reason = error.strerror or str(error)
-            self.failed = f"unsaved changes cannot be kept against a crash in {state_folder()}: {reason}"
+            self.failed = f"unsaved changes are lost if rsegen ends: they cannot be kept in {state_folder()} ({reason})"
 
     def remove(self) -> None:
         """Remove the draft, as it is saved or discarded; also those of processes that have ended."""

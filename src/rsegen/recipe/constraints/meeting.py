@@ -140,7 +140,7 @@ def constrained(field: StepField, design: MapDesign, index: int) -> StepField:
         raise ParameterError(
             "inventory",
             f"none of its {sum(design.inventory):,} blocks can be used on {np.count_nonzero(~field.frame):,} cells "
-            f"with a max_step of {design.max_step}; give lower ones too, or one for each cell",
+            f"with a max_step of {design.max_step}; add lower ones, or one for each cell",
         )
     return met
 

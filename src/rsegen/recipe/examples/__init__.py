@@ -7,7 +7,7 @@ from pathlib import Path
 from rsegen.errors import FileError, did_you_mean
 
 EXAMPLES = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.yaml"))}
-"""Where each one is, by its name."""
+"""Paths of the examples, by name."""
 
 
 def or_example(path: str | Path) -> Path:

@@ -25,7 +25,7 @@ _EDGE = 0.35
 
 
 _IS_EDGE = np.isin(np.arange(TILES * PIXELS) % PIXELS, (0, PIXELS - 1))
-"""Whether a pixel along a side of an image is the first or the last one of a tile."""
+"""Mask of the pixels along a side of an image that are the first or the last one of a tile."""
 
 
 def top(rng: np.random.Generator) -> Array:

@@ -13,11 +13,11 @@ import {
 import type { Tool } from "./views";
 
 export const TOOLS: { key: string; name: Tool["name"]; label: string; title: string; make: () => Tool }[] = [
-  { key: "v", name: "select", label: "Select", title: "Pick obstacles, drag their ends, raise them", make: () => ({ name: "select" }) },
-  { key: "p", name: "paint", label: "Paint", title: "Give cells a level", make: () => ({ name: "paint", shape: "cells", level: 1 }) },
-  { key: "d", name: "draw", label: "Draw", title: "Drag a new obstacle from its first to its last cell", make: () => ({ name: "draw" }) },
-  { key: "r", name: "robot", label: "Robot", title: "A robot settles where the mouse is", make: () => ({ name: "robot", heading: heading.value }) },
-  { key: "w", name: "way", label: "Way", title: "Two clicks are start and goal of the robot's best way", make: () => ({ name: "way" }) },
+  { key: "v", name: "select", label: "Select", title: "Select an obstacle; drag its ends and its height", make: () => ({ name: "select" }) },
+  { key: "p", name: "paint", label: "Paint", title: "Set the level of cells", make: () => ({ name: "paint", shape: "cells", level: 1 }) },
+  { key: "d", name: "draw", label: "Draw", title: "Draw a new obstacle: drag from its first cell to its last", make: () => ({ name: "draw" }) },
+  { key: "r", name: "robot", label: "Robot", title: "Show how the robot stands under the mouse", make: () => ({ name: "robot", heading: heading.value }) },
+  { key: "w", name: "way", label: "Way", title: "Find the robot's best way: click its start, then its goal", make: () => ({ name: "way" }) },
 ];
 
 /* Take a tool; those of a robot choose the first one if none is chosen. */
@@ -57,9 +57,9 @@ export function ToolOptions() {
   return (
     <section class="paint" aria-label="Paint">
       <Segmented name="Brush" value={now.shape} onChange={(shape) => (tool.value = { ...now, shape })}
-        choices={[["cells", "Cells", "cell by cell"], ["rectangle", "Rectangle", "a rectangle"], ["fill", "Fill", "connected cells of one level"], ["pick", "Pick", "take the level of a cell"]]} />
+        choices={[["cells", "Cells", "cell by cell"], ["rectangle", "Rectangle", "a rectangle"], ["fill", "Fill", "connected cells of one level"], ["pick", "Pick", "paint with the level of the cell that you click"]]} />
       <Segmented name="Level" value={String(now.level)} onChange={(level) => (tool.value = { ...now, level: Number(level) })}
-        choices={[["-1", "erase", "erase paint"], ...Array.from({ length: Math.min(10, highest + 1) }, (_, level) => [String(level), String(level), `${times(unit, level)} cm`] as const)]} />
+        choices={[["-1", "erase", "remove the paint"], ...Array.from({ length: Math.min(10, highest + 1) }, (_, level) => [String(level), String(level), `${times(unit, level)} cm`] as const)]} />
       <label class="number">level <NumberInput id="paint-level" value={now.level < 0 ? undefined : now.level} whole placeholder="erase" minimum={0}
         onChange={(level) => Number(level) >= 0 && (tool.value = { ...now, level: Number(level) })} /></label>
     </section>
@@ -77,7 +77,7 @@ function RunMenu() {
   const groups = new Map<string, DescribedCommand[]>();
   for (const command of hello.value?.commands ?? []) groups.set(command.group, [...(groups.get(command.group) ?? []), command]);
   return (
-    <Menu label="Run" icon="play" title="Commands for this map" class="run" wide>
+    <Menu label="Run" icon="play" title="Run a command on this map" class="run" wide>
       {[...groups].map(([group, commands]) => (
         <div role="group" aria-label={group} key={group}>
           <h2>{group}</h2>
@@ -93,12 +93,12 @@ export function Bar() {
   return (
     <header class="top">
       <h1 class="hidden">{now?.title ?? "rsegen"}</h1>
-      <Menu label={<span class="title">{now?.title ?? "rsegen"}{now?.unsaved && <span class="unsaved" title="not saved"> •<span class="hidden"> not saved</span></span>}</span>} title="File" class="file quiet">
+      <Menu label={<span class="title">{now?.title ?? "rsegen"}{now?.unsaved && <span class="unsaved" title="unsaved changes"> •<span class="hidden"> unsaved changes</span></span>}</span>} title="File" class="file quiet">
         <button type="button" onClick={() => void leaveFor("")}>New</button>
         <button type="button" onClick={() => (dialog.value = { name: "open" })}>Open … <kbd>Ctrl O</kbd></button>
         <button type="button" onClick={() => void save()}>Save <kbd>Ctrl S</kbd></button>
         <button type="button" onClick={() => (dialog.value = { name: "save" })}>Save as …</button>
-        <button type="button" disabled={!scene.value} onClick={() => void savePicture()}>Download a picture of the view</button>
+        <button type="button" disabled={!scene.value} onClick={() => void savePicture()}>Download a picture of the 3D view</button>
         <button type="button" onClick={() => void copy(location.href)}>Copy the address of this page</button>
         <button type="button" onClick={() => (dialog.value = { name: "help" })}>Help <kbd>?</kbd></button>
         <a class="button" href={manual()} target="_blank">Manual of all commands</a>
@@ -130,7 +130,7 @@ export function Status({ note }: { note?: string }) {
       {map?.warnings?.length ? <span class="warning" title={map.warnings.join("\n")}><Icon name="warn" /> {map.warnings.length === 1 ? map.warnings[0] : `${map.warnings.length} warnings`}</span> : null}
       <span class="gap" />
       {running[0] && <button type="button" class="quiet running" onClick={() => (dialog.value = { name: "jobs" })}>{titleOf(running[0].command)} {running[0].step} <Progress job={running[0]} /></button>}
-      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="Commands that were run, and their results" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
+      {!running[0] && jobs.value[0] && <button type="button" class="quiet" title="Commands that you ran, and their results" onClick={() => (dialog.value = { name: "jobs" })}>Runs</button>}
       {problem.value && !problem.value.kind && <span class="problem" role="alert"><Icon name="warn" /> {problem.value.where && `${problem.value.where}: `}{problem.value.text}
         <Button icon="close" class="quiet" title="Dismiss" onClick={() => (problem.value = null)} /></span>}
       <span class="said" role="status">{note || said.value || (busy.value > 0 ? "…" : "")}</span>

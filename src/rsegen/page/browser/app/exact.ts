@@ -32,15 +32,15 @@ const NUMBER = /^[+-]?(\d+([.,]\d*)?|[.,]\d+)(e[+-]?\d+)?$/i;
    1,000 is a thousand to one reader and one to another, so it is refused; so is what a number cannot hold. */
 export function typed(text: string, whole: boolean): number | bigint | string {
   const given = text.trim().replace("−", "-");
-  if (!given) return "a number is missing";
-  if (!NUMBER.test(given)) return `'${given}' is not a number: write ${whole ? "7" : "7.5 or 7,5"}, without separators of thousands`;
+  if (!given) return "enter a number";
+  if (!NUMBER.test(given)) return `'${given}' is not a number: write ${whole ? "7" : "7.5 or 7,5"}, without thousands separators`;
   if (whole) {
     if (!/^[+-]?\d+$/.test(given)) return `'${given}' is not a whole number`;
     const number = BigInt(given.replace("+", ""));
     return Number.isSafeInteger(Number(number)) ? Number(number) : number;
   }
   if (/^[+-]?[1-9]\d{0,2},\d{3}$/.test(given)) {
-    return `'${given}' may be read in two ways: write ${given.replace(",", "")} or ${given.replace(",", ".")}`;
+    return `'${given}' can be read in two ways: write ${given.replace(",", "")} or ${given.replace(",", ".")}`;
   }
   const digits = given.replace(/e.*$/i, "").replace(/\D/g, "").replace(/^0+/, "");
   if (digits.replace(/0+$/, "").length > 15) return `'${given}' has more than 15 digits`;

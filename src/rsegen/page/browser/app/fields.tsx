@@ -41,7 +41,7 @@ function Control(props: ControlProps) {
     const choose = (choice: string) => onChange(choice || undefined, "");
     if (!empty && choices.length < 5 && schema.enum.join("").length < 30)
       return <Segmented id={id} name={name} value={String(value ?? "")} choices={choices} onChange={choose} />;
-    const all = empty || value === undefined ? [["", "–"] as const, ...choices] : choices;
+    const all = empty || value === undefined ? [["", "not set"] as const, ...choices] : choices;
     return <Select id={id} value={String(value ?? "")} choices={all} onChange={choose} />;
   }
   if (schema.type === "boolean") return <Switch id={id} value={value === true} onChange={(next) => onChange(next, "")} />;
@@ -49,7 +49,7 @@ function Control(props: ControlProps) {
     const whole = schema.type === "integer";
     const { minimum, maximum } = schema;
     const number = { id, value, whole, empty, minimum, maximum, onChange, onWhy, problem, name };
-    if (!props.slider) return <NumberInput {...number} name={undefined} placeholder={empty ? "none" : ""} />;
+    if (!props.slider) return <NumberInput {...number} name={undefined} placeholder={empty ? "not set" : ""} />;
     const [low, high] = props.slider;
     return <Slider {...number} low={low} high={high} step={whole || high - low > 50 ? 1 : high - low > 5 ? 0.1 : 0.01} />;
   }
@@ -63,7 +63,7 @@ function TextControl({ id, schema, value, empty, onChange, onWhy }: ControlProps
   const pattern = schema.pattern ? new RegExp(schema.pattern) : null;
   const read = (text: string) => {
     if (!text && empty) return undefined;
-    return pattern && !pattern.test(text) ? new Unreadable(`'${text}' has letters that are not allowed here`) : text;
+    return pattern && !pattern.test(text) ? new Unreadable(`'${text}' has characters that are not allowed here`) : text;
   };
   const { why, props } = useTyped(value, read, onChange);
   if (schema.pattern?.startsWith("^#"))
@@ -94,8 +94,8 @@ function WordOrText({ id, schema, name, value, empty, onChange }: ControlProps) 
   return (
     <div class="choice">
       <Select id={id} value={shows ? OTHER : String(value ?? "")} onChange={choose}
-        choices={[...(empty || value === undefined ? [["", "–"] as const] : []), ...choices, [OTHER, areRobots ? "a file …" : "another …"] as const]} />
-      {shows && <input type="text" autocomplete="off" aria-label={areRobots ? "File of a robot" : `${name}: another`} placeholder={areRobots ? "robot.sdf, robot.urdf, or robot.xacro NAME:=VALUE" : ""} {...props} />}
+        choices={[...(empty || value === undefined ? [["", "not set"] as const] : []), ...choices, [OTHER, areRobots ? "from a file …" : "other …"] as const]} />
+      {shows && <input type="text" autocomplete="off" aria-label={areRobots ? "File of a robot" : `${name}: other value`} placeholder={areRobots ? "robot.sdf, robot.urdf, or robot.xacro NAME:=VALUE" : ""} {...props} />}
     </div>
   );
 }

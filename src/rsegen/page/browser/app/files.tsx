@@ -46,13 +46,13 @@ export function Open() {
         </section>
         <section aria-labelledby={`${id}-files`}>
           <h3 id={`${id}-files`}>Files in {listing?.folder || hello.value?.folder}</h3>
-          {folder && <Button icon="left" class="quiet" title="The folder above" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>the folder above</Button>}
+          {folder && <Button icon="left" class="quiet" title="Parent folder" onClick={() => go(folder.includes("/") ? folder.replace(/\/[^/]*$/, "") : undefined)}>parent folder</Button>}
           <ul class="choices">{listing?.entries.map((each) => (
             <li key={each.path}><button type="button" disabled={each.kind === "other"} onClick={() => (each.kind === "folder" ? go(each.path) : void openEntry(each))}>
-              <span><Icon name={ICONS[each.kind]} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>{playbacks.value.length ? "a drive: plays beside the other" : "a drive: plays over its map"}</small>}</button></li>))}</ul>
-          {listing && !listing.entries.length && <p class="empty">No recipe here yet.</p>}
+              <span><Icon name={ICONS[each.kind]} /> {each.name}</span>{each.kind === "dataset" && <small>data set</small>}{each.kind === "drive" && <small>{playbacks.value.length ? "recorded drive: plays next to the other one" : "recorded drive: plays on its map"}</small>}</button></li>))}</ul>
+          {listing && !listing.entries.length && <p class="empty">No recipes in this folder yet.</p>}
           <form class="actions" onSubmit={(event) => { event.preventDefault(); void leaveFor(path); }}>
-            <input type="text" aria-label="Path of a recipe, or DIR#17 of a data set" placeholder="path, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />
+            <input type="text" aria-label="Path of a recipe, or DIR#17 for map 17 of a data set" placeholder="path of a recipe, or DIR#17" value={path} onInput={(event) => setPath(event.currentTarget.value)} />
             <button type="submit" disabled={!path}>Open</button>
           </form>
         </section>
@@ -76,10 +76,10 @@ export function SaveAs() {
       <form onSubmit={write}>
         <div class="field tall"><label for={id}>File in {hello.value?.folder}</label>
           <div class="control"><input id={id} type="text" value={path} onInput={(event) => { problem.value = null; setPath(event.currentTarget.value); }} /></div>
-          <p class="note">.yaml or .json; the file's name becomes the name of the maps.</p>
+          <p class="note">The name ends in .yaml or .json, and the maps get it too.</p>
           {problem.value && <p class="problem" role="alert">{problem.value.text}</p>}</div>
         <footer class="actions"><button type="button" onClick={close}>Cancel</button>
-          <button type="submit" class="primary" disabled={!path || busy.value > 0}>{question === "exists" ? "Replace the file" : question === "changed" ? "Overwrite their changes" : "Save"}</button></footer>
+          <button type="submit" class="primary" disabled={!path || busy.value > 0}>{question === "exists" ? "Replace the file" : question === "changed" ? "Overwrite the other changes" : "Save"}</button></footer>
       </form>
     </Modal>
   );
@@ -104,18 +104,18 @@ export function Banners() {
   return (
     <div class="banners" aria-live="polite">
       {!connected.value && (
-        <div class="banner"><Icon name="warn" /><p><b>rsegen gui</b> does not answer: it has ended, or the connection is lost.
-          {now.unsaved ? " Your changes up to then are kept: start it again in the same folder, and open the address that it prints." : " Start it again, and open the address that it prints."}</p></div>)}
+        <div class="banner"><Icon name="warn" /><p><b>rsegen gui</b> does not answer: it was stopped, or the connection is lost.
+          {now.unsaved ? " Your unsaved changes are kept: start it again in the same folder, and open the address that it prints." : " Start it again, and open the address that it prints."}</p></div>)}
       {unsafe.length > 0 && hidden !== unsafe && (
         <div class="banner"><Icon name="warn" /><p>{unsafe}</p>
           <Button icon="close" class="quiet" title="Dismiss" onClick={() => hide(unsafe)} /></div>)}
       {isChanged && (
         <div class="banner"><Icon name="warn" /><p>Another program changed <b>{now.title}</b>.</p>
-          <button type="button" onClick={() => void save(undefined, true)}>Keep mine, overwrite theirs</button>
-          <button type="button" onClick={() => void reload()}>Take theirs</button>
+          <button type="button" onClick={() => void save(undefined, true)}>Keep my version</button>
+          <button type="button" onClick={() => void reload()}>Load the changed file</button>
           <Button icon="close" class="quiet" title="Decide later" onClick={() => { keep(now.revision); problem.value = null; }} /></div>)}
       {now.recovered && seen !== now.doc && (
-        <div class="banner"><Icon name="warn" /><p>Unsaved changes of an earlier session were restored. They are from {when(now.recovered)}.</p>
+        <div class="banner"><Icon name="warn" /><p>Unsaved changes from an earlier session were restored. You made them on {when(now.recovered)}.</p>
           <button type="button" onClick={() => see(now.doc)}>Keep them</button>
           <button type="button" onClick={() => { see(now.doc); void reload(); }}>Discard them</button></div>)}
     </div>
@@ -136,5 +136,5 @@ export async function dropped(file: File): Promise<void> {
   const command = commandFor(file.name);
   if (/\.(ya?ml|json)$/i.test(file.name)) await leaveFor(path);
   else if (command) dialog.value = { name: "run", command, upload: path };
-  else problem.value = { where: "", text: `${file.name} is no recipe, point cloud, table or image of heights` };
+  else problem.value = { where: "", text: `${file.name}: not a recipe, a point cloud, or a table or image of heights` };
 }

@@ -49,18 +49,18 @@ function Help() {
       <p class="lead">A map is a field of wooden blocks. <b>Add</b> puts an obstacle on it; where obstacles overlap, the later one replaces the earlier one. <b>Generate</b> writes its world for Gazebo.</p>
       <dl class="keys">
         {TOOLS.map((each) => <div key={each.key}><dt><kbd>{each.key.toUpperCase()}</kbd></dt><dd>{each.label}: {each.title.toLowerCase()}</dd></div>)}
-        <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level of the paint; after an arrow key on the view or plan, levels cell by cell, as read from a real pallet, row after row; Backspace goes back</dd></div>
-        <div><dt><kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd></dt><dd>undo and redo anything</dd></div>
-        <div><dt><kbd>Ctrl S</kbd> <kbd>Ctrl O</kbd></dt><dd>save, open</dd></div>
+        <div><dt><kbd>0</kbd> … <kbd>9</kbd></dt><dd>level to paint with. To copy a real pallet: press an arrow key on the view or the plan, then type the level of each cell, row by row; Backspace goes back</dd></div>
+        <div><dt><kbd>Ctrl Z</kbd> <kbd>Ctrl Y</kbd></dt><dd>undo, redo</dd></div>
+        <div><dt><kbd>Ctrl S</kbd> <kbd>Ctrl O</kbd></dt><dd>save, open a recipe</dd></div>
         <div><dt><kbd>Ctrl Enter</kbd></dt><dd>generate the maps</dd></div>
-        <div><dt><kbd>Delete</kbd> <kbd>Ctrl D</kbd></dt><dd>remove, duplicate the selected obstacle</dd></div>
-        <div><dt><kbd>Alt ↑</kbd> <kbd>Alt ↓</kbd></dt><dd>move the obstacle in the list</dd></div>
-        <div><dt><kbd>Tab</kbd> on the map</dt><dd>the ends of the selected obstacle, its middle and its height; arrow keys move them by a cell or a level, with Shift by a chunk</dd></div>
-        <div><dt>drag, wheel</dt><dd>beside the map or with the right button: turn, zoom</dd></div>
-        <div><dt>drop a file</dt><dd>a recipe is opened; a point cloud, table or image becomes a map</dd></div>
+        <div><dt><kbd>Delete</kbd> <kbd>Ctrl D</kbd></dt><dd>remove, or duplicate, the selected obstacle</dd></div>
+        <div><dt><kbd>Alt ↑</kbd> <kbd>Alt ↓</kbd></dt><dd>move the selected obstacle up or down in the list</dd></div>
+        <div><dt><kbd>Tab</kbd> on the map</dt><dd>go to the ends, the middle and the height of the selected obstacle; arrow keys move them by one cell or level, with Shift by one chunk</dd></div>
+        <div><dt>drag, wheel</dt><dd>drag next to the map, or with the right mouse button, to turn the view; zoom with the wheel</dd></div>
+        <div><dt>drop a file</dt><dd>opens a recipe; makes a map from a point cloud, a table or an image</dd></div>
       </dl>
-      <p class="note">Levels: 5 levels of 10 cm are the heights 0, 10, 20, 30 and 40 cm. Numbers may have a point or a comma. rsegen {state.hello.value?.version}</p>
-      <p><a href={manual()} target="_blank">Manual: all commands, their options, and all kinds of obstacles</a></p>
+      <p class="note">Levels: 5 levels of 10 cm are the heights 0, 10, 20, 30 and 40 cm. Numbers may have a decimal point or a decimal comma. rsegen {state.hello.value?.version}</p>
+      <p><a href={manual()} target="_blank">Manual of all commands, their options, and all kinds of obstacles</a></p>
     </Modal>
   );
 }

@@ -24,7 +24,7 @@ export function MapPanel() {
       <Form fields={basic} values={now.values} problems={problemAt} onChange={change} />
       <Difficulty />
       <div class="actions">
-        <Button title="Pictures of 12 other seeds; keep one" onClick={() => (dialog.value = { name: "variants" })}>Show 12 variations</Button>
+        <Button title="Compare 12 other seeds, and choose one" onClick={() => (dialog.value = { name: "variants" })}>Show 12 variants</Button>
         <Button class="primary" title="Write worlds and models (Ctrl+Enter)" onClick={() => (dialog.value = { name: "run", command: "generate" })}>Generate …</Button>
       </div>
       <input type="search" class="filter" aria-label="Find a parameter" placeholder="Find a parameter" value={wanted.value}

@@ -73,8 +73,8 @@ export function Obstacles() {
     <section class="panel obstacles" aria-labelledby="obstacles-title">
       <header>
         <h2 id="obstacles-title">Obstacles <small>{rows.length || ""}</small></h2>
-        <Button icon="remove" class="quiet" title="Remove the selected obstacle, or the last (Delete)" disabled={!rows.length} onClick={removeSelected} />
-        <Menu icon="more" class="quiet" title="More about obstacles">
+        <Button icon="remove" class="quiet" title="Remove the selected obstacle, or the last one (Delete)" disabled={!rows.length} onClick={removeSelected} />
+        <Menu icon="more" class="quiet" title="More actions">
           <button type="button" disabled={selected.value < 0} onClick={() => void edit({ do: "duplicate", row: selected.value })}>Duplicate <kbd>Ctrl D</kbd></button>
           <button type="button" disabled={!rows.length} onClick={() => void edit({ do: "clear" })}>Remove all</button>
         </Menu>
@@ -113,7 +113,7 @@ function List({ rows }: { rows: Row[] }) {
     setTimeout(() => list.querySelectorAll<HTMLElement>(".pick")[to]?.focus(), event.altKey ? 120 : 0);
   };
   return (
-    <ol class="rows" ref={list} style={{ "--digits": String(rows.length).length }} aria-label="Obstacles, in the order in which they are imposed">
+    <ol class="rows" ref={list} style={{ "--digits": String(rows.length).length }} aria-label="Obstacles, in the order in which they are put on the map">
       {rows.map((row, at) => {
         const kind = kindOf(row.entry.kind);
         const wrong = [state.value?.problem?.where ?? ""].some((each) => each.startsWith(`obstacles[${at}]`));
@@ -121,7 +121,7 @@ function List({ rows }: { rows: Row[] }) {
           <li key={shown(row.entry.key) || at} class={`${at === selected.value ? "selected" : ""} ${row.enabled ? "" : "off"} ${at === over && dragged >= 0 ? (dragged < at ? "after" : "before") : ""}`}
             draggable onDragStart={(event) => { drag(at); event.dataTransfer!.effectAllowed = "move"; }} onDragEnd={drop}
             onDragOver={(event) => { if (dragged >= 0) { event.preventDefault(); goOver(at); } }}>
-            <button type="button" class="pick" aria-current={at === selected.value} title="Select; arrow keys go on, with Alt they move the obstacle"
+            <button type="button" class="pick" aria-current={at === selected.value} title="Select this obstacle. Arrow keys go to the next one; Alt and arrow keys move it in the list"
               onClick={() => (selected.value = at === selected.value ? -1 : at)} onKeyDown={(event) => keys(event, at)}>
               <span class="id">{at + 1}</span>
               <Shape kind={shown(row.entry.kind)} />
@@ -140,9 +140,9 @@ function List({ rows }: { rows: Row[] }) {
 
 const BLENDS = [
   ["replace", "replace", "This obstacle overwrites the earlier ones."],
-  ["max", "max", "The higher one counts: this obstacle or the earlier ones."],
+  ["max", "max", "Each cell gets the higher level: of this obstacle, or of the earlier ones."],
   ["add", "add", "This obstacle is put on top of the earlier ones."],
-  ["min", "min", "The lower one counts: this obstacle cuts into the earlier ones."],
+  ["min", "min", "Each cell gets the lower level: this obstacle cuts into the earlier ones."],
 ] as const;
 
 function ObstacleForm({ row }: { row: number }) {
@@ -176,7 +176,7 @@ function ObstacleForm({ row }: { row: number }) {
         <div class="control"><Segmented name="Blend" value={shown(entry.blend ?? "replace")} choices={BLENDS}
           onChange={(value) => change("blend", value === "replace" ? undefined : value)} /></div>
       </div>
-      {own.length > 0 && <Form fields={own} values={entry} problems={at} onChange={change} more={`More of a ${kind?.title}`} />}
+      {own.length > 0 && <Form fields={own} values={entry} problems={at} onChange={change} more="More parameters" />}
     </div>
   );
 }
@@ -215,7 +215,7 @@ function Place({ row }: { row: number }) {
   return (
     <>
       <div class="field" data-field="Position">
-        <label for={`random-${row}`} title={isRandom(rowAt(row)!) ? "Drawn anew for every map; off: give its ends" : "Off: give its ends"}>{isRandom(rowAt(row)!) ? "Random position" : capitalized(usualPlace(rowAt(row)!))}</label>
+        <label for={`random-${row}`} title={isRandom(rowAt(row)!) ? "On: a new random position on every map. Off: you set its ends" : "Off: you set its ends"}>{isRandom(rowAt(row)!) ? "Random position" : capitalized(usualPlace(rowAt(row)!))}</label>
         <div class="control"><Switch id={`random-${row}`} value={free} onChange={(value) => fix(!value)} /></div>
       </div>
       {!free && (

@@ -61,6 +61,7 @@ export function Timeline() {
   }, [plays.value, duration, shown, hasMap]);
   if (!shown.length) return null;
   const events = shown.flatMap((drive) => drive.robots.flatMap((robot) => robot.events.map((each) => ({ ...each, who: robot.name }))));
+  const titles = shown.map((drive, at) => (shown.length > 1 ? `${["left", "right"][at]}: ${drive.title}` : drive.title)).join("; ");
   const toggle = () => {
     if (isOver) second.value = 0;
     plays.value = !plays.value;
@@ -79,8 +80,8 @@ export function Timeline() {
       </div>
       <output>{clock(duration)}</output>
       <Select name="Speed" value={speed.value} choices={[["0.25", "¼ ×"], ["1", "1 ×"], ["4", "4 ×"]]} onChange={(next) => (speed.value = next)} />
-      <span class="name" role="status">{hasMap ? shown.map((drive) => drive.title).join(" | ") : "waiting for the map …"}</span>
-      <Button icon="close" class="quiet" title="End the playback" onClick={() => { plays.value = false; playbacks.value = []; }} />
+      <span class="name" role="status">{hasMap ? titles : "waiting for the map …"}</span>
+      <Button icon="close" class="quiet" title="Close the playback" onClick={() => { plays.value = false; playbacks.value = []; }} />
     </section>
   );
 }

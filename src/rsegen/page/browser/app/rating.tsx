@@ -40,7 +40,7 @@ export function RatingCurves({ job }: { job: Job }) {
   const drive = jobs.value.find((each) => each.id === number);
   const made = drive?.state === "done" ? drive.files.find((file) => file.kind === "drive") : undefined;
   useEffect(() => void (made && leaveFor(made.path)), [made?.path]);
-  if (!rating) return job.state === "running" ? <p class="note">The curve is drawn here when the first trials have ended.</p> : null;
+  if (!rating) return job.state === "running" ? <p class="note">The curve appears here after the first trials.</p> : null;
   const again = async (judge: string, trial: RatedTrial) => {
     choose({ judge, trial });
     if (!rating.can_drive) return;
@@ -60,14 +60,14 @@ export function RatingCurves({ job }: { job: Job }) {
           <g key={curve.judge} style={{ color: COLOURS[at % COLOURS.length]! }}>
             <path class="band" d={`${path(curve.line.map(([level, , low]) => [x(level), y(low)]))}${path([...curve.line].reverse().map(([level, , , high]) => [x(level), y(high)])).replace("M", "L")}Z`} />
             <path class="curve" d={path(curve.line.map(([level, share]) => [x(level), y(share)]))} />
-            {curve.points.map(([level, crossed, count]) => <circle key={level} class="share" cx={x(level)} cy={y(crossed / count)} r={2 + Math.sqrt(count)}><title>{`${crossed} of ${count} crossed near ${level.toPrecision(3)}`}</title></circle>)}
+            {curve.points.map(([level, crossed, count]) => <circle key={level} class="share" cx={x(level)} cy={y(crossed / count)} r={2 + Math.sqrt(count)}><title>{`${crossed} of ${count} fields were crossed near ${level.toPrecision(3)}`}</title></circle>)}
             <Dots curve={curve} x={x} y={y} chosen={chosen?.judge === curve.judge ? chosen.trial.map : -1} choose={(trial) => void again(curve.judge, trial)} />
           </g>
         ))}
       </svg>
       <figcaption>
-        {rating.curves.map((curve, at) => <p key={curve.judge}><i style={{ background: COLOURS[at % COLOURS.length]! }} />{curve.judge}: {curve.half ? `half at ${curve.half}` : "no level at which half are crossed"}, {curve.trials.length} trials</p>)}
-        <p class="note">{rating.can_drive ? "Each dot is a trial, above if it crossed: click one to drive it again in MuJoCo and watch." : "Each dot is a trial, above if it crossed."}</p>
+        {rating.curves.map((curve, at) => <p key={curve.judge}><i style={{ background: COLOURS[at % COLOURS.length]! }} />{curve.judge}: {curve.half ? `half of the fields are crossed at ${curve.half}` : "no level found at which half of the fields are crossed"}, {curve.trials.length} trials</p>)}
+        <p class="note">{rating.can_drive ? "Each dot is a trial, at the top if the robot crossed. Click a dot to drive it again in MuJoCo and watch." : "Each dot is a trial, at the top if the robot crossed."}</p>
         {chosen && <p role="status">Field {chosen.trial.map} at {chosen.trial.level}: {chosen.trial.crossed === null ? "no result" : chosen.trial.crossed ? "crossed" : "did not cross"}{drive?.state === "running" ? "; driving it again …" : drive?.state === "failed" ? `: ${drive.lines.join(" ")}` : ""}</p>}
         {drive?.state === "running" && <Progress job={drive} />}
       </figcaption>

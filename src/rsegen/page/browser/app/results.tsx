@@ -77,7 +77,7 @@ function AllMetrics({ map }: { map: SceneData }) {
   }, [open, key]);
   return (
     <details onToggle={(event) => setOpen(event.currentTarget.open)}>
-      <summary>All metrics{robot.value && `, with ${robot.value}`}</summary>
+      <summary>All metrics{robot.value && `, also those of ${robot.value}`}</summary>
       {rows ? <Table rows={rows} title="All metrics" /> : <p class="empty">Measuring …</p>}
     </details>
   );
@@ -104,14 +104,14 @@ function Recipe({ map }: { map: SceneData }) {
         <a class="button quiet" download={file} href={`data:text/plain;charset=utf-8,${encodeURIComponent(text)}`}>Download</a>
       </div>
       <pre tabindex={0} aria-label="Recipe">{text}</pre>
-      {frozen && <p class="note">The same map again: <code>rsegen generate {map.file} -o worlds</code></p>}
+      {frozen && <p class="note">To make this map again: <code>rsegen generate {map.file} -o worlds</code></p>}
     </>
   );
 }
 
 export async function copy(text: string): Promise<void> {
   await navigator.clipboard?.writeText(text).catch(() => null);
-  say("copied");
+  say("Copied");
 }
 
 /* ---- difficulty, and other seeds */
@@ -131,7 +131,7 @@ export function Difficulty() {
         <Slider id={id} name="Difficulty" value={value ?? undefined} placeholder="off" empty low={0} high={1} step={0.01} whole={false} problem={problemAt("difficulty")} onChange={set} />
       </div>
       {problemAt("difficulty") && <p class="problem" role="alert">{problemAt("difficulty")}</p>}
-      {value === undefined || value === null ? null : <Button class="quiet link" title="Set a range, drawn for each map" onClick={() => set([0, value], newGesture())}>a range …</Button>}
+      {value === undefined || value === null ? null : <Button class="quiet link" title="Set a range: each map gets a random difficulty from it" onClick={() => set([0, value], newGesture())}>a range …</Button>}
     </div>
   );
 }
@@ -177,7 +177,7 @@ export function Variants() {
       <ul class="gallery">
         {(found ?? []).map((variant) => (
           <li key={`${variant.seed}-${variant.index}`}>
-            <button type="button" class="card" onClick={() => keep(variant)} title={of === "seeds" ? `Keep seed ${variant.seed}` : `Show map ${variant.index - first + 1}`}>
+            <button type="button" class="card" onClick={() => keep(variant)} title={of === "seeds" ? `Use seed ${variant.seed}` : `Show map ${variant.index - first + 1}`}>
               <Picture map={variant.scene} label={of === "seeds" ? `seed ${variant.seed}` : `map ${variant.index - first + 1}`} />
               <span class="name">{of === "seeds" ? String(variant.seed) : `Map ${variant.index - first + 1}`}</span>
               <dl>{variant.difficulty.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>

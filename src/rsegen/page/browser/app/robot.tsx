@@ -28,13 +28,13 @@ function Legend({ map, shown }: { map: PoseMap; shown: "tilt" | "margin" | "reas
   return (
     <div class="legend">
       <div class="ramp" style={{ background: `linear-gradient(90deg, ${colours.join(", ")})` }} />
-      <p><span>{degrees(low)}°</span><span>{shown === "tilt" ? "tilt" : "margin to tipping over"}</span><span>{degrees(high)}°</span></p>
+      <p><span>{degrees(low)}°</span><span>{shown === "tilt" ? "tilt" : "margin before it tips over"}</span><span>{degrees(high)}°</span></p>
       <p class="key"><i class="hatched" /> does not stand</p>
     </div>
   );
 }
 
-const WORDS = { tilt: "Settling it at every place", reach: "Searching where it gets", crossing: "Driving it across, again and again", way: "Searching the best way" };
+const WORDS = { tilt: "Computing how it stands at every place", reach: "Computing where it can drive", crossing: "Simulating many drives across", way: "Searching for the best way" };
 
 /* The search that is under way, and a way to stop it. */
 function Searching() {
@@ -65,32 +65,32 @@ export function RobotPanel() {
           <Select id={`${id}-robot`} value={robot.value} onChange={(name) => void chooseRobot(name)}
             choices={[["", "none"], ...robots.map(({ name, title }) => [name, title] as const)]} />
         </Labelled>
-        {!robot.value && <p class="empty">Choose a robot: it settles on the blocks under the mouse, and shows where it can drive.</p>}
+        {!robot.value && <p class="empty">Choose a robot to see how it stands on the blocks, and where it can drive.</p>}
         {robot.value && <>
-          <Labelled id={`${id}-heading`} label="Heading" unit="°" help="Counterclockwise from the east (+x); Shift and the wheel turn the robot over the map" wide>
+          <Labelled id={`${id}-heading`} label="Heading" unit="°" help="Counterclockwise from east (+x). On the map, Shift and the mouse wheel turn the robot" wide>
             <Slider id={`${id}-heading`} name="Heading" value={Math.round(degrees(heading.value))} low={-180} high={180} step={5} whole onChange={(value) => turn(Number(value ?? 0))} />
           </Labelled>
           <div class="actions">
-            <Button icon="robot" pressed={tool.value.name === "robot"} title="It settles where the mouse is, and turns with Shift and the wheel (R)" onClick={() => (tool.value = { name: "robot", heading: heading.value })}>Place it</Button>
-            <Button pressed={Boolean(poseMap.value)} title="Its tilt at every place, for this heading" onClick={() => (poseMap.value ? (poseMap.value = null) : void showTilt())}>Tilt map</Button>
-            <Button pressed={Boolean(reach.value)} title="Where it gets to, and its ways across" onClick={() => (reach.value ? (reach.value = null) : void showReach())}>Reach</Button>
-            <Button title="How surely it gets across: drives in MuJoCo, with errors of start, position, friction and heights" onClick={() => void showCrossing()}>Does it cross?</Button>
+            <Button icon="robot" pressed={tool.value.name === "robot"} title="Show how it stands under the mouse; Shift and the wheel turn it (R)" onClick={() => (tool.value = { name: "robot", heading: heading.value })}>Place it</Button>
+            <Button pressed={Boolean(poseMap.value)} title="Show its tilt at every place, for this heading" onClick={() => (poseMap.value ? (poseMap.value = null) : void showTilt())}>Tilt map</Button>
+            <Button pressed={Boolean(reach.value)} title="Show where it can drive, and its ways across the map" onClick={() => (reach.value ? (reach.value = null) : void showReach())}>Reach</Button>
+            <Button title="How likely it is to cross: many drives in MuJoCo, with errors of start, position, friction and heights" onClick={() => void showCrossing()}>Does it cross?</Button>
           </div>
           {poseMap.value && <Segmented name="Shown at each place" value={mapShown.value} choices={[["tilt", "tilt"], ["margin", "margin"], ["reason", "reason"]]} onChange={(next) => (mapShown.value = next)} />}
           {poseMap.value && <Legend map={poseMap.value} shown={mapShown.value} />}
           <Searching />
           {reach.value && <>
-            <ul class="legend" aria-label="Colours of reach"><li class="key"><i class="reached" />in its own colour: the robot gets there</li><li class="key"><i class="pale" />pale: it does not</li></ul>
+            <ul class="legend" aria-label="Colours of reach"><li class="key"><i class="reached" />full colour: the robot can get there</li><li class="key"><i class="pale" />pale: it cannot</li></ul>
             <p class="note">{reach.value.text}</p></>}
           {stands && <div aria-live="polite">
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
-            {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin to tipping over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
+            {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin before it tips over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
               ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["contacts", String(stands.contacts.length)]]} />}
-            {stands.stands && <Button icon="play" title="Put it into a running Gazebo, at this place of the map" onClick={() => (dialog.value = { name: "run", command: "spawn" })}>Put it into Gazebo …</Button>}
+            {stands.stands && <Button icon="play" title="Spawn it in a running Gazebo, at this place of the map" onClick={() => (dialog.value = { name: "run", command: "spawn" })}>Spawn in Gazebo …</Button>}
           </div>}
           <h3>Best way</h3>
           <Segmented name="Best by" value={best.value} choices={[["length", "shortest"], ["tilt", "least tilt"], ["margin", "safest"]]} onChange={(next) => (best.value = next)} />
-          <div class="actions"><Button icon="way" pressed={tool.value.name === "way"} title="Two clicks on the map: start and goal (W)" onClick={() => (tool.value = { name: "way" })}>Click start and goal</Button></div>
+          <div class="actions"><Button icon="way" pressed={tool.value.name === "way"} title="Click the start on the map, then the goal (W)" onClick={() => (tool.value = { name: "way" })}>Click start and goal</Button></div>
           {wayStart.value && !way.value && searching.value?.of !== "way" && <p class="note" role="status">Now click the goal.</p>}
           {way.value && <div aria-live="polite">
             {way.value.found

@@ -79,7 +79,7 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
   const [failure, fail] = useState<Failed["failure"] | null>(null);
   const [number, follow] = useState<number | null>(null);
   const close = () => (dialog.value = null);
-  if (!command) return <Modal title={name} close={close}><p>This program has no command {name}.</p></Modal>;
+  if (!command) return <Modal title={name} close={close}><p>rsegen has no command {name}.</p></Modal>;
   const job = jobs.value.find((each) => each.id === number);
   const run = async (replace = false) => {
     fail(null);
@@ -107,16 +107,16 @@ export function Run({ name, upload, target = "" }: { name: string; upload?: stri
           <p class="lead">{command.help}{target && <> — on <code>{target}</code></>} · <a href={manual(name)} target="_blank">Manual</a></p>
           <Form fields={fieldsOf(command, target)} values={values} problems={problems} explained
             onChange={(field, value) => set((now) => ({ ...now, values: { ...now.values, [field]: value } }))} />
-          {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : ", if any"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
+          {command.output !== "none" && <Labelled id={`${id}-output`} label={`${command.output === "folder" ? "Output folder" : "Output file"}${command.output_required ? "" : " (optional)"}`} help={`in ${hello.value!.folder}`} note={command.output_help} problem={problems("output")} wide>
             <input id={`${id}-output`} type="text" value={output} onInput={(event) => { const text = event.currentTarget.value; set((now) => ({ ...now, output: text })); }} />
           </Labelled>}
-          <div class="shell"><code>{line(command, values, output, stands)}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(line(command, values, output, stands))} /></div>
-          {state.value?.problem && !target && command.target === "recipe" && <p class="problem" role="alert">First correct the recipe: {state.value.problem.where}: {state.value.problem.text}</p>}
+          <div class="shell"><code>{line(command, values, output, stands)}</code><Button icon="copy" class="quiet" title="Copy the command line" onClick={() => void copy(line(command, values, output, stands))} /></div>
+          {state.value?.problem && !target && command.target === "recipe" && <p class="problem" role="alert">Correct the recipe first: {state.value.problem.where}: {state.value.problem.text}</p>}
           <footer class="actions">
             {elsewhere && <p class="problem" role="alert">{failure.where && `${failure.where}: `}{failure.text}</p>}
             {upload && name === "scan" && <button type="button" onClick={() => (dialog.value = { name: "run", command: "compare", upload })}>Compare it with this map …</button>}
             <button type="button" onClick={close}>Cancel</button>
-            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && !target && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace what is there" : "Run"}</button></footer>
+            <button type="submit" class="primary" disabled={Boolean(state.value?.problem) && !target && command.target === "recipe"}>{failure?.kind === "exists" ? "Replace the existing files" : "Run"}</button></footer>
         </form>
       )}
     </Modal>
@@ -135,7 +135,7 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
     <div class="job">
       <p class={`state ${job.state}`} role="status"><b>{job.state}</b> {job.state === "running" && <>{job.step} {job.total ? `${job.done ?? 0} of ${job.total}` : ""}</>}</p>
       {job.state === "running" && <Progress job={job} />}
-      <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the line for a shell" onClick={() => void copy(job.line)} /></div>
+      <div class="shell"><code>{job.line}</code><Button icon="copy" class="quiet" title="Copy the command line" onClick={() => void copy(job.line)} /></div>
       {job.command === "rate" && job.output && <RatingCurves job={job} />}
       <Report text={job.lines.join("\n")} isBad={job.state === "failed"} />
       <div class="pictures">{job.files.filter((file) => file.kind === "picture" && !isOfMap(file, job)).slice(0, 8).map((file) => <FilePicture key={file.path} {...file} wide={isOnTop(file) && !job.files.every(isOnTop)} />)}</div>
@@ -144,7 +144,7 @@ export function JobReport({ job, again }: { job: Job; again?: () => void }) {
       <ul class="files">{job.files.filter((file) => file.kind !== "picture" && file.kind !== "recipe").map((file) => (
         <li key={file.path}><Icon name={file.kind === "drive" ? "play" : "file"} /><span>{file.name}</span>
           {file.kind === "drive" && <><button type="button" class="primary" onClick={() => { dialog.value = null; void play(file.path); }}>Play</button>
-            {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play beside the other</button>}</>}
+            {playbacks.value.length > 0 && <button type="button" onClick={() => { dialog.value = null; void play(file.path, true); }}>Play next to the other</button>}</>}
           {file.kind === "dataset" && <button type="button" onClick={() => void leaveFor(`${file.path}#0`)}>Open</button>}
           {file.kind === "pdf" && <button type="button" onClick={() => void show(file.path)}>Show</button>}
           {file.kind !== "drive" && file.kind !== "dataset" && <button type="button" class="quiet" onClick={() => void download(file)}>Download</button>}
@@ -192,7 +192,7 @@ function MadeMaps({ job }: { job: Job }) {
           {previewOf(map) ? <FilePicture {...previewOf(map)!} wide={false} /> : drawn.has(map.path) && <Picture map={drawn.get(map.path)!} label={map.name} />}
           <b class="name">{map.name}</b>
           <button type="button" onClick={() => void openWorld(folderOf(map))}>Open in Gazebo</button>
-          <button type="button" onClick={() => (dialog.value = { name: "run", command: "drive", target: folderOf(map) })}>Drive here …</button>
+          <button type="button" onClick={() => (dialog.value = { name: "run", command: "drive", target: folderOf(map) })}>Drive a robot here …</button>
           <button type="button" onClick={() => void leaveFor(map.path)}>Edit</button>
         </li>))}</ul>
       {maps.length > MOST_MAPS && <p class="note">and {maps.length - MOST_MAPS} more</p>}
@@ -221,7 +221,7 @@ function ShowFolder({ path }: { path: string }) {
 
 /* Open another recipe, after a question if the one that is open would be left unsaved; false if it was not opened. */
 export async function leaveFor(what: string): Promise<boolean> {
-  if (state.value?.unsaved && !confirm(`${state.value.title} has changes that are not saved. Leave them?`)) return false;
+  if (state.value?.unsaved && !confirm(`${state.value.title} has unsaved changes. Discard them?`)) return false;
   const opened = await open(what);
   if (!opened) return false;
   dialog.value = null;
@@ -293,7 +293,7 @@ function FilePicture({ path, name, wide }: { path: string; name: string; wide: b
 export function Jobs() {
   return (
     <Modal title="Runs" close={() => (dialog.value = null)} wide>
-      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{titleOf(job.command)} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">Nothing has been run yet.</p>}
+      {jobs.value.length ? jobs.value.map((job) => <details key={job.id} open={job === jobs.value[0]}><summary>{titleOf(job.command)} <small>{job.state}</small></summary><JobReport job={job} /></details>) : <p class="empty">You have not run a command yet.</p>}
     </Modal>
   );
 }

@@ -19,13 +19,13 @@ export class Failed extends Error {
 async function answer(response: Response): Promise<Response> {
   if (response.ok) return response;
   const said = await response.json().catch(() => null);
-  throw new Failed(said?.error ?? { where: "", text: `the server answered ${response.status}` });
+  throw new Failed(said?.error ?? { where: "", text: `the server answered with error ${response.status}` });
 }
 
 /* Call a function of the server by its name. */
 export async function call<N extends keyof Calls>(name: N, args: Calls[N]["args"]): Promise<Calls[N]["result"]> {
   const response = await fetch(`api/${name}`, { method: "POST", headers, body: written(args) }).catch(() => {
-    throw new Failed({ where: "", text: "rsegen gui has ended: start it again, and reload this page" });
+    throw new Failed({ where: "", text: "rsegen gui does not answer: start it again, and open the address that it prints" });
   });
   return read<Calls[N]["result"]>(await (await answer(response)).text());
 }

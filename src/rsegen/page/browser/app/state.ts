@@ -326,7 +326,7 @@ export async function save(path?: string, replace = false): Promise<boolean> {
   const next = await attempt(() => ask("save", { ...(path && { path }), ...(replace && { replace }) }));
   if (!next) return false;
   take(next);
-  say(`saved as ${next.title}`);
+  say(`Saved as ${next.title}`);
   return true;
 }
 

@@ -76,7 +76,7 @@ function Host({ of: Of, label, player = 0, name }: { of: Of; label: string; play
       trouble.current!.hidden = false;
     }
   }, []);
-  return <div class="view" ref={host} role="region" aria-label={label}><p ref={trouble} hidden class="empty">This browser shows no 3D graphics (WebGL 2).</p></div>;
+  return <div class="view" ref={host} role="region" aria-label={label}><p ref={trouble} hidden class="empty">This browser cannot show 3D graphics: WebGL 2 is missing or switched off.</p></div>;
 }
 
 const LOOKS = [["oblique", "Oblique"], ["above", "Above"], ["south", "South"], ["east", "East"]] as const;
@@ -132,7 +132,7 @@ export function Stage() {
         </div>
         <HeightLegend />
         {!scene.value && <p class="over empty">Drawing the map …</p>}
-        {state.value?.problem && <p class="over stale" role="status">The last valid map: {state.value.problem.where}: {state.value.problem.text}</p>}
+        {state.value?.problem && <p class="over stale" role="status">This is the last valid map. {state.value.problem.where}: {state.value.problem.text}</p>}
       </div>
       {given !== "hidden" && (
         <section class="plan" aria-label="Plan" style={{ "--aspect": aspect() }}>
