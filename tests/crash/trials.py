@@ -7,6 +7,7 @@ import os
 import random
 import shutil
 import stat
+import subprocess
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -98,7 +99,7 @@ def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undi
     if run.damage:
         run.damage(server.root)
     add_foreign(server.trial, shared=shared)
-    shutil.copytree(server.trial, folder, symlinks=True)
+    _copied(server.trial, folder)
     before = tree(server.trial)
     end = _succeeded(server.run(run.command), run)
     return Undisturbed(folder=folder, before=before, whole=tree(server.trial), calls=end.calls)
@@ -107,7 +108,7 @@ def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undi
 def problems(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, list[str]]:
     """What was done in a trial, and what is wrong after it."""
     _empty(server.trial)
-    shutil.copytree(alone.folder, server.trial, symlinks=True)
+    _copied(alone.folder, server.trial)
     if trial.kind == SECOND:
         return _second_run(trial, alone, server)
     if trial.kind == TAKEN:
@@ -294,6 +295,11 @@ def _of_root(files: Tree) -> Tree:
 
 def _outside(files: Tree) -> Tree:
     return {path: file for path, file in files.items() if path.startswith("outside") and not is_hidden(path)}
+
+
+def _copied(folder: Path, place: Path) -> None:
+    """Copy a folder with its links; not the times of links, as shutil does, which SFTP cannot set."""
+    subprocess.run(["cp", "-R", "-P", "--preserve=mode", str(folder), str(place)], check=True)
 
 
 def _empty(folder: Path) -> None:

@@ -268,9 +268,9 @@ class Session:
     def design(self) -> MapDesign:
         """The recipe; obstacles that wait may not be in it yet, its seed and the size of its maps are."""
         known = self.recipe.values()
-        if any(known[name] != self.draft.values.get(name) for name in ("seed", "chunk_size", "chunks")):
-            if not self._is_still_wrong():
-                self.settle()
+        differs = any(known[name] != self.draft.values.get(name) for name in ("seed", "chunk_size", "chunks"))
+        if differs and not self._is_still_wrong():
+            self.settle()
         return self.recipe
 
     def keyed_row(self, row: int) -> Entry:
@@ -290,7 +290,7 @@ class Session:
         return {**entry, "key": next(islice(derived_keys(stem, taken), above, None))}
 
     def _is_still_wrong(self) -> bool:
-        """Return whether the draft is surely invalid: in its values alone, or in the row that was wrong when checked."""
+        """Return whether the draft is surely invalid: by its values alone, or by the row that was wrong before."""
         try:
             decode(self.draft.values)
         except RsegenError:
