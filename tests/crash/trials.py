@@ -161,7 +161,7 @@ def _gone_on(run: Run, alone: Undisturbed, server: Server) -> Iterator[str]:
     if wrong := differences(visible(now), visible(alone.whole)):
         yield f"after the run that continues it, {', '.join(wrong)}"
     if left := left_hidden(now):
-        yield f"after the run that continues it, {left[0]} is left"
+        yield f"after the run that continues it, {', '.join(left[:5])} is left"
 
 
 def _replaced_again(run: Run, alone: Undisturbed, server: Server) -> Iterator[str]:
@@ -191,7 +191,7 @@ def _second_run(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, 
     if different := differences(visible(now), visible(alone.whole)):
         wrong.append(f"after both runs, {', '.join(different)}")
     if left := left_hidden(now):
-        wrong.append(f"after both runs, {left[0]} is left")
+        wrong.append(f"after both runs, {', '.join(left[:5])} is left")
     return done, wrong
 
 
