@@ -75,7 +75,7 @@ def _record(file: Path, seed: int, tried: Sequence[Tried], skipped: Mapping[str,
             count["tried"] += 1
             count["failed"] += bool(each.problems)
         commands = len({run.name.split()[0].strip(",") for run in RUNS})
-        made = {"python": platform.python_version(), "seed": seed, "commands": commands, "counts": counts}
+        made = {"seed": seed, "commands": commands, "counts": counts}
         _update(file, "disks", {disk: made})
     _update(file, "skipped", skipped)
 
@@ -83,7 +83,7 @@ def _record(file: Path, seed: int, tried: Sequence[Tried], skipped: Mapping[str,
 def _update(file: Path, name: str, values: Mapping[str, object]) -> None:
     """Change values of one of the objects of a JSON file, which is made if it does not exist."""
     content = json.loads(file.read_text("utf-8")) if file.exists() else {}
-    content[name] = {**content.get(name, {}), **values}
+    content |= {"python": platform.python_version(), name: {**content.get(name, {}), **values}}
     file.write_text(json.dumps(content, indent=2) + "\n", "utf-8")
 
 

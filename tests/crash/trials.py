@@ -22,6 +22,7 @@ from tests.crash.judging import (
     Tree,
     differences,
     is_hidden,
+    journals,
     left_hidden,
     neither_old_nor_new,
     tree,
@@ -158,7 +159,8 @@ def _gone_on(run: Run, alone: Undisturbed, server: Server) -> Iterator[str]:
     if end.code or end.signal:
         yield f"cannot be continued: exit code {end.code}: {end.err.strip()[:300]}"
     now = tree(server.trial)
-    if wrong := differences(visible(now), visible(alone.whole)):
+    wrong = differences(visible(now), visible(alone.whole)) or differences(journals(now), journals(alone.whole))
+    if wrong:
         yield f"after the run that continues it, {', '.join(wrong)}"
     if left := left_hidden(now):
         yield f"after the run that continues it, {', '.join(left[:5])} is left"
