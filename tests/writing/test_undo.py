@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -194,7 +195,7 @@ def test_a_folder_is_removed_once_its_disk_knows_that_a_file_in_it_is_closed(
         if next(pauses) == 3:
             (tmp_path / "a" / name).unlink()
 
-    monkeypatch.setattr(undo.time, "sleep", sleep)
+    monkeypatch.setattr(time, "sleep", sleep)
     undo.remove_empty(tmp_path / "a")
     assert not (tmp_path / "a").exists()
     assert next(pauses) == 4
