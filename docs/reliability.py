@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,19 +16,23 @@ FUZZ, CRASH = RESULTS / "fuzz.json", RESULTS / "crash.json"
 def table() -> Iterator[str]:
     """The last results as lines of Markdown."""
     crash = _loaded(CRASH)
-    counts = crash["counts"]
-    trials = sum(count["tried"] for disks in counts.values() for count in disks.values())
-    tried = f"{trials:,} trials of {crash['commands']} commands, {crash['experiments']} kills of an experiment"
+    disks, experiments = crash["disks"], crash["experiments"]
     yield "| trial | seed | tried | failed |"
     yield "|---|---|---|---|"
     for fuzz in _loaded(FUZZ):
         family = fuzz.get("family", "all")
         command = "`make fuzz`" if family == "all" else f"`python -m tests.fuzz --family {family}`"
         yield f"| {command} | {fuzz['seed']} | {fuzz['cases']:,} {_CASES[family]} | {fuzz['fail']} |"
-    yield f"| `make crash` | {crash['seed']} | {tried} | {crash['problems']} |"
+    for seed in dict.fromkeys(disk["seed"] for disk in disks.values()):
+        those = {name: disk for name, disk in disks.items() if disk["seed"] == seed}
+        tried, failed = (_sum(those.values(), what) for what in ("tried", "failed"))
+        commands = max(disk["commands"] for disk in those.values())
+        yield f"| `make crash` | {seed} | {tried:,} trials of {commands} commands on {len(those)} disks | {failed} |"
+    kills = f"{experiments['tried']} kills of an experiment in Gazebo"
+    yield f"| `python -m tests.crash --experiments` | {experiments['seed']} | {kills} | {experiments['failed']} |"
     yield "\nTrials of `make crash` by what happens, and by disk (failed / tried):\n"
-    yield from _by_disk(counts)
-    yield from (f"\nNot tried on {disk}: {why}." for disk, why in crash["skipped"].items())
+    yield from _by_disk(disks)
+    yield from (f"\nNot tried on {disk}: {why}." for disk, why in crash["skipped"].items() if disk not in disks)
     yield "\nWaiting for the disk costs:\n"
     yield from syncing.table(_loaded(syncing.FILE))
 
@@ -58,13 +62,16 @@ _KINDS = {
 """What happens in a trial of tests/crash, in words."""
 
 
-def _by_disk(counts: Mapping[str, Mapping[str, Mapping[str, int]]]) -> Iterator[str]:
+def _sum(disks: Iterable[Mapping[str, Any]], what: str) -> int:
+    return sum(count[what] for disk in disks for count in disk["counts"].values())
+
+
+def _by_disk(disks: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     """A table of trials: a row for each kind, a column for each disk."""
-    disks = list(dict.fromkeys(disk for row in counts.values() for disk in row))
     yield f"| what happens | {' | '.join(disks)} |"
     yield f"|---|{'---|' * len(disks)}"
     for kind, words in _KINDS.items():
-        cells = [counts.get(kind, {}).get(disk, {"tried": 0, "failed": 0}) for disk in disks]
+        cells = [disk["counts"].get(kind, {"tried": 0, "failed": 0}) for disk in disks.values()]
         shares = [f"{cell['failed']} / {cell['tried']}" for cell in cells]
         yield f"| {words} | {' | '.join(shares)} |"
 

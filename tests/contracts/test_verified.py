@@ -1,4 +1,4 @@
-"""`rsegen info --verify` notices each byte of each kind of output that has checksums."""
+"""`rsegen info --verify` notices each byte of each kind of output that has checksums, and of its journal."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import rsegen
-from rsegen.errors import FilesDamaged
+from rsegen.errors import FileError, FilesDamaged
 from rsegen.input_files import JOURNAL
+from rsegen.writing.journal import read_journal
 from tests.fuzz.seeds import cloud
 from tests.support.complaints import exit_code, the_line
 
@@ -75,6 +76,15 @@ def test_a_byte_that_changes_in_any_file_is_noticed(
             rsegen.verify(folder)
         path.write_bytes(content)
     capsys.readouterr()
+    for journal in folder.rglob(JOURNAL):
+        content = journal.read_bytes()
+        for at in range(len(content)):
+            journal.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
+            with pytest.raises(FileError, match="is damaged"):
+                read_journal(journal.parent)
+        with pytest.raises(FileError, match="is damaged"):
+            rsegen.verify(folder)
+        journal.write_bytes(content)
     files[0].unlink()
     assert exit_code("info", "out", "--verify") == 1
     assert "is missing or empty" in the_line(capsys.readouterr().err)

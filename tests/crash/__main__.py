@@ -10,14 +10,14 @@ import random
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tests.crash.commands import RUNS
 from tests.crash.disks import DISKS, NotMounted
 from tests.crash.experiment import experiment_killed, has_simulator
 from tests.crash.injection import missing
-from tests.crash.running import Problem, Tried, numbers, run
+from tests.crash.running import OWN, OWN_ASIDE, Problem, Tried, numbers, run
 
 
 def main() -> int:
@@ -27,16 +27,7 @@ def main() -> int:
     if why := missing():
         print(f"no trials: {why}")
         return 2
-    those = [arguments.number] if arguments.number is not None else numbers(arguments.trials, arguments.only)
-    tried = run(arguments.seed, those, arguments.processes, _Said(arguments.seed, len(those)))
-    few = those if arguments.number is not None else numbers(arguments.mounted, arguments.only)
-    skipped = {}
-    for disk in DISKS if few else ():
-        try:
-            tried += run(arguments.seed, few, arguments.processes, _Said(arguments.seed, len(few)), disk)
-        except NotMounted as error:
-            skipped[disk.name] = str(error)
-            print(f"\rno trials on {disk.name}: {error}")
+    tried, skipped = _trials(arguments)
     print(file=sys.stderr)
     experiments = arguments.experiments if has_simulator() else 0
     if not experiments and arguments.experiments:
@@ -48,27 +39,52 @@ def main() -> int:
     problems = len(found) + len(lost)
     print(f"{len(tried)} trials, {experiments} kills of an experiment: {problems} problems")
     if arguments.record:
-        record = {
-            "python": platform.python_version(),
-            "seed": arguments.seed,
-            "commands": len({run.name.split()[0].strip(",") for run in RUNS}),
-            "counts": _counts(tried),
-            "skipped": skipped,
-            "experiments": experiments,
-            "problems": problems,
-        }
-        arguments.record.write_text(json.dumps(record, indent=2) + "\n", "utf-8")
+        _record(arguments.record, arguments.seed, tried, skipped)
+        if experiments:
+            _update(
+                arguments.record, "experiments", {"seed": arguments.seed, "tried": experiments, "failed": len(lost)}
+            )
     return bool(problems)
 
 
-def _counts(tried: Sequence[Tried]) -> dict[str, dict[str, dict[str, int]]]:
-    """How many trials there were, and after how many something is wrong, by what happens and by disk."""
-    counts: dict[str, dict[str, dict[str, int]]] = {}
-    for each in tried:
-        count = counts.setdefault(each.kind, {}).setdefault(each.disk, {"tried": 0, "failed": 0})
-        count["tried"] += 1
-        count["failed"] += bool(each.problems)
-    return counts
+def _trials(arguments: argparse.Namespace) -> tuple[list[Tried], dict[str, str]]:
+    """Make the trials on each disk; with them come the disks that cannot be mounted, with the reasons."""
+    alone, tried, skipped = arguments.number, list[Tried](), dict[str, str]()
+    disks = [disk for disk in DISKS if arguments.disks in disk.name and (arguments.mounted or alone is not None)]
+    own = [None] if arguments.disks in f"{OWN}; {OWN_ASIDE}" else []
+    for disk in (*own, *disks):
+        trials = arguments.mounted if disk else arguments.trials
+        those = numbers(trials, arguments.only) if alone is None else [alone]
+        try:
+            tried += run(arguments.seed, those, arguments.processes, _Said(arguments.seed, len(those)), disk)
+        except NotMounted as error:
+            skipped[disk.name if disk else OWN] = str(error)
+            print(f"\rno trials on {disk.name if disk else OWN}: {error}")
+    return tried, skipped
+
+
+def _record(file: Path, seed: int, tried: Sequence[Tried], skipped: Mapping[str, str]) -> None:
+    """Write how many trials there were, and after how many something is wrong, by disk and what happens, into a file.
+
+    What it has of other disks stays.
+    """
+    for disk in dict.fromkeys(each.disk for each in tried):
+        counts: dict[str, dict[str, int]] = {}
+        for each in (each for each in tried if each.disk == disk):
+            count = counts.setdefault(each.kind, {"tried": 0, "failed": 0})
+            count["tried"] += 1
+            count["failed"] += bool(each.problems)
+        commands = len({run.name.split()[0].strip(",") for run in RUNS})
+        made = {"seed": seed, "commands": commands, "counts": counts}
+        _update(file, "disks", {disk: made})
+    _update(file, "skipped", skipped)
+
+
+def _update(file: Path, name: str, values: Mapping[str, object]) -> None:
+    """Change values of one of the objects of a JSON file, which is made if it does not exist."""
+    content = json.loads(file.read_text("utf-8")) if file.exists() else {}
+    content |= {"python": platform.python_version(), name: {**content.get(name, {}), **values}}
+    file.write_text(json.dumps(content, indent=2) + "\n", "utf-8")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -78,10 +94,16 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=seed, help="of the trials (default: drawn and printed)")
     parser.add_argument("--mounted", type=int, default=100, help="how many on each other disk (default: 100)")
     parser.add_argument("--number", type=int, help="only this trial of the seed")
+    parser.add_argument("--disks", default="", metavar="TEXT", help="only disks with this text in their names")
     parser.add_argument("--only", default="", metavar="TEXT", help="only commands with this text in their names")
     parser.add_argument("--processes", type=int, default=min(2, os.cpu_count() or 1), help="at the same time")
     parser.add_argument("--experiments", type=int, default=0, help="kills of an experiment in a real Gazebo")
-    parser.add_argument("--record", type=Path, metavar="FILE", help="write the result into this JSON file")
+    parser.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE",
+        help="write the results into this JSON file, in place of those on the same disks",
+    )
     return parser
 
 

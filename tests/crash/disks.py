@@ -60,12 +60,31 @@ def _of_fuse(source: Path, place: Path) -> list[str]:
     return ["bindfs", str(source), str(place)]
 
 
-def _of_image(source: Path, place: Path) -> list[str]:
-    """The command that mounts a file, in which ext4 is made."""
-    with source.open("wb") as file:
-        file.truncate(_IMAGE)
-    _called("mkfs.ext4", "-q", str(source))
-    return ["mount", "-o", "loop", str(source), str(place)]
+_SFTP = "/usr/lib/openssh/sftp-server"
+
+
+def _of_sftp(source: Path, place: Path) -> list[str]:
+    """The command that mounts a folder by SFTP, as from another machine, whose server is asked without a network."""
+    source.mkdir()
+    command = source.with_name("ssh")  # sshfs starts it in place of ssh, with the arguments of ssh
+    command.write_text(f"#!/bin/sh\nexec {_SFTP}\n", "utf-8")
+    command.chmod(0o700)
+    help_text = subprocess.run(["sshfs", "--help"], capture_output=True, text=True, check=False).stdout
+    # Some versions keep links that lead upwards from being read, which the trials have beside the output.
+    links = ["-o", "no_contain_symlinks"] * ("no_contain_symlinks" in help_text)
+    return ["sshfs", "-o", f"ssh_command={command}", *links, f"none:{source}", str(place)]
+
+
+def _of_image(*make: str) -> Callable[[Path, Path], list[str]]:
+    """The command that mounts a file, in which a command makes the disk."""
+
+    def mount(source: Path, place: Path) -> list[str]:
+        with source.open("wb") as file:
+            file.truncate(_IMAGE)
+        _called(*make, str(source))
+        return ["mount", "-o", "loop", str(source), str(place)]
+
+    return mount
 
 
 def _called(*command: str) -> None:
@@ -82,10 +101,33 @@ DISKS = (
         mount=_of_fuse,
     ),
     Disk(
+        name="FUSE (sshfs)",
+        exchanges=False,
+        programs={
+            "sshfs": "sshfs",
+            _SFTP: "openssh-sftp-server",
+            "fusermount3": "fuse3",
+            "umount": "mount",
+        },
+        mount=_of_sftp,
+    ),
+    Disk(
         name="ext4 (loop)",
         exchanges=True,
         programs={"mkfs.ext4": "e2fsprogs", "mount": "mount", "umount": "mount"},
-        mount=_of_image,
+        mount=_of_image("mkfs.ext4", "-q"),
+    ),
+    Disk(
+        name="XFS (loop)",
+        exchanges=True,
+        programs={"mkfs.xfs": "xfsprogs", "mount": "mount", "umount": "mount"},
+        mount=_of_image("mkfs.xfs", "-q"),
+    ),
+    Disk(
+        name="Btrfs (loop)",
+        exchanges=True,
+        programs={"mkfs.btrfs": "btrfs-progs", "mount": "mount", "umount": "mount"},
+        mount=_of_image("mkfs.btrfs", "-q"),
     ),
 )
 """Disks on which trials are made beside those on this machine's own."""

@@ -73,6 +73,11 @@ def visible(files: Tree) -> Tree:
     return {path: file for path, file in files.items() if not is_hidden(path) and _name(path) not in JOURNALS}
 
 
+def journals(files: Tree) -> Tree:
+    """Journals of what is complete."""
+    return {path: file for path, file in files.items() if _name(path) in JOURNALS and not is_hidden(path[:-13])}
+
+
 def differences(found: Tree, expected: Tree, most: int = 2) -> list[str]:
     """The first paths that differ, and how: those that are lost before those that are left over."""
     words = []

@@ -7,6 +7,7 @@ import os
 import random
 import shutil
 import stat
+import subprocess
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,6 +22,7 @@ from tests.crash.judging import (
     Tree,
     differences,
     is_hidden,
+    journals,
     left_hidden,
     neither_old_nor_new,
     tree,
@@ -98,7 +100,7 @@ def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undi
     if run.damage:
         run.damage(server.root)
     add_foreign(server.trial, shared=shared)
-    shutil.copytree(server.trial, folder, symlinks=True)
+    _copied(server.trial, folder)
     before = tree(server.trial)
     end = _succeeded(server.run(run.command), run)
     return Undisturbed(folder=folder, before=before, whole=tree(server.trial), calls=end.calls)
@@ -107,7 +109,7 @@ def undisturbed(run: Run, server: Server, folder: Path, *, shared: bool) -> Undi
 def problems(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, list[str]]:
     """What was done in a trial, and what is wrong after it."""
     _empty(server.trial)
-    shutil.copytree(alone.folder, server.trial, symlinks=True)
+    _copied(alone.folder, server.trial)
     if trial.kind == SECOND:
         return _second_run(trial, alone, server)
     if trial.kind == TAKEN:
@@ -157,10 +159,11 @@ def _gone_on(run: Run, alone: Undisturbed, server: Server) -> Iterator[str]:
     if end.code or end.signal:
         yield f"cannot be continued: exit code {end.code}: {end.err.strip()[:300]}"
     now = tree(server.trial)
-    if wrong := differences(visible(now), visible(alone.whole)):
+    wrong = differences(visible(now), visible(alone.whole)) or differences(journals(now), journals(alone.whole))
+    if wrong:
         yield f"after the run that continues it, {', '.join(wrong)}"
     if left := left_hidden(now):
-        yield f"after the run that continues it, {left[0]} is left"
+        yield f"after the run that continues it, {', '.join(left[:5])} is left"
 
 
 def _replaced_again(run: Run, alone: Undisturbed, server: Server) -> Iterator[str]:
@@ -190,7 +193,7 @@ def _second_run(trial: Trial, alone: Undisturbed, server: Server) -> tuple[str, 
     if different := differences(visible(now), visible(alone.whole)):
         wrong.append(f"after both runs, {', '.join(different)}")
     if left := left_hidden(now):
-        wrong.append(f"after both runs, {left[0]} is left")
+        wrong.append(f"after both runs, {', '.join(left[:5])} is left")
     return done, wrong
 
 
@@ -294,6 +297,11 @@ def _of_root(files: Tree) -> Tree:
 
 def _outside(files: Tree) -> Tree:
     return {path: file for path, file in files.items() if path.startswith("outside") and not is_hidden(path)}
+
+
+def _copied(folder: Path, place: Path) -> None:
+    """Copy a folder with its links; not the times of links, as shutil does, which SFTP cannot set."""
+    subprocess.run(["cp", "-R", "-P", "--preserve=mode", str(folder), str(place)], check=True)
 
 
 def _empty(folder: Path) -> None:

@@ -178,6 +178,17 @@ def test_a_journal_that_was_cut_off_is_believed_as_far_as_it_goes(tmp_path: Path
     assert contents(folder) == expected
 
 
+def test_a_run_that_was_killed_when_it_had_made_all_leaves_the_journal_of_one_run(tmp_path: Path) -> None:
+    """It is killed between what is put in place and the journal that is written anew; the next has nothing to make."""
+    folder = tmp_path / "set"
+    make_dataset(RECIPE, folder, shard_maps=3)
+    before = contents(folder)
+    lines = before[JOURNAL].splitlines(keepends=True)
+    (folder / JOURNAL).write_bytes(b"".join([lines[0], *reversed(lines[1:]), lines[2]]))
+    make_dataset(RECIPE, folder, shard_maps=3, resume=True)
+    assert contents(folder) == before
+
+
 @pytest.mark.slow
 def test_two_runs_do_not_make_one_data_set(tmp_path: Path, whole: dict[str, bytes]) -> None:
     folder = tmp_path / "set"

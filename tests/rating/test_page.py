@@ -19,6 +19,7 @@ from rsegen.rating.page import drive_trial, rating
 from rsegen.rating.rating import Rating
 from tests.page.test_jobs import ended
 from tests.rating.test_rate import crosses, real
+from tests.support.journals import edited
 
 
 @pytest.fixture
@@ -73,7 +74,7 @@ def test_what_is_no_rating_is_refused(host: Host, tmp_path: Path) -> None:
     made(tmp_path / "rate")
     journal = tmp_path / "rate" / JOURNAL
     text = journal.read_text()
-    journal.write_text(text.replace('"axis": "unit"', '"axis": "moon"'))
+    edited(journal, '"axis": "unit"', '"axis": "moon"')
     with pytest.raises(FileError, match="not that of a rating"):
         rating(host, path="rate")
     journal.write_text(text)
@@ -91,7 +92,7 @@ def test_the_robot_of_a_rating_of_anybody_is_no_file_elsewhere(host: Host, tmp_p
     doc = hosting.open(host, what="peak")["doc"]
     title = rating(host, path="rate")["curves"][0]["judge"]
     journal = tmp_path / "rate" / JOURNAL
-    journal.write_text(journal.read_text().replace('"robot": "burger"', '"robot": "/etc/robot.sdf"', 1))
+    edited(journal, '"robot": "burger"', '"robot": "/etc/robot.sdf"')
     with pytest.raises(ParameterError, match="outside"):
         drive_trial(host, doc=doc, path="rate", judge=title, trial=0)
 

@@ -28,6 +28,7 @@ from rsegen.rating.rating import Curve, Rating, plot
 from rsegen.rating.run import batch_size
 from rsegen.simulators.embedded import EMBEDDED
 from rsegen.standing.lanes import straight
+from tests.support.journals import edited
 
 real = pytest.mark.skipif(not EMBEDDED, reason="the capability mujoco is not here")
 
@@ -214,8 +215,7 @@ def test_a_stop_without_a_folder_keeps_nothing() -> None:
 
 def test_a_journal_that_was_changed_is_refused(tmp_path: Path) -> None:
     rated(trials=8, output=tmp_path)
-    journal = tmp_path / ".rsegen.jsonl"
-    journal.write_text(journal.read_text().replace('"map": 3', '"map": 5'))
+    edited(tmp_path / ".rsegen.jsonl", '"map": 3', '"map": 5')
     with pytest.raises(FileError, match=r"jsonl: result 4: map: 5 is not 3, the next one; use another folder"):
         rated(trials=9, output=tmp_path)
 

@@ -19,7 +19,7 @@ from rsegen.writing import lock
 from rsegen.writing.journal import HIDDEN
 from rsegen.writing.store import open_store, write_file
 from tests.support.complaints import exit_code, snapshot, the_line
-from tests.support.runs import ended, started, until_there
+from tests.support.runs import contents, ended, started, until_there
 
 HOLD = """
 import sys, time
@@ -56,6 +56,24 @@ def test_a_second_run_is_refused_by_name(tmp_path: Path) -> None:
     with open_store(tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seeds", [("7", "7"), ("7", "8")], ids=["the same maps", "other maps"])
+def test_of_two_shells_that_generate_into_one_folder_at_once_one_is_refused(
+    tmp_path: Path, seeds: tuple[str, str]
+) -> None:
+    command = ("generate", "--obstacle", "random levels=5", "--chunk-size", "60", "--maps", "20", "--workers", "1")
+    processes = [started(*command, "--seed", seed, "-o", tmp_path / "out") for seed in seeds]
+    ends = [ended(process) for process in processes]
+    (winner,) = (number for number, (code, _) in enumerate(ends) if code == 0)
+    code, err = ends[1 - winner]
+    assert code == 2
+    # The second is as a rule refused while the first writes; if it began late, all maps are there.
+    assert "another run is writing there" in the_line(err) or "exists already" in err
+    assert exit_code(*command, "--seed", seeds[winner], "-o", tmp_path / "alone") == 0
+    assert len(list((tmp_path / "alone").iterdir())) == 20
+    assert contents(tmp_path / "out") == contents(tmp_path / "alone")
 
 
 @pytest.mark.usefixtures("disk")

@@ -9,11 +9,12 @@ from pathlib import Path
 import pytest
 
 import rsegen
-from rsegen.errors import FilesDamaged, OutputError
+from rsegen.errors import FileError, FilesDamaged, OutputError
 from rsegen.formats.heightmap import Heightmap
 from rsegen.input_files import JOURNAL
 from rsegen.writing.journal import read_journal
 from tests.support.complaints import exit_code, snapshot, the_line
+from tests.support.runs import contents
 
 OBSTACLE = ["--obstacle", "random levels=5", "--chunk-size", "4", "--seed", "7"]
 WORK = "years of work"
@@ -306,6 +307,8 @@ JOURNALS = {
     "files of another type": BEGIN + '{"file": 17}\n',
     "lines of another type": BEGIN + "17\n",
     "deep": "[" * 100_000 + "\n",
+    "another key": '{"rsegen_journal": 1, "holds": "map", "crc33": "00000000"}\n',
+    "a wrong checksum": '{"rsegen_journal": 1, "holds": "map", "crc32": "00000000"}\n',
 }
 
 
@@ -316,6 +319,25 @@ def test_with_a_damaged_journal_nothing_is_replaced(world: Path, capsys: pytest.
         line = refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, flag)
         assert f"{JOURNAL}: is not a journal of rsegen, or is damaged" in line
     assert JOURNAL in refused(capsys, world.parent, "info", world, "--verify")
+
+
+def test_each_byte_of_a_journal_that_changes_is_noticed(world: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its checksums notice it in any byte; nothing is replaced then, and once the folder is moved away all goes on."""
+    journal, whole = world / JOURNAL, contents(world)
+    text = journal.read_bytes()
+    for at, byte in enumerate(text):
+        for changed in {byte ^ 1, byte ^ 0x20, byte ^ 0xFF, *b'\n "'} - {byte}:
+            journal.write_bytes(text[:at] + bytes([changed]) + text[at + 1 :])
+            with pytest.raises(FileError, match=f"{JOURNAL}: is not a journal of rsegen, or is damaged"):
+                read_journal(world)
+        if at % 20 == 0 or at == len(text) - 1:
+            assert JOURNAL in refused(capsys, world.parent, "info", world, "--verify")
+            for flag in ("--force", "--resume"):
+                line = refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, flag)
+                assert "move the folder away, or give another one" in line
+    world.rename(world.with_name("away"))
+    assert exit_code("generate", *OBSTACLE, "-o", world.parent, "--resume") == 0
+    assert contents(world) == whole
 
 
 # What a stopped export goes on with.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -15,7 +16,7 @@ import pytest
 
 from rsegen.errors import FilesDamaged, OutputError, RsegenError, Stuck
 from rsegen.input_files import JOURNAL
-from rsegen.writing import swap
+from rsegen.writing import swap, undo
 from rsegen.writing.journal import verify
 from rsegen.writing.store import new_root, open_store, replacing, stage_all, write_folder
 
@@ -179,3 +180,28 @@ def test_no_line_of_what_is_kept_leads_out_of_the_folder(tmp_path: Path, line: s
     put_map(folder, "new", "a")
     assert {path.name for path in tmp_path.iterdir()} == {"out", "theirs"}
     assert [path.name for path in folder.iterdir()] == ["map"]
+
+
+@pytest.mark.parametrize("name", [".fuse_hidden0000000300000001", ".nfs000000000000000100000001"])
+def test_a_folder_is_removed_once_its_disk_knows_that_a_file_in_it_is_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """FUSE and NFS rename a file that is removed while it is open, such as that of the lock, until it is closed."""
+    pauses = count(1)
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / name).touch()
+
+    def sleep(_: float) -> None:
+        if next(pauses) == 3:
+            (tmp_path / "a" / name).unlink()
+
+    monkeypatch.setattr(time, "sleep", sleep)
+    undo.remove_empty(tmp_path / "a")
+    assert not (tmp_path / "a").exists()
+    assert next(pauses) == 4
+    undo.remove_empty(tmp_path / "a")  # it is not there
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "lock").touch()  # of another run
+    undo.remove_empty(tmp_path / "b")
+    assert (tmp_path / "b" / "lock").exists()
+    assert next(pauses) == 5

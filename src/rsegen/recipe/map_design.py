@@ -323,12 +323,17 @@ def _with_key(obstacle: Obstacle, taken: Set[str], free: dict[str, Iterator[str]
 
     taken: keys that were given; free: for each hash, the keys that are left, so that numbering goes on.
     """
-    stem = _stem(obstacle)
-    numbered = free.setdefault(stem, (f"{stem}-{number}" if number else stem for number in count()))
-    return _under(obstacle, next(key for key in numbered if key not in taken))
+    stem = key_stem(obstacle)
+    return _under(obstacle, next(free.setdefault(stem, derived_keys(stem, taken))))
 
 
-def _stem(obstacle: Obstacle) -> str:
+def derived_keys(stem: str, taken: Set[str]) -> Iterator[str]:
+    """Yield the keys of rows like each other, in their order, without those that other rows were given."""
+    numbered = (f"{stem}-{number}" if number else stem for number in count())
+    return (key for key in numbered if key not in taken)
+
+
+def key_stem(obstacle: Obstacle) -> str:
     """Return the key of an obstacle that has none, if no other row is like it."""
     # Switched off, a row has the key that it has switched on, so that no other row is drawn anew.
     left_out = ("enabled", "key")
@@ -346,7 +351,7 @@ def _under(obstacle: Obstacle, key: str | None) -> Obstacle:
 
 def without_derived_keys(obstacles: Sequence[Obstacle]) -> tuple[Obstacle, ...]:
     """Return obstacles without the keys that `with_keys` would give them again, as people write them."""
-    own = {row for row, obstacle in enumerate(obstacles) if not (obstacle.key or "").startswith(_stem(obstacle))}
+    own = {row for row, obstacle in enumerate(obstacles) if not (obstacle.key or "").startswith(key_stem(obstacle))}
     while True:
         bare = tuple(one if row in own else _under(one, None) for row, one in enumerate(obstacles))
         pairs = zip(with_keys(bare), obstacles, strict=True)

@@ -1,11 +1,12 @@
 """The journal of a folder, `.rsegen.jsonl`: what rsegen wrote there. Nothing else is ever replaced.
 
-    {"rsegen_journal": 1, "holds": "data set", "of": {...}}          what the folder holds, and of what it was made
-    {"file": "levels-00000.npy", "bytes": 8128, "sha256": "..."}     appended before the file gets its name
-    {"result": {...}}                                                what was measured, as of a trial
-    {"gone": "stl/map.stl"}                                          removed by rsegen
+    {"rsegen_journal": 1, "holds": "data set", "of": {...}, "crc32": "..."}    what the folder holds, made of what
+    {"file": "a.npy", "bytes": 8128, "sha256": "...", "crc32": "..."}    appended before the file gets its name
+    {"result": {...}, "crc32": "..."}                                    what was measured, as of a trial
+    {"gone": "stl/map.stl", "crc32": "..."}                              removed by rsegen
 
-Lines are only appended, and are on the disk before the file that they speak of is at its place. So whenever a run
+Each line ends with the CRC-32 of what stands before it, which notices every change of up to four bytes in a row. Lines
+are only appended, and are on the disk before the file that they speak of is at its place. So whenever a run
 ends, every file of rsegen has its checksum in the journal; a last line that was cut off does not count. A file may
 have several checksums, of what it was and of what it becomes: while it has any of them, rsegen wrote it.
 
@@ -20,6 +21,7 @@ from __future__ import annotations
 import json
 import os
 import stat
+import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
@@ -84,7 +86,30 @@ def journal_text(
         entries += [{"file": name, "bytes": checksum.bytes, "sha256": checksum.sha256} for checksum in several]
     entries += [{"result": result} for result in results]
     entries += [{"gone": name} for name in sorted(gone)]
-    return b"".join(json.dumps(entry).encode() + b"\n" for entry in entries)
+    return b"".join(_line(json.dumps(entry).encode()) + b"\n" for entry in entries)
+
+
+_CHECK = b', "crc32": "'
+_KEYS = ({"rsegen_journal", "holds", "of"}, {"file", "bytes", "sha256"}, {"result"}, {"gone"})
+
+
+def _line(entry: bytes) -> bytes:
+    """Return a line of a journal: a JSON object, with its checksum as its last value."""
+    return entry.removesuffix(b"}") + _CHECK + b'%08x"}' % zlib.crc32(entry)
+
+
+def _entry(line: bytes) -> dict[str, Any]:
+    """Return the entry of a line; ValueError or AttributeError if it is not as it was written.
+
+    A line without a checksum was written by hand, or by a version before 1.0.
+    """
+    before, check, _ = line.rpartition(_CHECK)
+    if check and line != _line(before + b"}"):
+        raise ValueError(line)
+    entry: dict[str, Any] = json.loads(before + b"}" if check else line)
+    if not any(entry.keys() <= keys for keys in _KEYS):
+        raise ValueError(line)
+    return entry
 
 
 def read_journal(folder: Path) -> Journal | None:
@@ -102,15 +127,17 @@ def read_journal(folder: Path) -> Journal | None:
         raise FileError(f"{path}: {error.strerror or error}") from None
     except (ValueError, TypeError, KeyError, RecursionError, AttributeError):
         raise FileError(
-            f"{path}: is not a journal of rsegen, or is damaged, so nothing in this folder is replaced; move it away, "
-            "or use another folder"
+            f"{path}: is not a journal of rsegen, or is damaged, so nothing in this folder is replaced; move the "
+            "folder away, or use another one"
         ) from None
 
 
 def _decoded(text: bytes) -> Journal:
     """Return the journal of these lines; ValueError, TypeError, KeyError or AttributeError if they are none."""
-    whole = text[: text.rfind(b"\n") + 1]  # a last line that was cut off does not count
-    first, *entries = map(json.loads, whole.splitlines())
+    *lines, last = text.split(b"\n")  # a last line that was cut off does not count
+    first, *entries = map(_entry, lines)
+    if last[:-1].endswith(b'"}') and _CHECK in last:  # its end was changed
+        raise ValueError(last)
     if first["rsegen_journal"] != _FORMAT or len(text) > _LARGEST:
         raise ValueError(first)
     files: dict[str, tuple[Checksum, ...]] = {}
@@ -126,7 +153,8 @@ def _decoded(text: bytes) -> Journal:
             files.pop(entry["gone"], None)
         else:
             results.append(dict(entry["result"]))
-    return Journal(holds=str(first["holds"]), of=first.get("of"), files=files, results=tuple(results), size=len(whole))
+    whole = len(text) - len(last)
+    return Journal(holds=str(first["holds"]), of=first.get("of"), files=files, results=tuple(results), size=whole)
 
 
 def inside(name: str) -> str:

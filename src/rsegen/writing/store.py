@@ -99,6 +99,7 @@ class Store:
         self.staging: Path = self.home / "new"
         self.sync: bool = sync
         self.changed: bool = False
+        self.is_done: bool = False
         self.swaps: Swaps = Swaps(folder)
         self._renamed_in: set[Path] = set()
 
@@ -292,6 +293,7 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
                 store.clear()
                 store.staging.mkdir()
                 yield store
+                store.is_done = True
             finally:
                 _close(store)
                 if store.changed or any(folder.iterdir()):
@@ -321,7 +323,8 @@ def _write_error(store: Store, what: Path, error: OSError, *, is_hidden_new: boo
 def _close(store: Store) -> None:
     """Remove the hidden folder; a kill in the middle of that leaves nothing of weight."""
     try:
-        if store.changed and "journal" in vars(store):
+        # Also if the run that was stopped had made all of it, and this one nothing.
+        if (store.changed or store.is_done) and "journal" in vars(store):
             store.journal.tidy()
         if store.lock.is_taken and not store.swaps.stuck:
             store.clear()

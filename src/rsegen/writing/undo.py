@@ -14,6 +14,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -137,7 +138,26 @@ def make_folder(folder: Path, undo: ExitStack) -> None:
         undo.callback(remove_empty, folder)
 
 
+_OF_DISKS = (".fuse_hidden", ".nfs")
+"""Start of the names that FUSE and NFS give a file that is removed while it is open, until they know that it is closed.
+
+They hear of that later than the program that closed it, as with the file of a lock (fuse.c of libfuse, nfs/unlink.c of
+Linux).
+"""
+
+_TRIES, _PAUSE = 20, 0.01
+"""How often an empty folder is removed on such disks, and seconds between: on sshfs the second try does it."""
+
+
 def remove_empty(folder: Path) -> None:
     """Remove a folder unless somebody has put something into it."""
-    with suppress(OSError):
-        folder.rmdir()
+    for _ in range(_TRIES):
+        with suppress(OSError):
+            folder.rmdir()
+            return
+        names: list[str] | None = None
+        with suppress(OSError):
+            names = os.listdir(folder)
+        if names is None or not all(name.startswith(_OF_DISKS) for name in names):
+            return
+        time.sleep(_PAUSE)

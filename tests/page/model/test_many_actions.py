@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rsegen.errors import ParameterError
 from rsegen.page.model.actions import Action, act
@@ -77,6 +80,51 @@ def test_many_changes_of_a_long_list_take_seconds() -> None:
     assert time.process_time() - began < SECONDS
 
 
+FIXED: Sequence[Action] = [{"do": "fix", "row": row, "index": 3} for row in range(500)]
+MOVED: Sequence[Action] = [{"do": "move_end", "row": row, "end": "last", "cell": [4, row % 7]} for row in range(500)]
+LARGER: Action = {"do": "set", "name": "chunks", "value": [2, 2]}
+
+
+@pytest.mark.parametrize(
+    "actions",
+    [
+        FIXED,
+        [*reversed(FIXED)],
+        MOVED,
+        [{**action, "row": 7} for action in MOVED],
+        [action for pair in zip(MOVED[::2], FIXED[1::2], strict=True) for action in pair],
+        [LARGER, *MOVED],
+    ],
+    ids=["fixed", "fixed from below", "moved", "one row moved", "both", "on a larger map"],
+)
+@pytest.mark.parametrize("more", [[], [WRONG]], ids=["valid", "beside a row that is not valid"])
+def test_ends_of_a_long_list_are_fixed_and_moved_within_seconds(
+    actions: Sequence[Action], more: Sequence[Action]
+) -> None:
+    """Rows that are alike have keys that are numbered by their place in the list, from which their places follow."""
+    session = Session.of(Recipe(seed=1))
+    act(session, [*[{"do": "add", "entry": {"kind": "peak", "levels": 3}}] * 500, *more], 0)
+    began = time.process_time()
+    act(session, actions, 0)
+    assert time.process_time() - began < SECONDS
+    moved = {action["row"] for action in actions if "row" in action}
+    assert all(("last" in row) == (place in moved) for place, row in enumerate(session.draft.rows[:500]))
+    assert bool(session.problem) is bool(more)
+
+
+def test_a_long_history_is_undone_within_seconds() -> None:
+    session = Session.of(Recipe(seed=1))
+    act(session, [ADD] * 500, 0)
+    before = session.draft
+    act(session, [{"do": "enable", "row": row, "enabled": False} for row in range(500)], 0)
+    after, began = session.draft, time.process_time()
+    act(session, [{"do": "undo"}] * 500, 0)
+    assert session.draft == before
+    act(session, [{"do": "redo"}] * 500, 0)
+    assert session.draft == after
+    assert time.process_time() - began < SECONDS
+
+
 ACTIONS: Sequence[Action] = [
     ADD,
     ADD,
@@ -114,6 +162,62 @@ def test_actions_of_one_edit_make_what_they_make_one_by_one() -> None:
         apart.undo()
         assert together.draft == apart.draft
         assert together.recipe == apart.recipe
+    assert not together.can_undo
+
+
+ENTRIES: Sequence[dict[str, Any]] = [
+    PEAK,
+    RANDOM,
+    {"kind": "peak", "levels": 3},
+    {"kind": "pit", "levels": 3},
+    {"kind": "horizontal_barrier", "levels": 3, "first": [0, 0], "last": [0, 9]},
+]
+
+
+def _given(do: str, **of: Any) -> st.SearchStrategy[Action]:
+    return st.fixed_dictionaries({"do": st.just(do), **{key: _drawn(value) for key, value in of.items()}})
+
+
+def _drawn(value: Any) -> st.SearchStrategy[Any]:
+    return value if isinstance(value, st.SearchStrategy) else st.sampled_from(value)
+
+
+ROW, CELL = st.integers(0, 3), st.lists(st.integers(0, 9), min_size=2, max_size=2)
+CHANGES: st.SearchStrategy[Action] = st.one_of(
+    _given("add", entry=ENTRIES),
+    _given("set", name=["seed"], value=[1, 2]),
+    _given("change", row=ROW, entry=ENTRIES),
+    _given("fix", row=ROW, index=[0, 1]),
+    _given("move_end", row=ROW, end=["first", "last", "both"], cell=CELL, gesture=[None, "a"]),
+    _given("move", row=ROW, to=ROW),
+    _given("enable", row=ROW, enabled=[True, False]),
+    _given("paint", row=[-1, 0, 1], cells=st.lists(CELL, min_size=1, max_size=3), level=[-1, 1, 2]),
+    _given("duplicate", row=ROW),
+    _given("undo"),
+    _given("redo"),
+)
+
+
+@given(st.lists(CHANGES, max_size=12))
+def test_any_actions_of_one_edit_make_what_they_make_one_by_one(actions: Sequence[Action]) -> None:
+    """Four rows are alike, and two; none of the actions makes one that is not valid."""
+    together, apart = Session.of(Recipe(seed=7)), Session.of(Recipe(seed=7))
+    start: Sequence[Action] = [*[{"do": "add", "entry": {"kind": "peak", "levels": 3}}] * 4, ADD, ADD]
+    actions = [*start, *actions]
+    for number, action in enumerate(actions):
+        try:
+            act(apart, [action], 0)
+        except ParameterError:  # a row that is not there after some are undone
+            actions = actions[:number]
+            break
+    act(together, actions, 0)
+    assert apart.problem is None
+    assert (together.draft, together.recipe) == (apart.draft, apart.recipe)
+    while apart.can_undo:
+        assert together.can_undo
+        together.undo()
+        apart.undo()
+        assert (together.draft, together.recipe) == (apart.draft, apart.recipe)
     assert not together.can_undo
 
 

@@ -63,8 +63,6 @@ def _apply(session: Session, action: Action, index: int) -> int:
     name = given.pop("do", None)
     if not isinstance(name, str) or name not in _ACTIONS:
         raise UnknownName.among("do", "action", name, _ACTIONS)
-    if name in _OF_RECIPE:
-        session.settle()
     known = checked_arguments(_ACTIONS[name], given)
     for where in ("row", "to"):
         if where in known and not (name == "paint" and known["row"] == -1):
@@ -83,7 +81,7 @@ def _check_row(session: Session, where: str, row: int, extra: int = 0) -> None:
 
 
 def _check_cells(session: Session, where: str, cells: list[Cell]) -> None:
-    shape = session.grid.shape
+    shape = session.design.grid.shape
     for cell in cells:
         if not all(0 <= at < most for at, most in zip(cell, shape, strict=True)):
             raise ParameterError(where, f"{shown(list(cell))} is outside the map of {shape[0]} x {shape[1]} blocks")
@@ -114,7 +112,7 @@ def duplicate(session: Session, _index: int, *, row: int) -> int:
 @_action
 def fix(session: Session, _index: int, *, row: int, index: int) -> int:
     """Make random ends the cells where they are in a map."""
-    session.change(row=row, entry=fixed(session.draft.rows[row], session.recipe, index))
+    session.change(row=row, entry=fixed(session.keyed_row(row), session.design, index))
     return row
 
 
@@ -122,7 +120,7 @@ def fix(session: Session, _index: int, *, row: int, index: int) -> int:
 def move_end(session: Session, index: int, *, row: int, end: End, cell: Cell, gesture: str | None = None) -> int:
     """Move an end of an obstacle, or both, to a cell; random ends are fixed where they are in the map shown."""
     _check_cells(session, "cell", [cell])
-    entry = with_end_at(session.draft.rows[row], end, cell, session.recipe, index)
+    entry = with_end_at(session.keyed_row(row), end, cell, session.design, index)
     session.change(row=row, entry=entry, gesture=gesture)
     return row
 
@@ -141,10 +139,6 @@ def paint(session: Session, _index: int, *, row: int, cells: list[Cell], level: 
     if level == UNPAINTED or not cells:
         return row
     return session.add(painted(None, cells, level), gesture=gesture)
-
-
-_OF_RECIPE = frozenset({fix.__name__, move_end.__name__})
-"""Actions that read the recipe; of others, very many in one edit take little longer than one."""
 
 
 def can_paint(entry: Entry) -> bool:

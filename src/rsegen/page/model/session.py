@@ -7,18 +7,19 @@ A draft may be invalid while the user types; the session then keeps the last val
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from types import MappingProxyType
 from typing import Annotated
 
 from rsegen.errors import ParameterError, RsegenError, UnknownName
-from rsegen.obstacles import Grid
 from rsegen.params.sorts import Json, parameters
 from rsegen.params.streams import fresh_seed
 from rsegen.recipe.codec import decode, decode_obstacle
-from rsegen.recipe.map_design import with_keys, without_derived_keys
+from rsegen.recipe.map_design import MapDesign, derived_keys, key_stem, with_keys, without_derived_keys
 from rsegen.recipe.recipe import Recipe
 
 Entry = Annotated[Mapping[str, Json], "Entry"]
@@ -39,17 +40,24 @@ class Draft:
 
     def keyed(self) -> Draft:
         """Return the draft with the keys that follow from the content of its rows."""
-        rows, places, obstacles = [dict(row) for row in self.rows], [], []
+        rows, places, obstacles = [*self.rows], [], []
         own = frozenset(key for row in rows if (key := _own_key(row, self.own)))
         for place, row in enumerate(rows):
-            entry = row if _own_key(row, own) else {name: value for name, value in row.items() if name != "key"}
             with suppress(RsegenError):  # a row that is not valid is said with the whole draft
-                obstacles.append(decode_obstacle(entry))
+                obstacles.append(decode_obstacle(_bare(row, own)))
                 places.append(place)
         with suppress(ParameterError):  # two rows of one key too
             for place, obstacle in zip(places, with_keys(tuple(obstacles)), strict=True):
-                rows[place]["key"] = obstacle.key
-        return replace(self, rows=tuple(map(MappingProxyType, rows)), own=own)
+                if rows[place].get("key") != obstacle.key:
+                    rows[place] = MappingProxyType({**rows[place], "key": obstacle.key})
+        return replace(self, rows=tuple(rows), own=own)
+
+    def says(self, other: Draft) -> bool:
+        """Return whether it is like another draft, but for keys that follow from the content of rows."""
+        if (self.values, self.own, len(self.rows)) != (other.values, other.own, len(other.rows)):
+            return False
+        pairs = zip(self.rows, other.rows, strict=True)
+        return all(row is old or row == old or _bare(row, self.own) == _bare(old, self.own) for row, old in pairs)
 
     def recipe(self) -> Recipe:
         """Return the recipe of the draft; a ParameterError if it is invalid."""
@@ -60,6 +68,21 @@ def _own_key(row: Entry, own: frozenset[str]) -> str:
     """Return the key of a row if it is one that was given; else an empty text."""
     key = row.get("key")
     return key if isinstance(key, str) and key in own else ""
+
+
+def _bare(row: Entry, own: frozenset[str]) -> Entry:
+    """Return a row without a key that follows from its content."""
+    bare = dict(row)
+    if not _own_key(row, own):
+        bare.pop("key", None)
+    return bare
+
+
+def _stem(row: Entry, own: frozenset[str]) -> str:
+    """Return what the key of a row begins with; an empty text if it was given one, or is not valid."""
+    with suppress(RsegenError):
+        return "" if _own_key(row, own) else key_stem(decode_obstacle(row))
+    return ""
 
 
 def draft_of(recipe: Recipe, own: frozenset[str] | None = None) -> Draft:
@@ -114,6 +137,8 @@ class Session:
     _gesture: str | None = None
     _is_waiting: bool = False
     _is_unsettled: bool = False
+    _checked: Draft = field(init=False)
+    _stems: dict[int, tuple[Entry, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._check()
@@ -177,20 +202,20 @@ class Session:
         """
         before = self.draft.rows[row]
         stays = {name: before[name] for name in ("key", "enabled") if name in before}
-        given = {name: value for name, value in entry.items() if name != "enabled"}
+        given = {name: value for name, value in entry.items() if name not in ("key", "enabled")}
         self._replace(row, {**given, **stays}, gesture)
 
     def undo(self) -> None:
         """Undo the last change."""
         if self._done:
             self._undone.append(self.draft)
-            self._show(self._done.pop().keyed())
+            self._show(self._keyed(self._done.pop()))
 
     def redo(self) -> None:
         """Redo the change that was undone last."""
         if self._undone:
             self._done.append(self.draft)
-            self._show(self._undone.pop().keyed())
+            self._show(self._keyed(self._undone.pop()))
 
     def restore(self, draft: Draft) -> None:
         """Take over a draft as one change, which undo takes back."""
@@ -237,14 +262,43 @@ class Session:
             self.settle()
         finally:
             self._is_waiting = False
+            self._stems.clear()
 
     @property
-    def grid(self) -> Grid:
-        """The block cells of a map of the recipe; changes that wait and cannot change them wait on."""
+    def design(self) -> MapDesign:
+        """The recipe; obstacles that wait may not be in it yet, its seed and the size of its maps are."""
         known = self.recipe.values()
-        if any(known[name] != self.draft.values.get(name) for name in ("chunk_size", "chunks")):
+        differs = any(known[name] != self.draft.values.get(name) for name in ("seed", "chunk_size", "chunks"))
+        if differs and not self._is_still_wrong():
             self.settle()
-        return self.recipe.grid
+        return self.recipe
+
+    def keyed_row(self, row: int) -> Entry:
+        """Return a row with its key, also if that waits: the key of its content, numbered after the rows above it."""
+        entry, rows, own = self.draft.rows[row], self.draft.rows, self.draft.own
+        if not self._is_unsettled:
+            return entry
+        known = self._stems
+        for other in rows[: row + 1]:
+            if id(other) not in known:
+                known[id(other)] = other, _stem(other, own)  # which keeps the row, so that no other one has its id
+        stem = known[id(entry)][1]
+        if not stem:
+            return entry
+        above = sum(known[id(other)][1] == stem for other in rows[:row])
+        taken = {key for other in rows if (key := _own_key(other, own))} if own else set[str]()
+        return {**entry, "key": next(islice(derived_keys(stem, taken), above, None))}
+
+    def _is_still_wrong(self) -> bool:
+        """Return whether the draft is surely invalid: by its values alone, or by the row that was wrong before."""
+        try:
+            decode(self.draft.values)
+        except RsegenError:
+            return True
+        row = re.match(r"obstacles\[(\d+)\](?!\.key)", self.problem.where) if self.problem else None
+        if not row or self.draft.values != self._checked.values:
+            return False
+        return any(other is self._checked.rows[int(row[1])] for other in self.draft.rows)
 
     def settle(self) -> None:
         """Give rows their keys, and take over the recipe, if changes made `together` wait for that."""
@@ -253,14 +307,17 @@ class Session:
             self._check()
             self.changed()
 
+    def _keyed(self, draft: Draft) -> Draft:
+        return draft if self._is_waiting else draft.keyed()
+
     def _replace(self, row: int, entry: Entry, gesture: str | None = None) -> None:
         rows = (*self.draft.rows[:row], MappingProxyType(dict(entry)), *self.draft.rows[row + 1 :])
         self._put(_raised(replace(self.draft, rows=rows), entry), gesture)
 
     def _put(self, draft: Draft, gesture: str | None = None) -> None:
-        if draft.rows is not self.draft.rows and not self._is_waiting:
-            draft = draft.keyed()
-        if draft == self.draft:
+        if draft.rows is not self.draft.rows:
+            draft = self._keyed(draft)
+        if draft.says(self.draft):
             return
         if gesture is None or gesture != self._gesture:
             self._done.append(self.draft)
@@ -279,6 +336,7 @@ class Session:
 
     def _check(self) -> None:
         """Take over a valid draft as the recipe; keep the problem of an invalid one."""
+        self._checked = self.draft
         try:
             self.recipe, self.problem = self.draft.recipe(), None
         except ParameterError as error:
