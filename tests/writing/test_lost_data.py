@@ -334,7 +334,7 @@ def test_each_byte_of_a_journal_that_changes_is_noticed(world: Path, capsys: pyt
             assert JOURNAL in refused(capsys, world.parent, "info", world, "--verify")
             for flag in ("--force", "--resume"):
                 line = refused(capsys, world.parent, "generate", *OBSTACLE, "-o", world.parent, flag)
-                assert "move the folder away, or give another one" in line
+                assert "move the folder away, or use another one" in line
     world.rename(world.with_name("away"))
     assert exit_code("generate", *OBSTACLE, "-o", world.parent, "--resume") == 0
     assert contents(world) == whole
