@@ -28,8 +28,9 @@ _PLACES = 5
 _OF_GRID = 3
 """Places that a grid has by itself: its origin along x and y, and its width; its heading is that of any side."""
 
-_OF_LINE = 2
-"""Steps that a line has at the least: a single one may be at a cell that has something else on top."""
+_OF_LINE, _OF_SHORT_LINE = 2, 0.25
+"""Steps that a line has at the least, or share of its cells: a single one of many may be at a cell that has something
+else on top."""
 
 _MOST_BETWEEN = 0.03
 """Share of the steps that may be at lines between those of wider blocks: at cells that were misread."""
@@ -52,7 +53,11 @@ def steps_by_line(scan: Scan) -> tuple[Ints, Ints]:
 
 def bits_saved(scan: Scan) -> float:
     """Return the bits by which the places of steps are told more shortly as lines of the grid than by themselves."""
-    has_steps = np.concatenate(steps_by_line(scan)) >= _OF_LINE
+    along_x, along_y = steps_by_line(scan)
+    n_x, n_y = scan.levels.shape
+    has_steps = np.concatenate(
+        [along_x >= min(_OF_LINE, _OF_SHORT_LINE * n_y), along_y >= min(_OF_LINE, _OF_SHORT_LINE * n_x)]
+    )
     place = log2(_PLACES * len(has_steps) / 2)
     share = float(has_steps.mean())
     entropy = -sum(part * log2(part) for part in (share, 1 - share) if part)

@@ -87,7 +87,7 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
 
 _FEWEST_BITS = 16.0
 """Bits that a grid saves, at the least (evidence.py): up to 14 with boxes on a table, 98 and more with fields of the
-benchmark, and 13 to 22 with 3 x 3 random blocks."""
+benchmark, and 13 or more with 3 x 3 random blocks."""
 
 _CLEAR_TOPS = 0.5
 """Agreement of raised tops on the unit at least: 1 if all are at whole multiples of it, 0 for heights at random."""
