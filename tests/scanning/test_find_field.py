@@ -16,7 +16,7 @@ from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.grid import CloudGrid
+from rsegen.scanning.grid import CloudGrid, find_grid
 from rsegen.scanning.levels import find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
@@ -279,7 +279,7 @@ def test_a_small_field_without_noise_has_its_own_blocks(blocks: int, points: int
 @pytest.mark.parametrize("boundary", long_unless("outer".__eq__, ["outer", "none"], reason="a scan more"))
 def test_blocks_are_found_of_which_halves_were_taken(monkeypatch: pytest.MonkeyPatch, boundary: str) -> None:
     """As in clouds whose edges have as much power at half the width: every second line then has no steps."""
-    find_grid, widths = finding.find_grid, []
+    widths: list[float | None] = []
 
     def halves(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> CloudGrid:
         grid = find_grid(points, unit, noise, pixel, width)
