@@ -22,7 +22,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rsegen.errors import ScanError
-from rsegen.field.stepfield import Array, StepField
+from rsegen.field.graphs import component_labels, neighbours
+from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import Cell
 from rsegen.scanning.evidence import bits_saved, cells_per_block
@@ -75,18 +76,29 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     scan = _found_field(_gridded(near, middle, settings, None), settings)
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
-    if settings.block_width is None and settings.blocks is None and bits_saved(scan) < _FEWEST_BITS:
-        raise ScanError(
-            "no field: what is raised has too few sides to tell blocks from boxes; give block_width_cm if it is made "
-            "of blocks"
-        )
+    if settings.block_width is None and settings.blocks is None:
+        advice = "give block_width_cm if it is made of blocks"
+        if _is_one_patch(scan):
+            raise ScanError(f"one raised patch of one height, in which nothing shows blocks, is no field; {advice}")
+        if bits_saved(scan) < _FEWEST_BITS:
+            raise ScanError(f"no field: what is raised has too few sides to tell blocks from boxes; {advice}")
     if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
         raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; give unit_cm if they are")
     return scan
 
 
+def _is_one_patch(scan: Scan) -> bool:
+    """Return whether all that is raised is one patch of one level without holes, as a box or a cup on a table is."""
+    tops = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels)  # its rim may look like a frame
+    raised = tops > 0
+    if len(np.unique(tops[raised])) > 1:
+        return False
+    # Cells that were not seen may be raised or not; with a margin all that is outside is one part.
+    return _parts(np.pad(raised, 1)) == 1 and _parts(np.pad(tops == 0, 1, constant_values=True)) <= 1
+
+
 _FEWEST_BITS = 16.0
-"""Bits that a grid saves, at the least (evidence.py): up to 14 with boxes on a table, 98 and more with fields of the
+"""Bits that a grid saves, at the least (evidence.py): up to 14 with boxes on a table, 46 and more with fields of the
 benchmark, and 13 or more with 3 x 3 random blocks."""
 
 _CLEAR_TOPS = 0.5
@@ -99,6 +111,13 @@ def _agreement_of_tops(scan: Scan) -> float:
     if not raised.any():
         return 1.0
     return float(np.cos(2 * np.pi * scan.heights[raised] / scan.measured_unit).mean())
+
+
+def _parts(cells: Mask) -> int:
+    """Return the number of parts of some cells that are connected by sides."""
+    low, high = neighbours(cells.shape)
+    alike = cells.ravel()[low] & cells.ravel()[high]
+    return len(np.unique(component_labels(cells.size, low[alike], high[alike])[cells.ravel()]))
 
 
 def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
