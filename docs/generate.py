@@ -137,6 +137,7 @@ ALGORITHMS: Mapping[str, Sequence[str]] = {
         "scanning/grid",
         "scanning/levels",
         "scanning/extent",
+        "scanning/evidence",
         "scanning/comparison",
     ),
     "Robots on fields": (

@@ -225,7 +225,7 @@ def test_unknown_cells_are_said(tmp_path: Path, capsys: pytest.CaptureFixture[st
     colours = np.array([[(255, 255, 255, 255), (255, 255, 255, 0), (0, 0, 0, 0)]], dtype=np.uint8)
     path = str(drawn(tmp_path, colours))
     assert main(["import", path, "--invert", "-o", str(tmp_path / "out")]) == 0
-    assert "2 cells transparent, so unknown: no block stands there\n" in capsys.readouterr().out
+    assert "2 cells transparent or without data, so unknown: no block stands there\n" in capsys.readouterr().out
     assert main(["import", str(drawn(tmp_path, PICTURE)), "-o", str(tmp_path / "grey")]) == 0
     assert "transparent" not in capsys.readouterr().out
 

@@ -65,6 +65,22 @@ def test_pixels_without_data_are_holes(tmp_path: Path) -> None:
         Picture(values="m", datum_cm=30_000, fill_holes=True).read(unnamed, 200)
 
 
+@pytest.mark.parametrize(("dtype", "none"), [("u1", 255), ("u1", 0), ("u2", 65535), ("u2", 7)])
+def test_grey_pixels_without_data_are_unknown(tmp_path: Path, dtype: str, none: int) -> None:
+    pixels = np.array([[none, 40, none]], dtype=dtype)
+    assert Picture().read(image(tmp_path / "a.tif", pixels, str(none)), None).levels.ravel().tolist() == [
+        -1,
+        1 if dtype == "u1" else 0,
+        -1,
+    ]
+    assert -1 not in Picture().read(image(tmp_path / "b.tif", pixels), None).levels
+
+
+def test_coloured_pixels_without_data_are_those_of_which_no_band_has_any(tmp_path: Path) -> None:
+    pixels = np.array([[(255, 255, 255), (255, 255, 0), (0, 0, 0)]], dtype="u1")
+    assert Picture().read(image(tmp_path / "a.tif", pixels, "255"), None).levels.ravel().tolist() == [-1, 4, 0]
+
+
 MAP = "image: m.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: {}\noccupied_thresh: 0.65\nfree_thresh: 0.196\n{}"
 
 

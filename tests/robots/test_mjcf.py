@@ -198,6 +198,21 @@ def test_a_mesh_is_where_mujoco_has_it(tmp_path: Path, name: str, how: str) -> N
     assert distance.max() < 1e-5
 
 
+@pytest.mark.parametrize("ending", ["mjcf", "XML"])
+def test_a_file_of_any_ending_is_the_same_robot(tmp_path: Path, ending: str) -> None:
+    """MuJoCo reads *.xml alone; parts and meshes are next to the file all the same."""
+    mesh_file(tmp_path, "part.stl")
+    shape = '<geom type="mesh" mesh="part" mass="0.5"/>'
+    file = two_wheels_mjcf(tmp_path, more=shape, assets='<mesh name="part" file="part.stl"/>')
+    (other := file.with_suffix(f".{ending}")).write_bytes(file.read_bytes())
+    robot = from_file(other)
+    assert robot.body.mass == pytest.approx(4.0)
+    assert robot.text == from_file(file).text
+    other.write_text(file.read_text().replace("<freejoint/>", "<freejoint><b/></freejoint>"))
+    with pytest.raises(FileError, match=rf"rover\.{ending}: MuJoCo does not read it"):
+        from_file(other)
+
+
 def test_a_mesh_of_points_in_the_model_drives_in_mujoco_and_is_refused_for_gazebo(tmp_path: Path) -> None:
     points = "0 0 0  0.2 0 0  0 0.2 0  0 0 0.2"
     shape = '<geom name="nose" type="mesh" mesh="nose" mass="0.1"/>'

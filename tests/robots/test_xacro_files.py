@@ -7,6 +7,7 @@ import resource
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import fromstring
 
 import pytest
 
@@ -142,6 +143,19 @@ def test_urdf_that_xacro_has_expanded_needs_it_no_more(tmp_path: Path, monkeypat
     assert expanding(tmp_path, "", "mine.urdf").drive
 
 
+def test_a_macro_may_take_the_items_of_a_list_one_by_one(tmp_path: Path) -> None:
+    file = tmp_path / "a.urdf.xacro"
+    file.write_text(
+        '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:macro name="each" params="names"><xacro:if value="${names}">'
+        '<xacro:property name="name" value="${names.pop(0)}"/><link name="${name}"/><xacro:each names="${names}"/>'
+        "</xacro:if></xacro:macro>"
+        """<xacro:each names="${['base', 'left', 'right']}"/></robot>"""
+    )
+    text, _ = xacro_files.expanded(file.read_text(), str(file), {})
+    assert [link.get("name") for link in fromstring(text).iter("link")] == ["base", "left", "right"]
+
+
 @pytest.mark.parametrize(
     ("expression", "value"),
     [
@@ -155,6 +169,7 @@ def test_urdf_that_xacro_has_expanded_needs_it_no_more(tmp_path: Path, monkeypat
         ("dict(a=r, b='x')", {"a": 0.1, "b": "x"}),
         ("name.find('b')", 2),
         ("'-'.join([name, 'c'])", "a_b-c"),
+        ("[name, 'c'].pop(0)", "a_b"),
     ],
 )
 def test_expressions_calculate(expression: str, value: object) -> None:

@@ -62,6 +62,14 @@ def upper_pcd(path: Path) -> None:
     path.write_text(head + "\n".join(rows) + "\n")
 
 
+def aligned_pcd(path: Path) -> None:
+    """Columns that blanks align, with some at the ends of lines, after a field of two values and colours as numbers."""
+    head = "# .PCD v.7\nVERSION .7\nFIELDS pair rgb x y z\nSIZE 4 4 4 4 4\nTYPE F U F F F\nCOUNT 2 1 1 1 1\n"
+    head += f"WIDTH {len(POINTS)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(POINTS)}\nDATA ascii\n"
+    rows = ("  7 8 4.2e+06" + "".join(f"{value:16.6f}" for value in point) + " " for point in POINTS)
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
 def of_names(path: Path) -> None:
     array = np.zeros(len(POINTS), dtype=[("rgb", "u4"), ("X", "f8"), ("Y", "f8"), ("Z", "f8")])
     for axis, values in zip("XYZ", POINTS.T, strict=True):
@@ -104,6 +112,7 @@ WRITERS: Mapping[str, Callable[[Path], Any]] = {
     "v.npy": of_names,
     "w.las": las,
     "x.laz": las,
+    "y.pcd": aligned_pcd,
 }
 
 
@@ -155,6 +164,7 @@ NO_CLOUDS: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "g.ply": (damaged(b"no ply"), "not a PLY file"),
     "h.pcd": (damaged(b"VERSION .7\nFIELDS x y\n"), "not a PCD file"),
     "i.pcd": (damaged(bytes(200)), "not a PCD file"),
+    "v.pcd": (damaged(PCD.replace(b"POINTS 1", b"POINTS 3")), "has 1 of the 3 points that it says"),
     "p.pcd": (damaged(PCD.replace(b"COUNT 1 1 1", b"COUNT 1 4294967296 1")), "4,294,967,298 values per point"),
     "q.pcd": (damaged(PCD.replace(b"POINTS 1", b"POINTS 99999999999")), "99,999,999,999 points"),
     "j.npy": (lambda path: np.save(path, np.ones((2, 3, 4))), "expected points (n, 3)"),

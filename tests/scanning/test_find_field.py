@@ -14,7 +14,9 @@ from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
 from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
+from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
+from rsegen.scanning.grid import CloudGrid, find_grid
 from rsegen.scanning.levels import find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
@@ -271,6 +273,25 @@ def test_a_small_field_without_noise_has_its_own_blocks(blocks: int, points: int
     scan = find_field(cloud)
     assert scan.block_width == 0.1
     assert scan.levels.shape == (blocks, blocks)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", long_unless("outer".__eq__, ["outer", "none"], reason="a scan more"))
+def test_blocks_are_found_of_which_halves_were_taken(monkeypatch: pytest.MonkeyPatch, boundary: str) -> None:
+    """As in clouds whose edges have as much power at half the width: every second line then has no steps."""
+    widths: list[float | None] = []
+
+    def halves(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> CloudGrid:
+        grid = find_grid(points, unit, noise, pixel, width)
+        widths.append(width)
+        return grid if width else replace(grid, width=grid.width / 2)
+
+    monkeypatch.setattr(finding, "find_grid", halves)
+    field = field_of(2, boundary=boundary)
+    scan = find_field(cloud_of(field))
+    assert widths == [None, 0.1]
+    assert scan.block_width == 0.1
+    right_turn(scan, field)
 
 
 @pytest.mark.slow

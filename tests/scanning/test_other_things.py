@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import rsegen
-from benchmarks.depth_camera import DepthCamera, Flaws, turned, with_flaws
+from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_flaws
 from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.scanning.evidence import bits_saved, cells_per_block, steps_by_line
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.levels import board_below, units_per_level
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
@@ -197,8 +198,94 @@ def test_a_few_boxes_next_to_each_other_are_no_field(heights: Sequence[float], t
     x, y = rng.uniform(-0.6, 0.6, (2, 80_000))
     u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
     cloud = np.column_stack([x, y, boxes(u, v, *heights) + rng.normal(0, 0.001, x.shape)])
-    with pytest.raises(ScanError, match=r"stripes of \d+ cells, across which nothing shows blocks|no grid of blocks"):
+    with pytest.raises(ScanError, match=r"too few sides to tell blocks from boxes|no grid of blocks"):
         find_field(cloud)
+
+
+TABLE = DepthCamera(place=(0.1, -0.55, 0.75), columns=160, rows=120, focal=165)
+"""A camera that looks down at a table from its side."""
+
+
+def on_a_table(*boxes: tuple[float, float, float, float, float]) -> StepField:
+    """Boxes from x to x, from y to y, of a height [m], on a table of 80 cm, as a field of blocks of a centimetre."""
+    middles = (np.arange(80) + 0.5) / 100 - 0.4
+    levels = np.zeros((80, 80), np.int16)
+    for left, right, near, far, height in boxes:
+        inside = np.outer((middles > left) & (middles < right), (middles > near) & (middles < far))
+        levels[inside] = np.maximum(levels[inside], round(height * 1000))
+    return StepField(levels=levels, frame=np.zeros((80, 80), bool), block_width=0.01, unit=0.001, frame_height=0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "boxes",
+    [
+        pytest.param([(-0.15, 0.13, -0.09, 0.15, 0.053), (-0.1, 0.1, -0.06, 0.07, 0.107)], id="one on the other"),
+        pytest.param([(-0.13, 0.13, -0.05, 0.13, 0.055), (-0.03, 0.03, -0.16, -0.1, 0.15)], id="a high and a wide one"),
+    ],
+)
+def test_boxes_before_a_camera_on_a_table_are_no_field(
+    boxes: Sequence[tuple[float, float, float, float, float]],
+) -> None:
+    """Grids go through their sides at whole levels, but few sides of many lines."""
+    rng = np.random.default_rng(1)
+    cloud = scanned(on_a_table(*boxes), [TABLE], Flaws(noise=0.0015), rng)
+    cloud = turned(cloud[np.abs(cloud[:, :2]).max(axis=1) < 0.45], rng, 0.5)
+    with pytest.raises(ScanError, match="too few sides to tell blocks from boxes"):
+        find_field(cloud)
+
+
+def scan_of(levels: Ints, confidence: float = 1.0) -> Scan:
+    """A scan in which all cells were seen, at exact levels of 10 cm."""
+    return Scan(
+        levels=levels,
+        heights=levels / 10,
+        confidence=np.full(levels.shape, confidence),
+        counts=np.full(levels.shape, 50),
+        frame=np.zeros(levels.shape, bool),
+        boundary="none",
+        chunk_size=None,
+        block_width=0.05,
+        unit=0.1,
+        measured_width=0.05,
+        measured_unit=0.1,
+        frame_height=0,
+        noise=0.001,
+        base=0,
+        rotation=np.eye(3),
+        translation=np.zeros(3),
+    )
+
+
+def test_a_line_between_cells_has_the_steps_between_levels_that_are_sure() -> None:
+    scan = scan_of(np.array([[1, 1, 2], [1, 1, 1]]))
+    along_x, along_y = steps_by_line(scan)
+    assert (along_x.tolist(), along_y.tolist()) == ([3, 1, 3], [2, 0, 1, 2])
+    unsure = replace(scan, confidence=np.array([[1, 1, 0.9], [1, 1, 1]]))
+    along_x, along_y = steps_by_line(unsure)
+    assert (along_x.tolist(), along_y.tolist()) == ([2, 0, 3], [2, 0, 0, 1])
+
+
+def test_random_blocks_are_told_more_shortly_by_their_grid_and_boxes_are_not() -> None:
+    rng = np.random.default_rng(1)
+    saved = [bits_saved(scan_of(rng.integers(1, 6, (size, size)))) for size in (4, 6, 10)]
+    assert 20 < saved[0] < saved[1] < saved[2]
+    box = np.ones((6, 4), np.int64)
+    assert bits_saved(scan_of(box)) < 0
+    box[2:4, 1:3] = 2
+    assert bits_saved(scan_of(box)) < 16
+
+
+def test_blocks_are_as_wide_as_the_lines_with_steps_are_apart() -> None:
+    rng = np.random.default_rng(2)
+    blocks = rng.integers(0, 5, (8, 6))
+    for cells in (1, 2, 3):
+        wide = np.kron(blocks, np.ones((cells, cells), np.int64))
+        assert cells_per_block(scan_of(wide)) == cells
+        wide[4, 5] += 1  # a cell that was misread
+        assert cells_per_block(scan_of(wide)) == cells
+    assert cells_per_block(scan_of(np.kron(blocks, np.ones((2, 1), np.int64)))) == 1
+    assert cells_per_block(scan_of(np.ones((12, 12), np.int64))) == 1  # a box has two lines
 
 
 @pytest.mark.slow
@@ -207,9 +294,7 @@ def test_what_has_no_tops_of_a_unit_is_no_field(scale: float) -> None:
     rng = np.random.default_rng(2)
     x, y = rng.uniform(-0.5, 0.5, (2, 60_000))
     cloud = scale * np.column_stack([x, y, hill(x, y) + rng.normal(0, 0.0005, x.shape)])
-    problem = (
-        "tops are not at whole multiples of a unit|no whole multiples of a unit|no grid of blocks|one raised patch"
-    )
+    problem = "whole multiples of a unit|no grid of blocks|too few sides|one raised patch"
     with pytest.raises(ScanError, match=problem):
         find_field(cloud)
 

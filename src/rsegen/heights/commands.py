@@ -74,7 +74,9 @@ def run_import(arguments: argparse.Namespace) -> Report:
         picture.write(partial(rounding_plot, compose(recipe), heights.errors_cm, heights.holes))
     notes = [str(heights.rounding)] if heights.rounding else []
     if heights.unknown:
-        notes.append(f"{counted(heights.unknown, 'cell')} transparent, so unknown: no block stands there")
+        notes.append(
+            f"{counted(heights.unknown, 'cell')} transparent or without data, so unknown: no block stands there"
+        )
     return replace(report, notes=notes)
 
 

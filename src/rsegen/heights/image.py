@@ -203,9 +203,13 @@ def _no_data(image: Image) -> float | None:
 
 
 def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
-    """Return an image as numbers in rows, the value of white, and its opacity, 0..255; None if all of it is opaque."""
+    """Return an image as numbers in rows, the value of white, and its opacity, 0..255; None if all of it is opaque.
+
+    Pixels without data, as a GeoTIFF may have, are transparent.
+    """
     import numpy as np
 
+    none = _no_data(image)
     if image.mode == "F":
         low, high = image.getextrema()
         raise FileError(f"{path}: floating-point numbers of {low:g}..{high:g} have no white; set {_THEIR_UNIT}")
@@ -214,13 +218,15 @@ def _grey(path: Path, image: Image) -> tuple[Ints, float, Ints | None]:
         if not 0 <= grey.min() <= grey.max() <= _WHITE_OF_16_BITS:
             problem = f"grey values of {grey.min()}..{grey.max()}; use an image of 8 or 16 bits, or set {_THEIR_UNIT}"
             raise FileError(f"{path}: {problem}")
-        clear = image.info.get("transparency")
-        return grey, float(_WHITE_OF_16_BITS), (grey != clear) * _OPAQUE if isinstance(clear, int) else None
-    opaque = None
+        clear = [value for value in (image.info.get("transparency"), none) if isinstance(value, int | float)]
+        return grey, float(_WHITE_OF_16_BITS), ~np.isin(grey, clear) * _OPAQUE if clear else None
+    opaque, bands = None, np.atleast_3d(np.asarray(image))
     if "A" in image.getbands() or "transparency" in image.info:
         image = image.convert("RGBA")
         opaque = np.asarray(image.getchannel("A"), dtype=np.int64)
         image = image.convert("RGB")
+    if none is not None:
+        opaque = np.where((bands == none).all(axis=2), 0, _OPAQUE if opaque is None else opaque)
     return np.asarray(image.convert("L"), dtype=np.int64), 255.0, opaque
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.geometry.collada import Triangles
-from rsegen.input_files import silent_libraries, text_of, xml_root
+from rsegen.input_files import open_regular, silent_libraries, text_of, xml_root
 from rsegen.robots.links import pose_matrix
 from rsegen.robots.meshes import SUFFIXES, inline_uri
 
@@ -27,6 +27,9 @@ _MAX_MIB = 4
 
 _MOST_FILES, _MOST_COPIES = 100, 10_000
 """Files that are included at most, and copies that <replicate> makes of its content; robots have some ten of both."""
+
+_MUJOCO_READS = ".xml"
+"""Ending of the files that MuJoCo reads; any other one is read for it, and given under a name with this ending."""
 
 _SIDES_DIFFER = 1e-9
 """Share by which the scales of a mesh along its axes may differ and count as equal."""
@@ -56,7 +59,7 @@ def compiled(root: Element, where: str) -> Compiled:
         raise FileError(f"{where}: MJCF is read by MuJoCo, which is not installed; {how}") from None
     try:
         with silent_libraries():
-            spec = mujoco.MjSpec.from_file(os.fspath(Path(where).absolute()))
+            spec = _spec(os.fspath(Path(where).absolute()))
             missing = _take_out_unneeded(spec, folder, where)
             spec.memory = -1  # what a file asks for may not be there
             model = spec.compile()
@@ -67,6 +70,17 @@ def compiled(root: Element, where: str) -> Compiled:
     names = [model.mesh(mesh).name for mesh in range(model.nmesh)]
     meshes = [_uri_and_pose(model, mesh, spec.mesh(name), folder) for mesh, name in enumerate(names)]
     return Compiled(model, name, meshes, missing)
+
+
+def _spec(path: str) -> Any:
+    """Return a file as MuJoCo reads it, which it does under a name that ends in .xml alone."""
+    import mujoco
+
+    if path.endswith(_MUJOCO_READS):
+        return mujoco.MjSpec.from_file(path)
+    with open_regular(path) as file:
+        named = path + _MUJOCO_READS
+        return mujoco.MjSpec.from_file(named, include={named: file.read()})
 
 
 def _refuse_traps(root: Element, where: str, folder: Path) -> None:

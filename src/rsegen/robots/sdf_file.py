@@ -380,7 +380,7 @@ def _model_and_version(root: Element, where: str) -> tuple[Element, str]:
         here = f"there are {len(models)} in <{name}>" if root.tag == "sdf" else f"it begins with <{name}>"
         raise FileError(f"{where}: not an SDF file with one <model> in <sdf>, nor URDF: {here}")
     if not models[0].get("name", "").strip():
-        raise FileError(f"{where}: the model has no name")
+        raise FileError(f"{where}: the model has no name; name it, or pass the file of the robot that includes it")
     version = root.get("version", "").strip()
     version = version if re.fullmatch(r"1\.\d\d?", version, flags=re.ASCII) else "1.6"  # for one that there is not
     # Before SDF 1.5 joints' axes are in the model's frame, which a world of a later version has to say.

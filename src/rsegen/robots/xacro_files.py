@@ -65,9 +65,10 @@ _CALLED = {
 _METHODS = {
     *("count", "endswith", "find", "index", "isdigit", "join", "lower", "lstrip", "replace", "rfind", "rstrip"),
     *("split", "startswith", "strip", "title", "upper"),
-    *("get", "items", "keys", "values"),
+    *("get", "items", "keys", "pop", "values"),
 }
-"""Methods that an expression may call: those of texts and of tables that are read from YAML."""
+"""Methods that an expression may call: those of texts, of tables that are read from YAML, and of lists of which a macro
+that calls itself takes an item each time."""
 
 _ALLOWED = (
     *(ast.Expression, ast.Constant, ast.Name, ast.Load, ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp),

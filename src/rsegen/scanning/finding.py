@@ -26,6 +26,7 @@ from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import Cell
+from rsegen.scanning.evidence import bits_saved, cells_per_block
 from rsegen.scanning.extent import (
     FrameLayout,
     KnownFrameLayout,
@@ -76,11 +77,11 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
     if settings.block_width is None and settings.blocks is None:
-        advice = "is no field; set block_width_cm if it is made of blocks"
+        advice = "set block_width_cm if it is made of blocks"
         if _is_one_patch(scan):
-            raise ScanError(f"one raised patch of one height, in which nothing shows blocks, {advice}")
-        if scan.levels.size < _FEWEST_CELLS and _is_striped(scan):
-            raise ScanError(f"a few stripes of {scan.levels.size} cells, across which nothing shows blocks, {advice}")
+            raise ScanError(f"one raised patch of one height, in which nothing shows blocks, is no field; {advice}")
+        if bits_saved(scan) < _FEWEST_BITS:
+            raise ScanError(f"no field: what is raised has too few sides to tell blocks from boxes; {advice}")
     if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
         raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; set unit_cm if they are")
     return scan
@@ -96,19 +97,9 @@ def _is_one_patch(scan: Scan) -> bool:
     return _parts(np.pad(raised, 1)) == 1 and _parts(np.pad(tops == 0, 1, constant_values=True)) <= 1
 
 
-_FEWEST_CELLS = 50
-"""Cells from which on stripes may be stairs; boxes that stand next to each other on a table look like fewer."""
-
-
-def _is_striped(scan: Scan) -> bool:
-    """Return whether all cells that were seen, along one of the sides of the field, are equally high."""
-    tops, seen = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels), scan.seen
-    for levels, known in ((tops, seen), (tops.T, seen.T)):
-        both = known[1:] & known[:-1]
-        if both.any() and (levels[1:] == levels[:-1])[both].all():
-            return True
-    return False
-
+_FEWEST_BITS = 16.0
+"""Bits that a grid saves, at the least (evidence.py): up to 14 with boxes on a table, 46 and more with fields of the
+benchmark, and 13 or more with 3 x 3 random blocks."""
 
 _CLEAR_TOPS = 0.5
 """Agreement of raised tops on the unit at least: 1 if all are at whole multiples of it, 0 for heights at random."""
@@ -130,7 +121,11 @@ def _parts(cells: Mask) -> int:
 
 
 def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
-    """Return the settings with a board below the blocks, or a larger unit, that only the levels of a scan show."""
+    """Return the settings with wider blocks, a board below them, or a larger unit, that only the levels show."""
+    width = scan.block_width
+    if settings.block_width is None and (cells := cells_per_block(scan)) > 1:
+        width = sold_length(cells * scan.measured_width)
+        settings = replace(settings, block_width=width)
     blocks = scan.seen & ~scan.frame
     levels = scan.levels[blocks]
     if settings.base is None and (board := board_below(scan.heights[blocks], levels, scan.measured_unit)):
@@ -138,7 +133,7 @@ def _corrected(settings: ScanSettings, scan: Scan) -> ScanSettings:
     # Frames count too: 10 cm high around blocks of 20 and 40 cm, they are one unit of 10 cm.
     frame = round(scan.frame_height / scan.unit)
     if settings.unit is None and (times := int(np.gcd(units_per_level(levels), frame))) > 1:
-        return replace(settings, unit=sold_length(times * scan.measured_unit, (scan.block_width, scan.block_width / 2)))
+        return replace(settings, unit=sold_length(times * scan.measured_unit, (width, width / 2)))
     return settings
 
 

@@ -1,0 +1,76 @@
+"""Whether the grid that was found in a cloud is one of blocks: the lines between cells at which heights change.
+
+Blocks that abut have their sides on the lines of one grid, so nearly every line has steps. A few boxes on a table have
+few sides, and through few sides there always is a grid:
+
+    blocks   | 2 | 0 | 1 | 2 |     steps at all 5 lines
+    halves   |2|2|0|0|1|1|2|2|     steps at every second line: the blocks are twice as wide
+    a box    | 0 | 1   1   1 |     steps at 2 of 5 lines, which any width would have that goes into it
+
+The grid is an explanation if it tells where the steps are in fewer bits than their places by themselves (minimum
+description length; Rissanen 1978): its two origins and its width are three places; then a bit or less for each line, by
+the entropy of the share that has steps. Cost: linear in the cells. What breaks it: a field of few obstacles with long
+sides, whose blocks nothing shows: their width then has to be given.
+"""
+
+from __future__ import annotations
+
+from math import log2
+
+import numpy as np
+
+from rsegen.field.stepfield import Ints
+from rsegen.scanning.scan import SURE, Scan
+
+_PLACES = 5
+"""Places in a width at which a side is told from another: a line has the sides of a tenth of a width around it."""
+
+_OF_GRID = 3
+"""Places that a grid has by itself: its origin along x and y, and its width; its heading is that of any side."""
+
+_OF_LINE, _OF_SHORT_LINE = 2, 0.25
+"""Steps that a line has at the least, or share of its cells: a single one of many may be at a cell that has something
+else on top."""
+
+_MOST_BETWEEN = 0.03
+"""Share of the steps that may be at lines between those of wider blocks: at cells that were misread."""
+
+_FEWEST_WIDE = 4
+"""Lines along x and y with steps, at the least, of which the width of blocks is read: two are those of a box."""
+
+
+def steps_by_line(scan: Scan) -> tuple[Ints, Ints]:
+    """Return the number of steps at each line between cells along x (n_x + 1,), and along y; between sure levels."""
+    tops = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels)
+    sure = scan.confidence >= SURE
+    tops, sure = np.pad(tops, 1), np.pad(sure, 1, constant_values=True)  # with the floor around
+    along_x, along_y = (
+        ((levels[1:] != levels[:-1]) & known[1:] & known[:-1]).sum(axis=1)
+        for levels, known in ((tops, sure), (tops.T, sure.T))
+    )
+    return along_x, along_y
+
+
+def bits_saved(scan: Scan) -> float:
+    """Return the bits by which the places of steps are told more shortly as lines of the grid than by themselves."""
+    along_x, along_y = steps_by_line(scan)
+    n_x, n_y = scan.levels.shape
+    has_steps = np.concatenate(
+        [along_x >= min(_OF_LINE, _OF_SHORT_LINE * n_y), along_y >= min(_OF_LINE, _OF_SHORT_LINE * n_x)]
+    )
+    place = log2(_PLACES * len(has_steps) / 2)
+    share = float(has_steps.mean())
+    entropy = -sum(part * log2(part) for part in (share, 1 - share) if part)
+    return float(has_steps.sum() - _OF_GRID) * place - len(has_steps) * entropy
+
+
+def cells_per_block(scan: Scan) -> int:
+    """Return how many cells of a scan a block is wide: 2 if steps are at every second line along x and along y."""
+    steps = steps_by_line(scan)
+    total = sum(int(own.sum()) for own in steps)
+    for cells in range(min(map(len, steps)) // _FEWEST_WIDE, 1, -1):
+        lines = [max((own[first::cells] for first in range(cells)), key=np.sum) for own in steps]
+        between = total - sum(int(own.sum()) for own in lines)
+        if between <= _MOST_BETWEEN * total and min(map(np.count_nonzero, lines)) >= _FEWEST_WIDE:
+            return cells
+    return 1
