@@ -83,7 +83,7 @@ def test_the_plan_has_the_robot_too_and_the_title_says_how_it_stands() -> None:
     told = RobotDrawing(body=BURGER, rests=level, stable=1).describe()
     assert told.startswith("the robot tilts by 0.0 degrees, ")
     assert told.endswith(" degrees from tipping over")
-    assert RobotDrawing(body=BURGER, rests=level, stable=2).describe() == f"{told}; this is one of 2 stable poses here"
+    assert RobotDrawing(body=BURGER, rests=level, stable=2).describe() == f"{told}; one of 2 stable poses"
     edge = resting_poses(walled("north"), BURGER, 0, 0.25, 0)
     assert RobotDrawing(body=BURGER, rests=edge, stable=0).describe() == "the robot tips over"
 

@@ -54,7 +54,7 @@ class RobotDrawing:
             return f"the robot {reason}"
         tilt, margin = (degrees(float(angles[0])) for angles in (self.rests.tilt, self.rests.tip_angle))
         what = f", and {reason}" if reason else ""
-        others = f"; this is one of {self.stable} stable poses here" if self.stable > 1 else ""
+        others = f"; one of {self.stable} stable poses" if self.stable > 1 else ""
         return f"the robot tilts by {tilt:.1f} degrees, {margin:.0f} degrees from tipping over{what}{others}"
 
 
