@@ -38,6 +38,7 @@ from rsegen.standing.drawing import hull
 from rsegen.standing.resting import REASONS, has_stood, of_settled
 from rsegen.standing.settling import PaddedGround, outer_radius, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
+from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Lattice
 from rsegen.standing.ways import Way as LatticeWay
 from rsegen.standing.ways import reach as reached
@@ -214,6 +215,7 @@ class DrawnPose(TypedDict):
     margin: float  # angle to tip over
     clearance: float | None
     contacts: list[tuple[float, float, float]]
+    stable: int  # poses in which it may rest here, of which this is one
     polygon: list[tuple[float, float, float]]  # support polygon, in order
 
 
@@ -229,7 +231,8 @@ def pose(  # noqa: PLR0913  # each is named by the page
     *_, field = _map(host, doc, index)
     body = robot_of_page(host, robot).body
     ground = PaddedGround.of(field, outer_radius(body))
-    rest = of_settled(ground, body, settle(ground, body, *(np.array([value]) for value in (x, y, heading))))
+    settled = settle(ground, body, *(np.array([value]) for value in (x, y, heading)))
+    rest, (*_, count) = of_settled(ground, body, settled), stable_at(ground, body, settled.x, settled.y, settled.yaw)
     stands, clearance = bool(rest.stands[0]), float(rest.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
     if stands:
@@ -259,6 +262,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "margin": float(rest.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": rest.contacts[0].tolist() if stands else [],
+        "stable": int(count[0]),
         "polygon": [corner.tolist() for corner in polygon],
     }
 

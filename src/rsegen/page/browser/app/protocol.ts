@@ -330,6 +330,7 @@ export interface DrawnPose {
   margin: number; // angle to tip over
   clearance: number | null;
   contacts: [number, number, number][];
+  stable: number; // poses in which it may rest here, of which this is one
   polygon: [number, number, number][]; // support polygon, in order
 }
 

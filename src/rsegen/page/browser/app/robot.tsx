@@ -85,7 +85,7 @@ export function RobotPanel() {
           {stands && <div aria-live="polite">
             <h3 class={stands.stands && stands.holds ? "good" : "bad"}>{stands.reason || "stands"}</h3>
             {stands.stands && <Facts rows={[["tilt", `${degrees(stands.tilt)}°`], ["margin before it tips over", `${degrees(stands.margin)}°`], ["clearance", centimetres(stands.clearance)],
-              ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["contacts", String(stands.contacts.length)]]} />}
+              ["height", centimetres(stands.z)], ["roll, pitch", `${degrees(stands.roll)}°, ${degrees(stands.pitch)}°`], ["stable poses here", String(stands.stable)]]} />}
             {stands.stands && <Button icon="play" title="Spawn it in a running Gazebo, at this place of the map" onClick={() => (dialog.value = { name: "run", command: "spawn" })}>Spawn in Gazebo …</Button>}
           </div>}
           <h3>Best way</h3>
