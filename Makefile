@@ -153,7 +153,7 @@ npm:
 
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
-	@echo "downloading rsegen's requirements (numpy, matplotlib and a few more, about 45 MB) into $(VENV)"
+	@echo "downloading rsegen's requirements (numpy, matplotlib and a few more, 55 MB) into $(VENV)"
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 

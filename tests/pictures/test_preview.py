@@ -12,12 +12,15 @@ import pypdf
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from PIL import Image
 
 import rsegen
 from rsegen import Random, Recipe, compose
 from rsegen.pictures.plan import boundary, covered_cells
-from rsegen.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, layout, preview, preview_figure
+from rsegen.pictures.preview import DRAWN, IMAGE_FORMATS, WIDTH, in_rows, layout, preview, preview_figure
 from rsegen.recipe.building import placed
 from rsegen.recipe.codec import decode
 from rsegen.recipe.examples import EXAMPLES
@@ -172,3 +175,13 @@ def test_a_picture_says_which_version_made_it() -> None:
 def test_the_version_is_in_the_corner_of_all_pictures_but_those_for_a_paper(paper: bool, is_stamped: bool) -> None:
     text = preview(compose(RECIPE), "svg", paper=paper).decode()
     assert (f"<!-- rsegen {rsegen.__version__} -->" in text) == is_stamped
+
+
+def test_entries_of_a_legend_are_read_row_by_row() -> None:
+    figure, labels = Figure(), [f"{height} cm" for height in range(1, 8)]
+    patches = [Patch(label=label) for label in labels]
+    legend = figure.legend(handles=in_rows(patches, 4), ncols=4)
+    FigureCanvasAgg(figure).draw()
+    boxes = {text.get_text(): text.get_window_extent() for text in legend.get_texts()}
+    # Digits are a pixel higher or lower, rows some twenty.
+    assert sorted(boxes, key=lambda label: (-round(boxes[label].y0 / 10), boxes[label].x0)) == labels

@@ -347,9 +347,11 @@ def run_drive(arguments: argparse.Namespace) -> Report:
     given_values = checked_flags(drive, arguments)
     with seconds_bar(given_values.get("duration", default(drive, "duration"))) as progress:
         result = call(drive, arguments, target, progress=progress)
-    played = (
-        [f"to see it drive: rsegen gui {shlex.quote(str(given_values['output']))}"] if "output" in given_values else []
-    )
+    played = []
+    if "output" in given_values:
+        folder = Path(given_values["output"])
+        played = [f"in {folder}: {', '.join([*result.pictures, 'trajectories, contacts and metrics'])}"]
+        played += [f"to see it drive: rsegen gui {shlex.quote(str(folder))}"]
     notes = which_map(arguments.target, arguments.map)
     return Report(lines=chain(result.report(), played), content=result.as_json, notes=notes)
 

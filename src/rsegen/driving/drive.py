@@ -102,6 +102,11 @@ class DriveResult:
     image: bytes = b""
     video: bytes = b""
 
+    @property
+    def pictures(self) -> list[str]:
+        """The names of the pictures and of the film in the folder of the drive."""
+        return [*PLOTS, *([PICTURE] if self.image else []), *([VIDEO] if self.video else [])]
+
     def as_json(self) -> dict[str, object]:
         """Return the content of drive.json, which `rsegen drive --json` prints."""
         return {
@@ -149,7 +154,7 @@ class DriveResult:
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
             "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
             "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
-            **{f"drive.{form}": [trajectory_plot(self.scene, trajectories, self.way, form)] for form in ("png", "pdf")},
+            **{plot: [trajectory_plot(self.scene, trajectories, self.way, plot[-3:])] for plot in PLOTS},
         }
         files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
         files |= {PICTURE: [self.image]} if self.image else {}
@@ -165,7 +170,7 @@ def _foreseen(way: PlannedWay) -> str:
         steepest = f"the robot tilts by up to {tilt}, {margin} from tipping over"
         return f"a way of {way.length:.2f} m across; {', '.join([steepest, *events(way)])}"
     x, y = way.at or (0.0, 0.0)
-    return f"no way across; on the best straight lane the robot {way.reason} at {x:.2f}, {y:.2f} m"
+    return f"no way across by its poses; it follows the best straight lane, where it {way.reason} at {x:.2f}, {y:.2f} m"
 
 
 def _crossed(robot: DrivenRobot) -> str:
@@ -182,13 +187,13 @@ def _encoded(lines: Iterable[str]) -> list[bytes]:
     return [line.encode() for line in lines]
 
 
-PICTURE, VIDEO = "picture.jpg", "drive.webp"
-"""The names of the picture of the end, and of the video, in the folder of a drive."""
+PLOTS, PICTURE, VIDEO = ("drive.png", "drive.pdf"), "picture.jpg", "drive.webp"
+"""Names in the folder of a drive: of the plans with the trajectories, the picture of the end, and the video."""
 
 
 def file_names(runs: Sequence[RobotRun], *, picture: bool, video: bool) -> list[str]:
     """Return the names of the files of a drive in its folder."""
-    usual = ("contacts.csv", "recipe.json", "drive.json", "drive.png", "drive.pdf")
+    usual = ("contacts.csv", "recipe.json", "drive.json", *PLOTS)
     names = [*(f"{run.name}.csv" for run in runs), *usual]
     return [*names, *(["way.csv"] if runs[0].way else []), *([PICTURE] if picture else []), *([VIDEO] if video else [])]
 

@@ -19,7 +19,7 @@ from rsegen.driving.prediction import Prediction
 from rsegen.driving.routes import PlannedWay
 from rsegen.field.stepfield import Array
 from rsegen.pictures.plan import draw_cells
-from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, swatches
+from rsegen.pictures.preview import COLUMN, DPI, PAPER, figure_bytes, in_rows, swatches
 from rsegen.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ _RIM, _MARGIN = 0.1, 1.5
 _TALLEST = 7.0
 """Inches of a picture at most, in which its caption has room on a page."""
 
-_HEIGHTS = 6
-"""Heights in the legend at most: more are every second, third, ..."""
+_HEIGHTS, _ACROSS = 6, 4
+"""Heights in the legend at most, more are every second, third, ...; and its columns."""
 
 _LINES = (
     *(("black", "-"), ("#d7191c", (0, (6, 1))), ("#2c7bb6", (0, (3, 1))), ("#7b3294", (0, (6, 1, 1, 1)))),
@@ -137,4 +137,5 @@ def _draw_legend(figure: Figure, axes: Axes, scene: Scene) -> None:
     lines, _ = axes.get_legend_handles_labels()
     heights = swatches(scene, [level for level in scene.field.level_counts() if level], _HEIGHTS)
     room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 2.4, "handletextpad": 0.5}
-    figure.legend(handles=[*lines, *heights], loc="outside lower center", ncols=4, frameon=False, **room)
+    entries = in_rows([*lines, *heights], _ACROSS)
+    figure.legend(handles=entries, loc="outside lower center", ncols=_ACROSS, frameon=False, **room)

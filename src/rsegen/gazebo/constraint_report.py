@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rsegen.field.stepfield import Array, Mask, StepField
+from rsegen.params.capabilities import commands
 from rsegen.params.numbers import lengths_in
 from rsegen.recipe.building import build
 from rsegen.scene.scene import Scene
@@ -152,7 +153,7 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
         # Who or what gets across, from which sides, and which blocks are lower for it.
         paths = [name.replace("_", " to ") for name in ("west_east", "south_north") if crossable[name]["crosses"]]
         # What a report of a map says is proven by poses or by a path, and not driven.
-        what, lacks = (f"predicted: the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
+        what, lacks = (f"by its poses, the {asked.get('robot')} {can} get" for can in ("can", "cannot"))
         if "robot" not in asked:
             written = lengths_in(scene.units)
             climb, drop, width = (
@@ -160,7 +161,9 @@ def describe_constraints(scene: Scene) -> Iterator[str]:
             )
             steps = f"path of steps of {climb} up and {drop} down, {width} wide, leads"
             what, lacks = f"a {steps}", f"no {steps}"
-        yield f"{what} across from {' and from '.join(paths)}" if paths else f"{lacks} across"
+        is_to_drive = "robot" in asked and paths and "predict" in commands()
+        drive = "; rsegen predict drives it, and says how surely" if is_to_drive else ""
+        yield f"{what} across from {' and from '.join(paths)}{drive}" if paths else f"{lacks} across"
         if "lowered" in crossable:
             blocks, at_0 = crossable["lowered"].values()
             of_all = f"{blocks:,} of the {np.count_nonzero(~scene.field.frame):,} blocks"

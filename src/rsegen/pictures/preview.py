@@ -419,10 +419,15 @@ def _draw_legend(figure: Figure, entries: list[Any], outlines: Sequence[tuple[st
         entries.append(Line2D([], [], linewidth=0, label=f"and {len(outlines) - _SWATCHES} more"))
     if entries and left is None:
         room: dict[str, float] = {"columnspacing": 1.0, "handlelength": 1.2, "handletextpad": 0.4, "borderaxespad": 0.1}
-        figure.legend(handles=entries, loc="lower center", ncols=_ACROSS, frameon=False, **room)
+        figure.legend(handles=in_rows(entries, _ACROSS), loc="lower center", ncols=_ACROSS, frameon=False, **room)
     elif entries:
         size = 10 if len(entries) <= _SWATCHES else 6  # of more than one column of entries
         figure.legend(handles=entries, loc="center left", bbox_to_anchor=(left, 0.5), frameon=False, fontsize=size)
+
+
+def in_rows(entries: Sequence[Any], across: int) -> list[Any]:
+    """Return entries of a legend of so many columns such that they are read row by row: matplotlib fills columns."""
+    return [entry for column in range(across) for entry in entries[column::across]]
 
 
 _SWATCHES = 18

@@ -144,8 +144,8 @@ class MapDesign:
     crossable_by: Annotated[
         str | tuple[float, float, float] | None,
         CrossableBySort(
-            help="guarantee a way from west to east and one from south to north: a straight lane for a kind of robot, "
-            "checked by its poses; or a path of cells with these steps up and down and this width"
+            help="lower blocks for a way from west to east and one from south to north: a straight lane for a kind of "
+            "robot, checked by its poses; or a path of cells with these steps up and down and this width"
         ),
     ] = None
     inventory: Annotated[
