@@ -969,7 +969,7 @@ def test_axe_finds_no_error(chrome: Chrome, address: str, axe: str, size: tuple[
         page.js(f"state.tool.value = {tool}")
         page.settled()
         assert _violations(chrome) == []
-    page.button("Commands").click()
+    page.button("Run a command on this map").click()
     assert _violations(chrome) == []
     chrome.switch_to.active_element.send_keys(Keys.ESCAPE)
     for tab in ("map", "robot", "results"):

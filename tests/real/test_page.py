@@ -140,7 +140,7 @@ def test_the_map_and_a_robot_at_its_place_are_sent_into_a_running_gazebo(
         until(lambda: page.js("return Boolean(state.drawing.value)"))
         page.js("state.settle(0.45, 0.05)")
         until(lambda: page.js("return state.pose.value?.stands"))
-        page.button("Put it into a running Gazebo").click()
+        page.button("Spawn it in a running Gazebo").click()
         started(page)
         rest, at = page.js("return state.pose.value"), live.poses()["burger"]
         assert (at.x, at.y, at.z) == pytest.approx((rest["x"], rest["y"], rest["z"] + DROP_HEIGHT), abs=1e-3)

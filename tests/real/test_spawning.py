@@ -253,7 +253,7 @@ def test_two_maps_do_not_overlap(server: Server, capsys: Capture) -> None:
 def test_impossible_values_are_refused_in_one_line(server: Server, capsys: Capture) -> None:
     rsegen.save(replace(COURSE, name="many", mesh_type="multi"), "many.yaml")
     done(capsys, "spawn", "burger")
-    assert "'burger' exists already; choose another" in refused(capsys, "spawn", "burger")
+    assert "'burger' exists already; use another name" in refused(capsys, "spawn", "burger")
     line = refused(capsys, "remove", "burgr")
     assert "unknown model 'burgr'; did you mean 'burger'? (known: burger, ground_plane)" in line
     assert "no map such as course_0000 in the simulation" in refused(capsys, "respawn", "course.yaml")
