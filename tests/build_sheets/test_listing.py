@@ -126,7 +126,7 @@ def test_boards_longer_than_the_stock_are_said_as_in_the_pdf(stock_cm: float, ch
     scene = compose(Recipe(seed=1, chunk_size=chunk_size, obstacles=BLOCKS))
     settings = CutSettings(stock_cm=stock_cm, price=2)
     said = sheet(scene, settings, "csv").decode().splitlines()
-    short = f"{stock_cm:g} cm of stock is too short for them: use {least} cm or more (--stock-cm)"
+    short = f"{stock_cm:g} cm of stock is too short for them: give {least} cm or more (--stock-cm)"
     assert f"# stock for the frames: {short}" in said
     assert "# cost of the frames: the stock is too short" in said
     blocks = next(int(line.split()[5]) for line in said if line.startswith("# stock for the blocks"))

@@ -244,9 +244,9 @@ _STEPS = (
     "to move a pallet, fix each with glue, or with a screw",
     "from below through the base board.",
     "",
-    "Lengths are those of finished parts. Wood swells: leave",
-    "the blocks some play in the frame (--play-mm), which",
-    "makes its boards and base longer.",
+    "Lengths are those of finished parts. Wood swells: give",
+    "blocks some play in the frame (--play-mm), which makes",
+    "its boards and base longer.",
 )
 
 

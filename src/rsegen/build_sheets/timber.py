@@ -254,7 +254,7 @@ def too_short(needed: Materials, written: Lengths) -> Iterator[str]:
     if needed.frames and needed.boards is None:
         least = written.tape(max(needed.frames) + settings.trim + settings.tolerance)
         yield f"{written.stock(settings.stock)} of stock is too short for them:"
-        yield f"use {least} {written.unit} or more (--stock-cm)"
+        yield f"give {least} {written.unit} or more (--stock-cm)"
 
 
 def unknown_price(needed: Materials) -> str:
