@@ -23,7 +23,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass
 from itertools import combinations
-from math import cos, degrees, hypot, radians, remainder, sin, tau
+from math import cos, degrees, hypot, remainder, sin, tau
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,7 +43,7 @@ from rsegen.simulators.base import SIMULATORS, Installation
 from rsegen.simulators.server import attempted, running_server
 from rsegen.standing.body import Body
 from rsegen.standing.resting import has_stood, resting_poses
-from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle
+from rsegen.standing.settling import PaddedGround, Settled, outer_radius, settle, settle_from
 from rsegen.standing.stable import stable_at
 from rsegen.writing.target_worlds import world_of
 
@@ -115,7 +115,7 @@ class Rest:
     @property
     def is_close(self) -> bool:
         """Whether the prediction is close enough."""
-        return self.height <= CLOSE[0] and self.angle <= CLOSE[1]
+        return _is_close(self.height, self.angle)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -277,11 +277,13 @@ def _at(body: Body, pose: Array) -> At:
 
 def _predicted(ground: PaddedGround, body: Body, at: At) -> tuple[Settled, At]:
     """Return the robot at rest with its centre of mass above or below a place, and its heading there."""
-    c, s = cos(at.yaw), sin(at.yaw)
-    x = at.centre[0] - c * body.centre[0] + s * body.centre[1]
-    y = at.centre[1] - s * body.centre[0] - c * body.centre[1]
-    rest = settle(ground, body, np.array([x]), np.array([y]), np.array([at.yaw]))
-    return rest, At(np.array([rest.x[0], rest.y[0], rest.z[0]]), rest.axes[0])
+    rest = settle_from(ground, body, at.centre[:1], at.centre[1:2], np.array([at.yaw]), np.zeros((1, 2)))
+    return rest, _of_rest(rest, 0)
+
+
+def _of_rest(rest: Settled, number: int) -> At:
+    """Return where one of the robots at rest is."""
+    return At(np.array([rest.x[number], rest.y[number], rest.z[number]]), rest.axes[number])
 
 
 def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
@@ -293,7 +295,6 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
     _, there = _predicted(ground, body, put)
     (height, angle), (put_height, put_angle) = _errors(rest, end), _errors(there, end)
     told, _, _ = stable_at(ground, body, *(np.array([at]) for at in (*end.centre[:2], end.yaw)))
-    heights, cosines = np.abs(told.z - end.centre[2]), told.axes[..., 2] @ end.axes[:, 2]
     return Rest(
         simulator=simulator,
         robot=robot.kind,
@@ -307,7 +308,7 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
         moving=round(float(np.linalg.norm(end.centre - before.centre)), 5),
         stands=bool(has_stood(settled)[0]),
         stable=len(told.x),
-        is_one=bool(((heights <= CLOSE[0] / 1e3) & (cosines >= cos(radians(CLOSE[1])))).any()),
+        is_one=any(_is_close(*_errors(_of_rest(told, each), end)) for each in range(len(told.x))),
         put_height=put_height,
         put_angle=put_angle,
     )
@@ -319,6 +320,11 @@ def _errors(one: At, other: At) -> tuple[float, float]:
     return round(1e3 * abs(float(one.centre[2] - other.centre[2])), 3), round(
         degrees(float(np.arccos(np.clip(cosine, -1, 1)))), 3
     )
+
+
+def _is_close(height: float, angle: float) -> bool:
+    """Return whether differences of height [mm] and orientation [degrees] are small enough."""
+    return height <= CLOSE[0] and angle <= CLOSE[1]
 
 
 def _difference(pair: str, robot: Robot, seed: int, number: int, one: At, other: At) -> Rest:
@@ -382,7 +388,7 @@ def table(record: Mapping[str, Any]) -> Iterator[str]:
     for simulator, name in dict.fromkeys((rest.simulator, rest.robot) for rest in found):
         own = [rest for rest in found if (rest.simulator, rest.robot) == (simulator, name)]
         close = sum(rest.is_close for rest in own)
-        put = sum(rest.put_height <= CLOSE[0] and rest.put_angle <= CLOSE[1] for rest in own)
+        put = sum(_is_close(rest.put_height, rest.put_angle) for rest in own)
         cells = [
             " from ".join(_TITLES[one] for one in simulator.split(" from ")),
             f"{name}, {record['units'][name]:g} cm",

@@ -181,7 +181,7 @@ def test_entries_of_a_legend_are_read_row_by_row() -> None:
     figure, labels = Figure(), [f"{height} cm" for height in range(1, 8)]
     patches = [Patch(label=label) for label in labels]
     legend = figure.legend(handles=in_rows(patches, 4), ncols=4)
-    FigureCanvasAgg(figure).draw()
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]  # matplotlib has no types of it
     boxes = {text.get_text(): text.get_window_extent() for text in legend.get_texts()}
     # Digits are a pixel higher or lower, rows some twenty.
     assert sorted(boxes, key=lambda label: (-round(boxes[label].y0 / 10), boxes[label].x0)) == labels

@@ -10,6 +10,7 @@ from benchmarks import rests
 from benchmarks.mujoco_robots import blocks, free_robot, model, pose_of
 from rsegen.field.stepfield import Array, Ints
 from rsegen.robots.base import ROBOTS
+from rsegen.standing.drawing import axes_of
 from rsegen.standing.resting import resting_poses
 from rsegen.standing.settling import PaddedGround, outer_radius
 from rsegen.standing.stable import APART, stable_poses
@@ -104,11 +105,4 @@ def test_in_python_they_come_by_the_name_of_a_robot() -> None:
 
 def _upright(poses: rsegen.Poses) -> Array:
     """The upright axes of robots, (n, 3)."""
-    return np.stack(
-        [
-            np.cos(poses.roll) * np.sin(poses.pitch),
-            -np.sin(poses.roll),
-            np.cos(poses.roll) * np.cos(poses.pitch),
-        ],
-        axis=1,
-    )
+    return np.array([axes_of(poses, index)[:, 2] for index in range(len(poses.x))])

@@ -154,7 +154,7 @@ class DriveResult:
             "contacts.csv": _encoded(contacts_csv(self.contact_samples, trajectories)),
             "recipe.json": [map_json(self.scene.recipe, self.scene.index)],
             "drive.json": [json.dumps(self.as_json(), indent=2).encode() + b"\n"],
-            **{plot: [trajectory_plot(self.scene, trajectories, self.way, plot[-3:])] for plot in PLOTS},
+            **{plot: [trajectory_plot(self.scene, trajectories, self.way, plot.partition(".")[2])] for plot in PLOTS},
         }
         files |= {"way.csv": _encoded(self.way.csv())} if self.way else {}
         files |= {PICTURE: [self.image]} if self.image else {}

@@ -41,9 +41,7 @@ _FEWEST_WIDE = 4
 
 def steps_by_line(scan: Scan) -> tuple[Ints, Ints]:
     """Return the number of steps at each line between cells along x (n_x + 1,), and along y; between sure levels."""
-    tops = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels)
-    sure = scan.confidence >= SURE
-    tops, sure = np.pad(tops, 1), np.pad(sure, 1, constant_values=True)  # with the floor around
+    tops, sure = np.pad(scan.tops, 1), np.pad(scan.confidence >= SURE, 1, constant_values=True)  # with the floor around
     along_x, along_y = (
         ((levels[1:] != levels[:-1]) & known[1:] & known[:-1]).sum(axis=1)
         for levels, known in ((tops, sure), (tops.T, sure.T))

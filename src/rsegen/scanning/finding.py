@@ -89,7 +89,7 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
 
 def _is_one_patch(scan: Scan) -> bool:
     """Return whether all that is raised is one patch of one level without holes, as a box or a cup on a table is."""
-    tops = np.where(scan.frame, round(scan.frame_height / scan.unit), scan.levels)  # its rim may look like a frame
+    tops = scan.tops  # its rim may look like a frame
     raised = tops > 0
     if len(np.unique(tops[raised])) > 1:
         return False

@@ -81,6 +81,11 @@ class Scan:
         return np.isfinite(self.heights)
 
     @property
+    def tops(self) -> Ints:
+        """Level of each top, also of frames, in units; -1 where a cell was not seen."""
+        return np.where(self.frame, round(self.frame_height / self.unit), self.levels)
+
+    @property
     def errors(self) -> Array:
         """Height of each top above its level [m], nan where a cell was not seen."""
         expected = np.where(self.frame, self.frame_height, np.maximum(self.levels, 0) * self.measured_unit)
