@@ -112,8 +112,8 @@ def executor_of(
     """
     workers = min(execution.workers, MOST)
     if execution.scheduler is not None:
-        with _cluster(execution.scheduler, workers) as (executor, there):
-            yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, there), there)
+        with _cluster(execution.scheduler, workers) as (executor, there, check):
+            yield lambda items: _in_order(executor, with_plugins(work), _batches(items, seconds, there), there, check)
     elif workers <= 1:
         yield lambda items: _here(work, _batches(items, seconds, 1))
     else:
@@ -134,12 +134,19 @@ def _batches(items: Sequence[Item], seconds: float, workers: int) -> Iterator[Se
 
 
 def _in_order(
-    executor: Executor, work: Callable[[Sequence[Item]], Result], batches: Iterator[Sequence[Item]], workers: int
+    executor: Executor,
+    work: Callable[[Sequence[Item]], Result],
+    batches: Iterator[Sequence[Item]],
+    workers: int,
+    check: Callable[[], object] = lambda: None,
 ) -> Iterator[Result]:
-    """Yield the results in the order of the batches, of which a few per worker are under way."""
+    """Yield the results in the order of the batches, of which a few per worker are under way.
+
+    check: called now and then while a result is waited for; it raises where none will come any more
+    """
     waiting = deque(_submitted(executor, work, batch) for batch in islice(batches, AHEAD * workers))
     while waiting:
-        yield _result(waiting.popleft())
+        yield _result(waiting.popleft(), check)
         waiting.extend(_submitted(executor, work, batch) for batch in islice(batches, 1))
 
 
@@ -148,7 +155,7 @@ def _submitted(executor: Executor, work: Callable[[Sequence[Item]], Result], bat
         return executor.submit(work, batch)
 
 
-def _result(future: Future[Result]) -> Result:
+def _result(future: Future[Result], check: Callable[[], object]) -> Result:
     """Return the result, waited for in small steps, between which a signal stops the run.
 
     A KeyboardInterrupt inside of `wait` may leave the lock of the future held, for which the pool's thread would wait
@@ -158,6 +165,7 @@ def _result(future: Future[Result]) -> Result:
         with stop.held():
             if finished([future], timeout=_LOOK).done:
                 return future.result()
+        check()
 
 
 # Processes of this machine.
@@ -226,8 +234,11 @@ def _start_worker(parent_stops: Connection) -> None:
 
 
 @contextmanager
-def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
-    """Yield an executor of a Dask cluster, and how many workers it has; one that is lost is replaced by another."""
+def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int, Callable[[], None]]]:
+    """Yield an executor of a Dask cluster, how many workers it has, and a check that the cluster is still there.
+
+    A worker that is lost is replaced by another.
+    """
     import asyncio
 
     distributed = dask()
@@ -250,7 +261,13 @@ def _cluster(scheduler: str, workers: int) -> Iterator[tuple[Executor, int]]:
                 client = opened.enter_context(distributed.Client(address, timeout=PATIENCE))
             except (OSError, ValueError) as error:
                 raise ParameterError("scheduler", f"cannot connect to {scheduler}: {error}") from None
-            yield client.get_executor(pure=False), max(workers, sum(client.ncores().values()))
+
+            def check() -> None:
+                # A result that is on its way while the scheduler ends wakes nobody: Dask's executor forgets it.
+                if client.status != "running":
+                    raise CommClosedError
+
+            yield client.get_executor(pure=False), max(workers, sum(client.ncores().values())), check
     except distributed.KilledWorker as error:
         raise WorkerLost(f"workers of the cluster were lost, one after the other: {error}") from None
     except lost:
