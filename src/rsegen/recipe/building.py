@@ -164,9 +164,27 @@ def owners(recipe: MapDesign, index: int) -> NDArray[np.int32]:
     return rows
 
 
-def _patches(recipe: MapDesign, index: int) -> Iterator[tuple[int, Obstacle, Patch]]:
+def covered_obstacles(recipe: MapDesign, index: int) -> list[tuple[int, tuple[int, ...]]]:
+    """Return the row of each obstacle of map `index` of which later ones leave no block, and the rows of these.
+
+    Only the blend "replace" covers: the others take the levels below into account.
+    """
+    if all(obstacle.blend != "replace" for _, obstacle in recipe.enabled_obstacles[1:]):
+        return []
+    covered, top = [], np.full(recipe.grid.shape, -1, dtype=np.int32)
+    for row, obstacle, patch in _patches(recipe, INDEX.check("index", index), from_last=True):
+        above = top[patch.window]  # the last obstacle that replaced each block, of those after this one
+        own = above[patch.footprint]
+        if own.size and own.min() >= 0:
+            covered.append((row, tuple(np.unique(own).tolist())))
+        elif obstacle.blend == "replace":
+            above[patch.footprint & (above < 0)] = row
+    return covered[::-1]
+
+
+def _patches(recipe: MapDesign, index: int, *, from_last: bool = False) -> Iterator[tuple[int, Obstacle, Patch]]:
     """Yield every obstacle that is switched on with its row, and the levels that it proposes."""
-    for row, obstacle in recipe.enabled_obstacles:
+    for row, obstacle in recipe.enabled_obstacles[:: -1 if from_last else 1]:
         with inside(f"obstacles[{row}]"):
             *_, patch = placed(recipe, obstacle, index)
         yield row, obstacle, patch
