@@ -112,6 +112,7 @@ def test_a_way_goes_step_by_step_from_its_start_to_its_goal(host: Host, doc: str
     assert np.hypot(*(poses[[0, -1], :2] - [start, goal]).T).max() < 0.12, "tilted, its origin is a little aside"
     assert told["worst_tilt"] == pytest.approx(np.arccos(np.cos(poses[:, 3]) * np.cos(poses[:, 4])).max(), abs=1e-4)
     assert all(0 <= event["at"] < len(poses) for event in told["events"])
+    assert list(told["least_margin_at"]) in poses[:, :2].tolist()
 
 
 @pytest.mark.slow

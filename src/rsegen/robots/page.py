@@ -398,6 +398,7 @@ class DrawnWay(TypedDict):
     length: float
     worst_tilt: float
     least_margin: float
+    least_margin_at: tuple[float, float]  # x and y of the robot's origin
 
 
 @call_of_host
@@ -430,11 +431,14 @@ def way(  # noqa: PLR0913  # each is named by the page
             "length": 0.0,
             "worst_tilt": 0.0,
             "least_margin": 0.0,
+            "least_margin_at": (0.0, 0.0),
         }
     poses = route.poses
-    worst, least = float(poses.tilt.max()), float(poses.tip_angle.min())
+    worst, tips_at = float(poses.tilt.max()), int(poses.tip_angle.argmin())
+    least, (x, y) = float(poses.tip_angle[tips_at]), (round(float(along[tips_at]), 5) for along in (poses.x, poses.y))
     events = [(at, "falls") for at in route.drops] + [(at, "slides") for at in route.slips]
-    text = f"{route.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {degrees(least):.0f} from tipping over"
+    tips = f"{degrees(least):.0f} from tipping over at {x + 0:.2f}, {y + 0:.2f} m"
+    text = f"{route.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {tips}"
     rows = np.stack([getattr(poses, name) for name in ("x", "y", "z", "roll", "pitch", "yaw")], axis=1)
     return {
         "found": True,
@@ -444,6 +448,7 @@ def way(  # noqa: PLR0913  # each is named by the page
         "length": route.length,
         "worst_tilt": worst,
         "least_margin": least,
+        "least_margin_at": (x, y),
     }
 
 
