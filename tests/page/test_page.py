@@ -420,7 +420,7 @@ def test_the_menu_of_commands_needs_no_scroll_sideways(chrome: Chrome, address: 
     assert page.js(f"{menu} return menu.scrollWidth === menu.clientWidth")
     lefts, rights = zip(*page.js(f"{menu} return {boxes}.map(({{ left, right }}) => [left, right])"), strict=True)
     assert len(lefts) > 20
-    assert 0 <= min(lefts)
+    assert min(lefts) >= 0
     assert max(rights) <= size[0]
     assert len({*lefts[1:]}) == (1 if size[0] < 600 else 3), "columns"
 
