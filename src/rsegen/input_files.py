@@ -94,6 +94,40 @@ def refuse_pointer(path: Path, content: bytes | None = None) -> None:
         raise FileError(f"{path}: a pointer of Git LFS, and not the file itself; run `git lfs pull` in its clone")
 
 
+_STARTS = {
+    "a PNG image": (b"\x89PNG\r\n",),
+    "a JPEG image": (b"\xff\xd8\xff",),
+    "a TIFF image": (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
+    "a PGM image": (b"P2\n", b"P5\n"),
+    "a numpy array": (b"\x93NUMPY",),
+    "a PLY file": (b"ply\n", b"ply\r"),
+    "a PCD file": (b"# .PCD", b"VERSION 0.7\nFIELDS", b"VERSION .7\nFIELDS"),
+    "a LAS or LAZ file": (b"LASF",),
+    "an E57 file": (b"ASTM-E57",),
+    "a GLB file": (b"glTF",),
+    "a PDF file": (b"%PDF-",),
+    "a ZIP archive": (b"PK\x03\x04",),
+}
+"""The first bytes of files of a type."""
+
+_ROOTS = {
+    b"robot": "a robot in URDF",
+    b"mujoco": "a model in MJCF",
+    b"sdf": "an SDF file",
+    b"COLLADA": "a COLLADA file",
+}
+"""The first elements of XML files of a type."""
+
+
+def file_type(start: bytes) -> str:
+    """Return what a file is by its first bytes, as `a PNG image`; an empty text if they do not say it."""
+    for name, starts in _STARTS.items():
+        if start.startswith(starts):
+            return name
+    root = re.match(rb"\s*(<\?.*?\?>|<!--.*?-->|\s)*<(\w+)", start, re.DOTALL)
+    return _ROOTS.get(root[2], "an XML file") if root else ""
+
+
 def _opened(path: str | Path) -> BufferedReader:
     """Open a file at once: without O_NONBLOCK the system waits until somebody writes to a pipe."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))
@@ -248,9 +282,6 @@ def silent_libraries() -> Iterator[None]:
 _IMAGE_FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
 """Formats of images that are read, as Pillow names them; it would open fifty more, by their first bytes."""
 
-_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-"""First bytes of a TIFF, or of a BigTIFF, in either order of bytes."""
-
 
 @contextmanager
 def opened_image(path: Path) -> Iterator[Image]:
@@ -264,7 +295,7 @@ def opened_image(path: Path) -> Iterator[Image]:
     except RsegenError:
         raise
     except UnidentifiedImageError:
-        if (regular_content(path, 4) or b"") in _TIFF:
+        if file_type(regular_content(path, 4) or b"") == "a TIFF image":
             advice = "write one of a single band with `gdal_translate -b 1 -co COMPRESS=DEFLATE FILE NEW.tif`"
             raise FileError(f"{path}: a TIFF whose bands or numbers are not read (Pillow); {advice}") from None
         raise FileError(f"{path}: not an image ({', '.join(_IMAGE_FORMATS)})") from None

@@ -271,7 +271,7 @@ def _command_line(call: re.Match[str]) -> str:
 def _of_flag(message: str, command: str | None, words: Sequence[str]) -> str:
     """Return a message about a parameter as one about its flag, if that is in the words of a command."""
     where = re.match(r"\w+(?=(\[\d+\])*: )", message)
-    if where is None or command not in commands():
+    if where is None or command is None or command not in commands():
         return message
     flag = _flags(command).get(where[0])
     is_given = any(word.partition("=")[0] == flag for word in words)

@@ -282,6 +282,16 @@ register = IMPORTERS.register
 """Decorator of an importer, which is known by the suffixes of its files then."""
 
 
+def reads(path: Path, start: bytes) -> str:
+    """Return what reads a file with heights (`Capability.reads`): a table by its suffix, an occupancy grid by a key."""
+    suffix = path.suffix.lower()
+    if suffix in (".yaml", ".yml"):
+        is_known = bool(re.search(rb"^image:", start, re.MULTILINE))
+    else:
+        is_known = suffix in IMPORTERS and suffix != ".txt"  # which may be anything
+    return "rsegen import (for heights)" if is_known else ""
+
+
 def importer_for(path: Path) -> type[Importer]:
     """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
     importer = IMPORTERS.get(path.suffix.lower())
