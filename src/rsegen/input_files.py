@@ -24,7 +24,7 @@ from io import BufferedReader
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from rsegen.errors import FileError, RsegenError, library_message, shown
+from rsegen.errors import FileError, RsegenError, library_message, shown, system_reason
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
@@ -165,7 +165,7 @@ _DEEPEST = 200
 def unreadable(path: Path, error: OSError) -> str:
     """Return the message of a file that cannot be read; if a relative path leads nowhere, with the current folder."""
     here = f" in {Path.cwd()}" if isinstance(error, FileNotFoundError) and not path.is_absolute() else ""
-    return f"{path}: {error.strerror or error}{here}"
+    return f"{path}: {system_reason(error)}{here}"
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
