@@ -36,7 +36,7 @@ from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
 from rsegen.standing.resting import REASONS, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, outer_radius, settle
+from rsegen.standing.settling import PaddedGround, centre_at, outer_radius, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
 from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Lattice
@@ -231,8 +231,9 @@ def pose(  # noqa: PLR0913  # each is named by the page
     *_, field = _map(host, doc, index)
     body = robot_of_page(host, robot).body
     ground = PaddedGround.of(field, outer_radius(body))
-    settled = settle(ground, body, *(np.array([value]) for value in (x, y, heading)))
-    rest, (*_, count) = of_settled(ground, body, settled), stable_at(ground, body, settled.x, settled.y, settled.yaw)
+    at_x, at_y, yaw = (np.array([value]) for value in (x, y, heading))
+    found = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
+    rest = of_settled(ground, body, found.level)
     stands, clearance = bool(rest.stands[0]), float(rest.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
     if stands:
@@ -262,7 +263,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "margin": float(rest.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": rest.contacts[0].tolist() if stands else [],
-        "stable": int(count[0]),
+        "stable": int(found.count[0]),
         "polygon": [corner.tolist() for corner in polygon],
     }
 
