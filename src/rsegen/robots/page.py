@@ -263,7 +263,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "margin": float(rest.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": rest.contacts[0].tolist() if stands else [],
-        "stable": int(found.count[0]),
+        "stable": int(found.counts[0]),
         "polygon": [corner.tolist() for corner in polygon],
     }
 

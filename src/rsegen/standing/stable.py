@@ -59,7 +59,7 @@ def stable_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, headi
     ground = PaddedGround.of(field, outer_radius(body))
     found = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
     poses, level = (of_settled(ground, body, rests) for rests in (found.rests, found.level))
-    return StablePoses(poses=poses, place=found.place, count=found.count, level=level)
+    return StablePoses(poses=poses, place=found.place, count=found.counts, level=level)
 
 
 class StableRests(NamedTuple):
@@ -67,7 +67,7 @@ class StableRests(NamedTuple):
 
     rests: Settled
     place: Ints
-    count: Ints
+    counts: Ints
     level: Settled
 
 
