@@ -75,7 +75,7 @@ def regular_content(path: str | Path, most: int) -> bytes | None:
     try:
         with open_regular(path) as file:
             return file.read(most)
-    except OSError:
+    except (OSError, ValueError):  # the second for a name with a null character
         return None
 
 
