@@ -1,6 +1,6 @@
 # make worlds   sets up and generates every example into worlds/
 # make test     sets up, with a real Gazebo where this machine allows one, and tests every promise: a quarter of an hour on two cores
-# make test-all    the long tests, with more of everything, and then these, as CI runs them: half an hour on two cores
+# make test-all    these and the long tests in one run, as CI runs them: half an hour on two cores
 # make test-fast   the tests without a simulator, a browser and all that is slow: four minutes on two cores; WHAT=scanning
 #               those of one folder of src/rsegen, WHAT="scanning heights" of two
 # make deletions   deletes each capability in turn, in a copy, and runs the fast tests that are left; WHAT=scanning for one of them
@@ -24,7 +24,6 @@ BIN := $(VENV)/bin
 # A process that has no more tests takes some of another's. Many wait for servers and browsers, so there is a process more
 # than there are cores.
 ARGS ?= --numprocesses=$$(( $$(getconf _NPROCESSORS_ONLN) + 1 )) --dist=worksteal
-LONG ?= $(ARGS)
 FAST ?= --numprocesses=2
 WHAT ?=
 MUTANTS ?=
@@ -34,7 +33,7 @@ CRASH ?=
 UV := $(BIN)/uv pip install --quiet --python
 LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 pyproject.toml --custom-compile-command 'make lock'
 
-.PHONY: browser npm classic compiler learners worlds test test-all test-long test-fast deletions coverage mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
+.PHONY: browser npm classic compiler learners worlds test test-all test-fast deletions coverage mutants fuzz crash check page docs site package gazebo screen lock bench bench-contact bench-experiment bench-isaaclab
 
 worlds: $(VENV)/installed
 	@for recipe in src/rsegen/recipe/examples/*.yaml; do \
@@ -45,13 +44,8 @@ worlds: $(VENV)/installed
 test: $(VENV)/tester classic screen browser npm compiler
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not long" $(ARGS)
 
-# What takes too long for make test.
-test-long: $(VENV)/developer gazebo screen browser npm compiler learners
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m long --hypothesis-profile=thorough $(LONG)
-
-test-all:
-	$(MAKE) --no-print-directory test-long
-	$(MAKE) --no-print-directory test
+test-all: $(VENV)/developer gazebo screen browser npm compiler learners
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
 
 test-fast: $(VENV)/tester
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST) $(addprefix tests/,$(WHAT))
