@@ -16,7 +16,7 @@ from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array
 from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.grid import CloudGrid, find_grid
+from rsegen.scanning.grid import CloudGrid, _Tops, find_grid
 from rsegen.scanning.levels import find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
@@ -380,3 +380,20 @@ def test_a_cloud_of_few_points_above_the_ground_is_refused_in_a_line(points: int
     heights = np.concatenate([np.zeros(400), np.linspace(0.05, 0.4, points)])
     with pytest.raises(ScanError, match="too few points are above the ground plane"):
         find_unit(heights, noise=0.002)
+
+
+@pytest.mark.parametrize("width", [0.04, 0.1, 0.37])
+def test_points_off_and_words_of_a_grid_are_counted_cell_by_cell(width: float) -> None:
+    rng = np.random.default_rng(3)
+    levels = rng.integers(0, 4, 800)
+    tops = _Tops(levels=levels, places=rng.normal(0, 0.3, (2, 800)))
+    grid = CloudGrid(heading=0.4, width=width, origin=np.array([0.01, -0.02]))
+    cells = np.floor((grid.rotation @ tops.places - grid.origin[:, None]) / width).T
+    off = raised = 0
+    for cell in np.unique(cells, axis=0):
+        counts = np.bincount(levels[(cells == cell).all(axis=1)])
+        off += int(counts.sum() - counts.max())
+        raised += int(counts.argmax() > 0)
+    assert off > 0
+    assert raised > 3
+    assert (tops.off(grid), tops.words(grid)) == (off, off + raised)
