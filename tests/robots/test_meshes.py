@@ -38,6 +38,7 @@ def test_a_binary_stl_is_read_as_trimesh_reads_it(name: str, tmp_path: Path) -> 
     path = tmp_path / "part.STL"
     SOLIDS[name].export(path, file_type="stl")
     theirs = trimesh.load(path, force="mesh")
+    assert isinstance(theirs, trimesh.Trimesh)
     points, corners = read_mesh(path)
     assert np.array_equal(points, theirs.vertices)
     assert np.array_equal(corners, theirs.faces)
