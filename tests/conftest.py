@@ -1,7 +1,6 @@
 """Settings of all tests: markers by folder, a limit of CPU time, hypothesis, signals, where temporary files are.
 
-Hypothesis runs without deadlines, as machines are noisy, and in CI with the same examples every time: 25 per test, and
-100 with `--hypothesis-profile=thorough`, as the long ones have in `make test-all`.
+Hypothesis runs without deadlines, as machines are noisy, and in CI with the same 25 examples per test every time.
 
 A shell that runs the tests in the background has them ignore Ctrl-C, nohup has them ignore that their terminal is gone,
 and all that they start would do so too; so both are set back.
@@ -31,7 +30,6 @@ MARKED_FOLDERS = {"real": pytest.mark.real}
 """Folder -> the marker of every test in it."""
 
 settings.register_profile("house", deadline=None, derandomize=os.environ.get("CI") == "true", max_examples=25)
-settings.register_profile("thorough", settings.get_profile("house"), max_examples=100)
 settings.load_profile("house")
 
 for _name, _usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import rsegen
-from rsegen.gazebo.constraint_report import describe_constraints
+from rsegen.gazebo.constraint_report import constraint_report, describe_constraints
 from rsegen.gazebo.map_summary import costs
 from rsegen.page import host as calls
 from rsegen.page.host import Host, Opened
@@ -95,7 +95,7 @@ def test_results_are_those_of_the_map_as_it_is_written(host: Host, name: str) ->
     models, _, faces, size = costs(made)
     shown = results(opened)
     assert shown["cost"] == f"{models:,} model{'s'[: models != 1]}, {faces:,} faces, {format_bytes(size)}"
-    assert shown["constraints"] == list(describe_constraints(made))
+    assert shown["constraints"] == list(describe_constraints(made, constraint_report(made)))
     assert {"mean height", "rms step", "TRI"} <= {name for name, _, _ in shown["metrics"]}
     before = {row[0]: row[1] for row in shown["metrics"]}
     calls.edit(opened, actions=[{"do": "paint", "row": -1, "cells": [[0, 0]], "level": 30}])

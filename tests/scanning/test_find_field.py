@@ -13,10 +13,10 @@ import rsegen
 from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned
 from rsegen import Matrix, Random, Recipe, Stairs, StepField, Stones
 from rsegen.errors import ScanError
-from rsegen.field.stepfield import Array
+from rsegen.field.stepfield import Array, Ints
 from rsegen.scanning import finding
 from rsegen.scanning.finding import find_field
-from rsegen.scanning.grid import CloudGrid, find_grid
+from rsegen.scanning.grid import CloudGrid, _Tops, find_grid
 from rsegen.scanning.levels import find_unit
 from rsegen.scanning.scan import SURE, Scan, ScanSettings
 from tests.support.long import long_unless
@@ -380,3 +380,65 @@ def test_a_cloud_of_few_points_above_the_ground_is_refused_in_a_line(points: int
     heights = np.concatenate([np.zeros(400), np.linspace(0.05, 0.4, points)])
     with pytest.raises(ScanError, match="too few points are above the ground plane"):
         find_unit(heights, noise=0.002)
+
+
+@pytest.mark.parametrize("width", [0.04, 0.1, 0.37])
+def test_points_off_and_words_of_a_grid_are_counted_cell_by_cell(width: float) -> None:
+    rng = np.random.default_rng(3)
+    levels = rng.integers(0, 4, 800)
+    tops = _Tops(levels=levels, places=rng.normal(0, 0.3, (2, 800)))
+    grid = CloudGrid(heading=0.4, width=width, origin=np.array([0.01, -0.02]))
+    cells = np.floor((grid.rotation @ tops.places - grid.origin[:, None]) / width).T
+    off = raised = 0
+    for cell in np.unique(cells, axis=0):
+        counts = np.bincount(levels[(cells == cell).all(axis=1)])
+        off += int(counts.sum() - counts.max())
+        raised += int(counts.argmax() > 0)
+    assert off > 0
+    assert raised > 3
+    assert (tops.off(grid), tops.words(grid)) == (off, off + raised)
+
+
+def plain(levels: Ints) -> StepField:
+    """A field of these levels, of blocks of 10 cm without frames."""
+    none = np.zeros(levels.shape, bool)
+    return StepField(levels=levels.astype(np.int16), frame=none, block_width=0.1, unit=0.1, frame_height=0)
+
+
+BARRIER, DECK, CROSS = (np.zeros((10, 10), int) for _ in range(3))
+BARRIER[4:6] = 1  # from side to side
+DECK[:], DECK[4:6] = 1, 2
+CROSS[:, 3], CROSS[5] = 2, 1
+TOWER = 1 + np.pad(1 + np.pad(np.ones((2, 2), int), 2), 2)  # levels 1, 2 and 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("levels", [BARRIER, DECK, CROSS, TOWER], ids=["barrier", "deck", "cross", "tower"])
+def test_blocks_of_few_obstacles_are_as_wide_as_the_size_says(levels: Ints) -> None:
+    """Steps of a barrier are at every second line, and those of blocks twice as wide are too."""
+    scan = find_field(cloud_of(plain(levels)), ScanSettings(blocks=(10, 10)))
+    assert scan.block_width == 0.1
+    right_turn(scan, plain(levels))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_halved_width_is_doubled_to_the_size(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    field = plain(np.random.default_rng(seed).integers(1, 5, (8, 6)))
+    asked = []
+
+    def halved(points: Array, unit: float, noise: float, pixel: float, width: float | None = None) -> CloudGrid:
+        asked.append(width)
+        return find_grid(points, unit, noise, pixel, width or 0.05)
+
+    monkeypatch.setattr(finding, "find_grid", halved)
+    scan = find_field(cloud_of(field), ScanSettings(blocks=(8, 6)))
+    assert asked[:2] == [None, 0.1]
+    right_turn(scan, field)
+
+
+@pytest.mark.slow
+def test_a_size_of_which_no_width_makes_the_blocks_is_refused() -> None:
+    field = plain(np.random.default_rng(4).integers(1, 5, (8, 8)))
+    with pytest.raises(ScanError, match="8 x 8 cells are raised, not 5 x 5"):
+        find_field(cloud_of(field), ScanSettings(blocks=(5, 5)))

@@ -12,7 +12,7 @@ import trimesh
 import rsegen
 from rsegen.field.stepfield import Array, Ints
 from rsegen.recipe.examples import EXAMPLES
-from rsegen.scanning.meshes import seen_from_above
+from rsegen.scanning.meshes import _Raster, _spread, seen_from_above
 
 LEVELS = np.random.default_rng(11).integers(0, 5, (8, 7))
 
@@ -149,3 +149,24 @@ def test_the_merged_mesh_of_five_pallets_needs_no_direction(tmp_path: Path, turn
     assert any(
         np.array_equal(np.rot90(scan.levels, turns), right) for turns in range(4) if scan.levels.size == right.size
     )
+
+
+@pytest.mark.parametrize("make", [blocks, framed, lambda: trimesh.creation.icosphere(subdivisions=3)])
+def test_points_are_spread_over_faces_as_trimesh_spreads_them(make: Callable[[], trimesh.Trimesh]) -> None:
+    mesh = make()
+    weights = mesh.area_faces * np.abs(mesh.face_normals[:, 2])
+    theirs, of_face = trimesh.sample.sample_surface(mesh, 5_000, face_weight=weights, seed=0)
+    points, faces = _spread(mesh, weights, 5_000)
+    assert np.array_equal(faces, of_face)
+    assert np.allclose(points.T, theirs, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_point_is_covered_by_a_higher_one_of_its_pixel(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    places, heights, within = rng.random((2, 600)), rng.random(600), 0.3 * rng.random(600)
+    raster = _Raster.of(places, 0.1)
+    highest = {key: heights[raster.keys == key].max() for key in np.unique(raster.keys)}
+    wanted = [highest[key] - height <= most for key, height, most in zip(raster.keys, heights, within, strict=True)]
+    assert 60 < sum(wanted) < 540
+    assert raster.uncovered(heights, within).tolist() == wanted

@@ -13,6 +13,7 @@ from benchmarks.depth_camera import DepthCamera, Flaws, scanned, turned, with_fl
 from rsegen import StepField
 from rsegen.errors import ScanError
 from rsegen.field.stepfield import Array, Ints
+from rsegen.scanning.commands import _width
 from rsegen.scanning.evidence import bits_saved, cells_per_block, steps_by_line
 from rsegen.scanning.finding import find_field
 from rsegen.scanning.levels import board_below, units_per_level
@@ -317,3 +318,21 @@ def test_one_patch_of_blocks_is_found_if_their_width_is_given() -> None:
         find_field(cloud)
     scan = find_field(cloud, ScanSettings(block_width=0.1, boundary="none"))
     assert scan.levels.tolist() == np.ones((4, 6)).tolist()
+
+
+@pytest.mark.parametrize(
+    ("levels", "width", "says"),
+    [
+        (np.random.default_rng(1).integers(1, 6, (6, 6)), 0.1, []),
+        (np.ones((6, 4), np.int64), 0.1, ["assumed: blocks 10 cm wide, though too few"]),
+        (np.random.default_rng(2).integers(1, 6, (6, 6)), 0.008, ["warning: blocks 10 cm wide: if they are not"]),
+        (np.ones((6, 4), np.int64), 8.0, ["assumed: blocks 10 cm wide, though", "warning: blocks 10 cm wide: if"]),
+    ],
+    ids=["blocks", "one patch", "millimetres", "metres"],
+)
+def test_a_report_says_if_little_shows_the_width_or_nobody_builds_with_it(
+    levels: Ints, width: float, says: Sequence[str]
+) -> None:
+    lines = list(_width(replace(scan_of(levels), measured_width=width), "10 cm"))
+    assert len(lines) == len(says)
+    assert all(line.startswith(start) for line, start in zip(lines, says, strict=True))

@@ -74,6 +74,7 @@ def test_scan_json_says_what_was_found(told: tuple[dict[str, object], Path]) -> 
     assert scan["not_seen"][0]["cell"] == [3, 4]
     assert (scan["blocks"], scan["cells"], scan["cells_seen"]) == ([10, 10], 144, 141)
     assert (scan["block_width_m"], scan["unit_m"]) == (0.1, 0.1)
+    assert scan["bits_of_grid"] > 46
     assert scan["measured_block_width_m"] == pytest.approx(0.101, abs=2e-4)
     assert scan["measured_unit_m"] == pytest.approx(0.101, abs=2e-4)
     assert 0 < scan["residual_mean_m"] <= scan["residual_most_m"] < 0.005

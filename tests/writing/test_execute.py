@@ -272,5 +272,19 @@ def test_a_signal_while_a_result_is_waited_for_stops_the_run_after_the_look(monk
     monkeypatch.setattr(execute_module, "finished", wait)
     monkeypatch.setattr(stop.STATE, "asked", False)
     with pytest.raises(KeyboardInterrupt):
-        execute_module._result(done)
+        execute_module._result(done, lambda: None)
     assert looks == [True]
+
+
+def test_a_result_that_will_never_come_is_waited_for_until_its_cluster_is_gone() -> None:
+    """Dask's executor forgets a result that was on its way when the scheduler ended."""
+    looks: list[int] = []
+
+    def check() -> None:
+        looks.append(len(looks))
+        if len(looks) == 2:
+            raise ConnectionError("gone")
+
+    with pytest.raises(ConnectionError, match="gone"):
+        execute_module._result(Future[int](), check)
+    assert looks == [0, 1]

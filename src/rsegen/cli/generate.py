@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -180,7 +181,8 @@ def _lines(made: Generated) -> Iterator[str]:
     if made.recipe.is_constrained and (scene := made.maps[0].scene):
         from rsegen.gazebo.constraint_report import describe_constraints
 
-        yield from describe_constraints(scene)
+        # A robot's ways take seconds to find, so they are read from the file rather than searched for again.
+        yield from describe_constraints(scene, json.loads((made.maps[0].folder / "constraints.json").read_bytes()))
     elif made.recipe.is_constrained:
         yield "how each map meets its constraints: constraints.json in its folder"
     yield from warnings_of(made.maps)

@@ -143,9 +143,8 @@ def _crossing_parameters(recipe: Recipe) -> dict[str, Any]:
     return dict(zip(("climb_cm", "drop_cm", "width_cm"), recipe.crossable_by or (), strict=False))
 
 
-def describe_constraints(scene: Scene) -> Iterator[str]:
-    """Yield the constraint report as lines of text."""
-    report = constraint_report(scene)
+def describe_constraints(scene: Scene, report: dict[str, Any]) -> Iterator[str]:
+    """Yield the constraint report of a map, or what constraints.json has of it, as lines of text."""
     if "max_step" in report:
         yield "largest step between neighbours in units: {is}, allowed: {asked}".format(**report["max_step"])
     if "crossable_by" in report:

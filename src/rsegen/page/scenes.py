@@ -16,7 +16,7 @@ from rsegen.errors import ParameterError, TooLarge
 from rsegen.field.stepfield import Ints, StepField, coarse, coarse_indices, coarseness
 from rsegen.field.steps import steps
 from rsegen.field.traversability import percolation
-from rsegen.gazebo.constraint_report import describe_constraints
+from rsegen.gazebo.constraint_report import constraint_report, describe_constraints
 from rsegen.gazebo.map_summary import costs, warnings
 from rsegen.measuring.catalogue import Metric, metric_by
 from rsegen.measuring.roughness import ruggedness
@@ -113,7 +113,7 @@ def _results(made: Scene) -> MapResults:
     return {
         "metrics": list(figures(made.field, lengths_in(made.recipe.units))),
         "cost": _cost(made) if n_x * n_y <= COUNTED else "",
-        "constraints": list(describe_constraints(made)),
+        "constraints": list(describe_constraints(made, constraint_report(made))),
     }
 
 

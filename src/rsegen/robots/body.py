@@ -7,7 +7,7 @@ links that it names; of a model without a drive that is known, whatever hangs on
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element, fromstring
@@ -19,7 +19,7 @@ from rsegen.field.stepfield import Array
 from rsegen.robots.drives import Drive, Wheels
 from rsegen.robots.links import Box, Cylinder, Link, pose_matrix, posed, turn_about
 from rsegen.robots.meshes import read_mesh
-from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, inertials
+from rsegen.robots.sdf_shapes import ModelFrames, file_and_scale, floats, form_of, inertials
 from rsegen.standing.body import (
     Body,
     CollisionPart,
@@ -100,12 +100,15 @@ def body_of_file(robot: SdfRobot) -> Body:
     )
     lifted = pose_matrix((0, 0, robot.lift))  # the origin of a robot in a world is below its lowest shape
     shapes: list[Shape] = []
+    solids: dict[Hashable, list[tuple[SurfaceSamples, Array]]] = {}
     for link, collision, geometry in frames.collisions():
         name, pose = f"{link}::{collision.get('name', '')}", lifted @ frames.shape(link, collision)
         texts = (collision.findtext(f"surface/friction/ode/{mu}") or "1" for mu in ("mu", "mu2"))  # 1 by default
         mu, mu2 = (min(max(floats(text, 1, frames.where)[0], 0.0), _GROUND) for text in texts)
         part = CollisionPart(name, link in driven, mu, mu2)
-        shapes += [(part, solid, pose @ at) for solid, at in _solids(geometry[0], distance, frames.where, name)]
+        if (form := form_of(geometry)) not in solids:
+            solids[form] = list(_solids(geometry[0], distance, frames.where, name))
+        shapes += [(part, solid, pose @ at) for solid, at in solids[form]]
     masses = inertials(frames).values()
     centre = np.average([link.centre for link in masses], axis=0, weights=[link.mass for link in masses])
     return body_of_shapes(

@@ -9,7 +9,7 @@ Cost: the shapes times the depth of their frames; reading meshes costs most.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from functools import cached_property
 from math import radians
 from pathlib import Path
@@ -21,7 +21,7 @@ import numpy as np
 from rsegen.errors import FileError, shown
 from rsegen.field.stepfield import Array
 from rsegen.robots.links import pose_matrix, rotation
-from rsegen.robots.meshes import INLINE, SUFFIXES, read_mesh
+from rsegen.robots.meshes import INLINE, SUFFIXES, mesh_bounds
 
 _DEEPEST = 30
 """Frames that may be given relative to each other, one after another; models of robots have up to about ten."""
@@ -273,8 +273,10 @@ def extents(frames: ModelFrames) -> Extents:
     """Return the extents of the collision shapes of every link of a model."""
     known: dict[str, Extent] = {}
     unknown = set()
+    solids: dict[Hashable, SweptBox | None] = {}
     for link, collision, geometry in frames.collisions():
-        solid = swept_box(geometry, frames.where)
+        key = form_of(geometry)
+        solid = solids[key] = solids[key] if key in solids else swept_box(geometry, frames.where)
         if solid is None:
             unknown.add(link)
             continue
@@ -287,6 +289,11 @@ def extents(frames: ModelFrames) -> Extents:
         known[link] = Extent(np.minimum(box.low, low), np.maximum(box.high, high))
     lows, highs = [box.low for box in known.values()], [box.high for box in known.values()]
     return Extents(known, unknown, Extent(np.min(lows, axis=0), np.max(highs, axis=0)) if known else None)
+
+
+def form_of(geometry: Element) -> Hashable:
+    """Return what the surface of a geometry depends on: equal for shapes of one file, which then is read once."""
+    return tuple((part.tag, part.text) for part in geometry.iter())
 
 
 _SIZES = {"box": "size", "ellipsoid": "radii", "sphere": "radius", "cylinder": "radius length", "cone": "radius length"}
@@ -344,10 +351,9 @@ def _mesh(mesh: Element, where: str) -> SweptBox | None:
     if path.suffix.lower() not in SUFFIXES and not str(path).startswith(INLINE):
         return None
     try:
-        points, corners = read_mesh(path)
+        low, high = (side * scale for side in mesh_bounds(path))
     except ImportError:
         return None
-    low, high = (side * scale for side in (points[corners].min(axis=(0, 1)), points[corners].max(axis=(0, 1))))
     half, centre = np.abs(high - low) / 2, (low + high) / 2
     return SweptBox(tuple(half.tolist()), centre=tuple(centre.tolist()))
 

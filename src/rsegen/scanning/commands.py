@@ -116,6 +116,7 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
     # Then what was assumed and what is doubtful, each with the flag that settles it.
     if options.block_width_cm is None:
         yield from _assumed("blocks", scan.block_width, scan.measured_width, "--block-width-cm")
+        yield from _width(scan, width)
     if options.unit_cm is None and abs(scan.unit - scan.block_width) > 1e-6:
         yield from _assumed("a unit", scan.unit, scan.measured_unit, "--unit-cm")
     yield from _rim(scan, options, written)
@@ -144,6 +145,26 @@ def _report(scanned: ScannedMap, options: ScanOptions, written: Lengths) -> Iter
 
 _DOUBTFUL = 0.5
 """Share of the cells next to frames that are as high as these from which on they may be blocks."""
+
+
+_BUILT = (0.01, 1.0)
+"""Widths in metres of blocks that people build with: toys and full size; others are in another unit, or no blocks."""
+
+
+def _width(scan: Scan, width: str) -> Iterator[str]:
+    """Yield lines if few sides show how wide blocks are, or if nobody builds with such blocks."""
+    from rsegen.scanning.evidence import FEWEST_BITS, bits_saved
+
+    if bits_saved(scan) < FEWEST_BITS:
+        yield (
+            f"assumed: blocks {width} wide, though too few of their sides have a step to tell it "
+            "(--block-width-cm if they are not)"
+        )
+    if not _BUILT[0] <= scan.measured_width <= _BUILT[1]:
+        yield (
+            f"warning: blocks {width} wide: if they are not, set the unit of the numbers (--values mm, cm or in); "
+            "something else that is on a grid, as a part with holes or bosses, looks like blocks too"
+        )
 
 
 def _rim(scan: Scan, options: ScanOptions, written: Lengths) -> Iterator[str]:

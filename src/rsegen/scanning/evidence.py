@@ -35,6 +35,10 @@ else on top."""
 _MOST_BETWEEN = 0.03
 """Share of the steps that may be at lines between those of wider blocks: at cells that were misread."""
 
+FEWEST_BITS = 16.0
+"""Bits that the grid of blocks saves, at the least: up to 14 with boxes on a table, 46 and more with fields of the
+benchmark, and 13 or more with 3 x 3 random blocks."""
+
 _FEWEST_WIDE = 4
 """Lines along x and y with steps, at the least, of which the width of blocks is read: two are those of a box."""
 

@@ -26,7 +26,7 @@ from rsegen.field.graphs import component_labels, neighbours
 from rsegen.field.stepfield import Array, Mask, StepField
 from rsegen.params.lumber import sold_length
 from rsegen.params.sorts import Cell
-from rsegen.scanning.evidence import bits_saved, cells_per_block
+from rsegen.scanning.evidence import FEWEST_BITS, bits_saved, cells_per_block
 from rsegen.scanning.extent import (
     FrameLayout,
     KnownFrameLayout,
@@ -73,18 +73,63 @@ def find_field(points: Array, settings: ScanSettings | None = None, known: StepF
     near, middle = _usable(points)
     if known:
         return _scan_of_known_field(near, middle, settings, known)
-    scan = _found_field(_gridded(near, middle, settings, None), settings)
+    wanted = settings
+    scan, settings = _first_scan(near, middle, wanted)
     better = _corrected(settings, scan)
     scan = scan if better == settings else _found_field(_gridded(near, middle, better, None), better)
-    if settings.block_width is None and settings.blocks is None:
+    if wanted.block_width is None and wanted.blocks is None:
         advice = "set block_width_cm if it is made of blocks"
         if _is_one_patch(scan):
             raise ScanError(f"one raised patch of one height, in which nothing shows blocks, is no field; {advice}")
-        if bits_saved(scan) < _FEWEST_BITS:
+        if bits_saved(scan) < FEWEST_BITS:
             raise ScanError(f"no field: what is raised has too few sides to tell blocks from boxes; {advice}")
     if settings.unit is None and _agreement_of_tops(scan) < _CLEAR_TOPS:
         raise ScanError("tops are not at whole multiples of a unit, as those of blocks are; set unit_cm if they are")
     return scan
+
+
+_TIMES = (2, 3)
+"""Times as wide, or as narrow, as they are that blocks are found, of which few have steps at their sides."""
+
+_AS_SURE = 0.02
+"""Confidence that the levels of blocks of another width may have less on average: lines of a wrong width go through
+tops of two levels."""
+
+
+def _first_scan(near: Array, middle: Array, settings: ScanSettings) -> tuple[Scan, ScanSettings]:
+    """Return the field as it is first found, and the settings; with blocks as wide as a given size says, if their sides
+    do not.
+    """
+    grid, scan, refused = _gridded(near, middle, settings, None), None, ScanError("")
+    try:
+        scan = _found_field(grid, settings)
+    except ScanError as error:
+        refused = error
+    if settings.blocks and settings.block_width is None and (scan is None or bits_saved(scan) < FEWEST_BITS):
+        for width in _widths_of_size(grid, settings):
+            known = replace(settings, block_width=width)
+            try:
+                other = _found_field(_gridded(near, middle, known, None), known)
+            except ScanError:
+                continue
+            if scan is None or other.confidence.mean() >= scan.confidence.mean() - _AS_SURE:
+                return other, known
+    if scan is None:
+        raise refused
+    return scan, settings
+
+
+def _widths_of_size(grid: _Gridded, settings: ScanSettings) -> Iterator[float]:
+    """Yield widths of blocks of which what is raised reaches just from side to side of a field of a given size."""
+    _, raised = extent_of(grid.reading, grid.unit)
+    layouts = [*_wanted(settings), FrameLayout(boundary="none", side=None, blocks=settings.blocks or raised)]
+    shapes = dict.fromkeys(own for layout in layouts for own in (layout.shape, layout.shape[::-1]))
+    shares = [min(all_x / raised[0], all_y / raised[1]) for all_x, all_y in shapes]
+    for times in _TIMES:
+        if times in shares:
+            yield sold_length(grid.width / times)
+        if 1 / times in shares:
+            yield sold_length(grid.width * times)
 
 
 def _is_one_patch(scan: Scan) -> bool:
@@ -96,10 +141,6 @@ def _is_one_patch(scan: Scan) -> bool:
     # Cells that were not seen may be raised or not; with a margin all that is outside is one part.
     return _parts(np.pad(raised, 1)) == 1 and _parts(np.pad(tops == 0, 1, constant_values=True)) <= 1
 
-
-_FEWEST_BITS = 16.0
-"""Bits that a grid saves, at the least (evidence.py): up to 14 with boxes on a table, 46 and more with fields of the
-benchmark, and 13 or more with 3 x 3 random blocks."""
 
 _CLEAR_TOPS = 0.5
 """Agreement of raised tops on the unit at least: 1 if all are at whole multiples of it, 0 for heights at random."""

@@ -117,7 +117,7 @@ def _normal(points: Array, tolerance: float, up: Sequence[float] | None) -> Arra
         raise ScanError("no plane was found in the direction that is given as up")
     # Points near a plane choose the planes that are fitted; layers choose among these.
     scored = sample(points, _SCORED)
-    counts = (np.abs(normals @ scored.T - heights[:, None]) < tolerance).sum(axis=1)
+    counts = np.count_nonzero(np.abs(normals @ scored.T - heights[:, None]) < tolerance, axis=1)
     best = np.argsort(-counts, kind="stable")[:_REFINED]
     refined = [_plane_fit(points, normals[at], heights[at], tolerance) for at in best]
     if up is not None:  # it may be exact, as that of a mesh is

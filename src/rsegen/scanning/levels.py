@@ -133,21 +133,21 @@ def read_cells(points: Array, tops: Mask, grid: CloudGrid, unit: float, noise: f
     tops: which points are on flat tops; the others are no evidence for a height, but against one.
     """
     # The grid ends where 99.6 % of the points do, as a few outliers may be far away.
-    across = (points[:, :2] @ grid.rotation.T - grid.origin) / grid.width
+    across = (grid.rotation @ points[:, :2].T - grid.origin[:, None]) / grid.width
     cells = np.floor(across).astype(np.int64)
-    low, high = (np.floor(np.quantile(across, q, axis=0)).astype(np.int64) for q in (0.002, 0.998))
+    low, high = (np.floor(np.quantile(across, q, axis=1)).astype(np.int64) for q in (0.002, 0.998))
     shape = int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
     if shape[0] * shape[1] > _MOST_CELLS:
         raise ScanError(f"{shape[0]:,} x {shape[1]:,} cells in the cloud; cut everything else out of it")
-    inside = (cells >= low).all(axis=1) & (cells <= high).all(axis=1)
-    middle = np.abs(across - cells - 0.5).max(axis=1)
+    inside = ((cells >= low[:, None]) & (cells <= high[:, None])).all(axis=0)
+    middle = np.abs(across - cells - 0.5).max(axis=0)
     core = inside & (middle < _CORE)
-    if core.sum() < 2 * _FEWEST_POINTS * len(np.unique(cells[inside], axis=0)):
+    keys = (cells[0] - low[0]) * shape[1] + cells[1] - low[1]
+    if core.sum() < 2 * _FEWEST_POINTS * np.count_nonzero(np.bincount(keys[inside])):
         core = inside & (middle < _WIDE_CORE)
-    keys = (cells[core, 0] - low[0]) * shape[1] + cells[core, 1] - low[1]
     # Points of a top are within 0.4 units of its median, or, if the noise is large, 2.5 standard deviations (99 %).
     heights, counts, slopes, spread = _agreed(
-        keys, points[core, 2], tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise)
+        keys[core], points[core, 2], tops[core], shape[0] * shape[1], max(0.4 * unit, 2.5 * noise)
     )
     return Reading(
         heights=heights.reshape(shape),

@@ -89,11 +89,11 @@ def seen_from_above(mesh: trimesh.Trimesh, up: Sequence[float] | None = None) ->
     best = int(np.argmax([view.area for view in views]))
     direction, side = directions[best], views[best].range
     if up is not None:
-        return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points[:_SAMPLED], direction)
+        return Cloud(_view(mesh, normals, areas, direction, _SPREAD).points(), direction)
     other = _view(mesh, normals, areas, -direction, _SPREAD_ROUGHLY).range
     if other > side:
         direction, side, other = -direction, other, side
-    points = _view(mesh, normals, areas, direction, _SPREAD).points[:_SAMPLED]
+    points = _view(mesh, normals, areas, direction, _SPREAD).points()
     if side > _FLATTER * other:
         return Cloud(points, direction)
     along = areas * (normals @ direction)
@@ -141,36 +141,63 @@ _MARGIN = 0.1
 
 
 class _View(NamedTuple):
-    """The view along a direction: points (n, 3), the area that they are spread over, and the range of heights."""
+    """The view along a direction, which is z of `axes` (3, 3).
 
-    points: Array
+    placed: points (3, n) along the axes; raster: their pixels; seen: those that nothing covers; bottom: the height of
+    undersides; area: of what is seen; low, high: heights
+    """
+
+    axes: Array
+    placed: Array
+    raster: _Raster
+    seen: Mask
+    bottom: float
     area: float
-    range: float
+    low: float
+    high: float
+
+    @property
+    def range(self) -> float:
+        """Range of the heights that are seen."""
+        return self.high - self.low
+
+    def points(self) -> Array:
+        """Return points (n, 3) that are seen, and of the ground around them if they have no floor."""
+        seen, placed, bottom = self.seen, self.placed, self.bottom
+        is_thick = self.low - bottom > _THICK * (self.high - bottom)
+        lacks_floor = is_thick and not _has_floor(self.raster, placed, seen, bottom)
+        ground = self.raster.ground(bottom) if lacks_floor else np.empty((0, 3))
+        order = np.random.default_rng(0).permutation(int(seen.sum()) + len(ground))  # so that the first are any
+        return np.asarray(np.concatenate([placed[:, seen].T, ground])[order[:_SAMPLED]] @ self.axes)
 
 
 def _view(mesh: trimesh.Trimesh, normals: Array, areas: Array, up: Array, count: int) -> _View:
     """Return what is seen from a direction, of `count` points that are spread evenly as seen from there."""
-    import trimesh
-
     cosines = np.abs(normals @ up)
     weights = areas * cosines
-    points, faces = trimesh.sample.sample_surface(mesh, count, face_weight=weights, seed=0)
+    points, faces = _spread(mesh, weights, count)
     rises = np.sqrt(np.maximum(1 - cosines**2, 0)) / np.maximum(cosines, 1e-6)
     axes = np.stack([*np.linalg.svd(up[None])[2][1:], up])
-    placed = np.asarray(points) @ axes.T
+    placed = axes @ points
     # A corner that is far away by mistake makes no raster without end.
-    pixel = max(
-        float(np.sqrt(_PER_PIXEL * weights.sum() / count)), float(np.ptp(placed[:, :2], axis=0).max()) / _FINEST
-    )
-    raster = _Raster.of(placed[:, :2], pixel)
-    seen = _uncovered(raster.keys, placed[:, 2], _RISES * pixel * rises[faces] + pixel / 10)
-    low, high = (float(height) for height in np.quantile(placed[seen, 2], [_LOW, _HIGH]))
+    pixel = max(float(np.sqrt(_PER_PIXEL * weights.sum() / count)), float(np.ptp(placed[:2], axis=1).max()) / _FINEST)
+    raster = _Raster.of(placed[:2], pixel)
+    seen = raster.uncovered(placed[2], _RISES * pixel * rises[faces] + pixel / 10)
+    low, high = (float(height) for height in np.quantile(placed[2, seen], [_LOW, _HIGH]))
     bottom = float(np.quantile(np.asarray(mesh.vertices) @ up, _FOOT))
-    is_thick = low - bottom > _THICK * (high - bottom)
-    ground = raster.ground(bottom) if is_thick and not _has_floor(raster, placed, seen, bottom) else np.empty((0, 3))
-    order = np.random.default_rng(0).permutation(int(seen.sum()) + len(ground))  # so that the first are any
-    everything = np.concatenate([placed[seen], ground])[order] @ axes
-    return _View(everything, float(weights.sum() * seen.mean()), float(high - low))
+    return _View(axes, placed, raster, seen, bottom, float(weights.sum() * seen.mean()), low, high)
+
+
+def _spread(mesh: trimesh.Trimesh, weights: Array, count: int) -> tuple[Array, Ints]:
+    """Return points (3, n) that are spread over faces by their weights, and the faces that they are on."""
+    rng, sums = np.random.default_rng(0), np.cumsum(weights)
+    faces = np.searchsorted(sums, rng.random(count) * sums[-1])
+    along = rng.random((count, 2))
+    beyond = along[:, 0] + along[:, 1] > 1  # the half of the parallelogram that is no triangle is turned onto it
+    a, b = (np.abs(along[:, side] - beyond) for side in (0, 1))
+    origin, first, second = np.asarray(mesh.vertices)[mesh.faces.T].transpose(0, 2, 1)
+    sides = zip(first - origin, second - origin, origin, strict=True)
+    return np.stack([u[faces] * a + v[faces] * b + start[faces] for u, v, start in sides]), faces
 
 
 class _Raster(NamedTuple):
@@ -183,12 +210,18 @@ class _Raster(NamedTuple):
 
     @classmethod
     def of(cls, places: Array, pixel: float) -> _Raster:
-        """Return the raster of places (n, 2), with a margin in which none are."""
-        extent = np.ptp(places, axis=0)
-        corner = places.min(axis=0) - _MARGIN * extent
+        """Return the raster of places (2, n), with a margin in which none are."""
+        extent = np.ptp(places, axis=1)
+        corner = places.min(axis=1) - _MARGIN * extent
         n_x, n_y = (int(side) + 1 for side in extent * (1 + 2 * _MARGIN) / pixel)
-        i, j = np.floor((places - corner) / pixel).astype(np.int64).T
+        i, j = np.floor((places - corner[:, None]) / pixel).astype(np.int64)
         return cls(i * n_y + j, (n_x, n_y), corner, pixel)
+
+    def uncovered(self, heights: Array, within: Array) -> Mask:
+        """Return which of its points (n,) are at most `within` (n,) below the highest in their pixel."""
+        top = np.full(self.shape[0] * self.shape[1], -np.inf)
+        np.maximum.at(top, self.keys, heights)
+        return np.asarray(top[self.keys] - heights <= within)
 
     def ground(self, height: float) -> Array:
         """Return points (n, 3) at a height, spread over the pixels without points as densely as others on average."""
@@ -203,7 +236,7 @@ def _has_floor(raster: _Raster, placed: Array, seen: Mask, bottom: float) -> boo
     """Return whether a mesh has a floor around its field: a rim of one height, the lowest, without holes inside, that
     is thinner than the first step above it, as a frame around blocks is not; bottom: the height of its underside.
     """
-    heights = placed[seen, 2]
+    heights = placed[2, seen]
     low, high = np.quantile(heights, [_LOW, _HIGH])
     above = heights[heights > low + _THICK * (high - low)]
     if len(above) and low - bottom > _AS_THICK * (np.quantile(above, _LOW) - low):
@@ -218,13 +251,3 @@ def _has_floor(raster: _Raster, placed: Array, seen: Mask, bottom: float) -> boo
             holes += int(known[-1] - known[0]) + 1 - len(known)
     is_even = float((np.array(rims) <= low + _EVEN * (high - low)).mean()) > _MOST_EVEN
     return is_even and holes < _MOST_HOLES * 2 * int(np.isfinite(pixels).sum())  # rows and columns count each pixel
-
-
-def _uncovered(keys: Ints, heights: Array, within: Array) -> Mask:
-    """Return which points of pixels (n,) are at most `within` (n,) below the highest in their pixel."""
-    order = np.lexsort((heights, keys))
-    last = np.flatnonzero(np.diff(keys[order], append=-1))  # the highest of a pixel is the last of its points
-    top = np.repeat(heights[order][last], np.diff(last, prepend=-1))
-    seen = np.empty(len(keys), dtype=bool)
-    seen[order] = top - heights[order] <= within[order]
-    return seen

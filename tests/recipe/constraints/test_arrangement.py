@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.field.steps import differences
-from rsegen.gazebo.constraint_report import block_warnings, describe_constraints
+from rsegen.gazebo.constraint_report import block_warnings, constraint_report, describe_constraints
 from tests.support.complaints import the_line
 
 COUNTS = (9, 27, 33, 21, 10)
@@ -134,8 +134,9 @@ def test_the_distance_from_the_design_is_never_below_that_of_an_independent_solv
     costs = np.abs(wished[:, None] - blocks)
     least = costs[optimize.linear_sum_assignment(costs + 1000 * (blocks == 0))].sum()
     made = replace(design, inventory=tuple(stock))
-    differs = np.abs(rsegen.build(made).blocks.ravel().astype(int) - levels).sum()
-    *_, said = describe_constraints(rsegen.compose(made))
+    scene = rsegen.compose(made)
+    differs = np.abs(scene.field.blocks.ravel().astype(int) - levels).sum()
+    *_, said = describe_constraints(scene, constraint_report(scene))
     assert differs == least
     assert said == (
         f"levels differ by {least} units in total from the map that the obstacles ask for, "

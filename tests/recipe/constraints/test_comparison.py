@@ -39,7 +39,7 @@ def test_blocks_that_the_obstacles_ask_for_are_missing_although_a_largest_step_n
     }
     assert report["inventory"]["missing"] == {4: 68}
     assert list(block_warnings(scene)) == ["blocks missing for the map that the obstacles ask for: 68 of 40 cm"]
-    assert list(describe_constraints(scene))[-1] == (
+    assert list(describe_constraints(scene, constraint_report(scene)))[-1] == (
         "levels differ by 169 units in total from the map that the obstacles ask for, and by 0 from the map that "
         "max_step and crossable_by make of it, the least that these blocks allow"
     )
@@ -69,7 +69,7 @@ def test_both_maps_are_said_of_all_limits_with_an_inventory(
         assert missing == {level: n - there[level] for level, n in blocks(other).items() if n > there[level]}
     apart, from_limited = distance(scene.field, asked), distance(scene.field, limited)
     said = f"by {apart:,} units in total from the map that the obstacles ask for, and by {from_limited:,} from the map"
-    assert f"{said} that {names}" in list(describe_constraints(scene))[-1]
+    assert f"{said} that {names}" in list(describe_constraints(scene, constraint_report(scene)))[-1]
     assert apart > 0
 
 
@@ -79,7 +79,7 @@ def test_without_an_inventory_the_distance_is_that_which_the_limits_make() -> No
     assert report["obstacles"]["differs_units"] == distance(scene.field, asked) > 100
     assert "limited" not in report
     said = f"levels differ by {distance(scene.field, asked):,} units in total from the map that the obstacles ask for"
-    assert list(describe_constraints(scene))[-1] == said
+    assert list(describe_constraints(scene, constraint_report(scene)))[-1] == said
 
 
 def test_with_an_inventory_alone_missing_blocks_are_said_once() -> None:
