@@ -294,7 +294,7 @@ def _rest(  # noqa: PLR0913, PLR0917  # one pose, in all respects
     settled, rest = _predicted(ground, body, end)
     _, there = _predicted(ground, body, put)
     (height, angle), (put_height, put_angle) = _errors(rest, end), _errors(there, end)
-    told, _, _ = stable_at(ground, body, *(np.array([at]) for at in (*end.centre[:2], end.yaw)))
+    told = stable_at(ground, body, *(np.array([at]) for at in (*end.centre[:2], end.yaw))).rests
     return Rest(
         simulator=simulator,
         robot=robot.kind,

@@ -38,13 +38,8 @@ def gait(observation: np.ndarray, seconds: float) -> np.ndarray:
 
 def ant(field: rsegen.StepField, seed: int) -> bool:
     """Let the ant walk to a field and over it, and say whether it gets to the other side."""
-    blocks = rsegen.Matrix.of(field.levels)
-    recipe = rsegen.Recipe(
-        chunk_size=len(field.levels), block_width_cm=100 * field.block_width, unit_cm=100 * field.unit,
-        boundary="none", obstacles=[blocks],
-    )  # fmt: skip
     spec = mujoco.MjSpec.from_file(str(ANT))
-    add_map(spec, rsegen.compose(recipe), pos=(MIDDLE, 0, 0))
+    add_map(spec, rsegen.compose(rsegen.recipe_of(field)), pos=(MIDDLE, 0, 0))
     spec.compile()
     with TemporaryDirectory() as folder:
         file = Path(folder, "ant.xml")

@@ -63,13 +63,8 @@ def gait(seconds: float, y: float, turned: np.ndarray) -> np.ndarray:
 
 def go1(field: rsegen.StepField, seed: int) -> bool:
     """Let the robot walk to a field and over it, and say whether it gets to the other side."""
-    blocks = rsegen.Matrix.of(field.levels)
-    recipe = rsegen.Recipe(
-        chunk_size=len(field.levels), block_width_cm=100 * field.block_width, unit_cm=100 * field.unit,
-        boundary="none", obstacles=[blocks],
-    )  # fmt: skip
     spec = robot()
-    add_map(spec, rsegen.compose(recipe))
+    add_map(spec, rsegen.compose(rsegen.recipe_of(field)))
     model = spec.compile()
     state, half_x, half_y = mujoco.MjData(model), field.extent[0] / 2, field.extent[1] / 2
     y, heading = np.random.default_rng(seed).uniform(-0.1, 0.1, 2)  # a start that differs from trial to trial

@@ -94,11 +94,7 @@ class RosStack:
         from rsegen.training.crossing import Crossing
         from rsegen.training.gymnasium import CrossingEnv
 
-        recipe = rsegen.Recipe(
-            chunk_size=len(field.levels), block_width_cm=100 * field.block_width, unit_cm=100 * field.unit,
-            boundary="none", obstacles=[rsegen.Matrix.of(field.levels)],
-        )  # fmt: skip
-        env = CrossingEnv(Crossing(recipe=recipe, robot="jackal", seconds=20))
+        env = CrossingEnv(Crossing(recipe=rsegen.recipe_of(field), robot="jackal", seconds=20))
         env.reset(seed=seed)
         is_over = is_late = False
         while not (is_over or is_late):

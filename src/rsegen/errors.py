@@ -228,8 +228,13 @@ def library_message(error: Exception) -> str:
 
 def system_message(error: OSError, about: str = "") -> str:
     """Return why the system refused something, behind the file that it was about, or `about` if it names none."""
-    reason, where = error.strerror or str(error) or type(error).__name__, error.filename or about
-    return f"{where}: {reason}" if where else reason
+    where = error.filename or about
+    return f"{where}: {system_reason(error)}" if where else system_reason(error)
+
+
+def system_reason(error: OSError) -> str:
+    """Return why the system refused something, in words."""
+    return error.strerror or str(error) or type(error).__name__
 
 
 def shown(value: object) -> str:

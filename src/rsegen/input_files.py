@@ -24,7 +24,7 @@ from io import BufferedReader
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from rsegen.errors import FileError, RsegenError, library_message, shown
+from rsegen.errors import FileError, RsegenError, library_message, shown, system_reason
 
 if TYPE_CHECKING:
     import xml.etree.ElementTree as ET
@@ -75,7 +75,7 @@ def regular_content(path: str | Path, most: int) -> bytes | None:
     try:
         with open_regular(path) as file:
             return file.read(most)
-    except OSError:
+    except (OSError, ValueError):  # the second for a name with a null character
         return None
 
 
@@ -92,6 +92,40 @@ def refuse_pointer(path: Path, content: bytes | None = None) -> None:
         content = regular_content(path, len(_POINTER)) or b""
     if content.startswith(_POINTER):
         raise FileError(f"{path}: a pointer of Git LFS, and not the file itself; run `git lfs pull` in its clone")
+
+
+_STARTS = {
+    "a PNG image": (b"\x89PNG\r\n",),
+    "a JPEG image": (b"\xff\xd8\xff",),
+    "a TIFF image": (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
+    "a PGM image": (b"P2\n", b"P5\n"),
+    "a numpy array": (b"\x93NUMPY",),
+    "a PLY file": (b"ply\n", b"ply\r"),
+    "a PCD file": (b"# .PCD", b"VERSION 0.7\nFIELDS", b"VERSION .7\nFIELDS"),
+    "a LAS or LAZ file": (b"LASF",),
+    "an E57 file": (b"ASTM-E57",),
+    "a GLB file": (b"glTF",),
+    "a PDF file": (b"%PDF-",),
+    "a ZIP archive": (b"PK\x03\x04",),
+}
+"""The first bytes of files of a type."""
+
+_ROOTS = {
+    b"robot": "a robot in URDF",
+    b"mujoco": "a model in MJCF",
+    b"sdf": "an SDF file",
+    b"COLLADA": "a COLLADA file",
+}
+"""The first elements of XML files of a type."""
+
+
+def file_type(start: bytes) -> str:
+    """Return what a file is by its first bytes, as `a PNG image`; an empty text if they do not say it."""
+    for name, starts in _STARTS.items():
+        if start.startswith(starts):
+            return name
+    root = re.match(rb"\s*(<\?.*?\?>|<!--.*?-->|\s)*<(\w+)", start, re.DOTALL)
+    return _ROOTS.get(root[2], "an XML file") if root else ""
 
 
 def _opened(path: str | Path) -> BufferedReader:
@@ -131,7 +165,7 @@ _DEEPEST = 200
 def unreadable(path: Path, error: OSError) -> str:
     """Return the message of a file that cannot be read; if a relative path leads nowhere, with the current folder."""
     here = f" in {Path.cwd()}" if isinstance(error, FileNotFoundError) and not path.is_absolute() else ""
-    return f"{path}: {error.strerror or error}{here}"
+    return f"{path}: {system_reason(error)}{here}"
 
 
 def text_of(path: Path, mib: int, too_large: str) -> str:
@@ -248,9 +282,6 @@ def silent_libraries() -> Iterator[None]:
 _IMAGE_FORMATS = ("PNG", "JPEG", "PPM", "TIFF", "BMP")
 """Formats of images that are read, as Pillow names them; it would open fifty more, by their first bytes."""
 
-_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-"""First bytes of a TIFF, or of a BigTIFF, in either order of bytes."""
-
 
 @contextmanager
 def opened_image(path: Path) -> Iterator[Image]:
@@ -264,7 +295,7 @@ def opened_image(path: Path) -> Iterator[Image]:
     except RsegenError:
         raise
     except UnidentifiedImageError:
-        if (regular_content(path, 4) or b"") in _TIFF:
+        if file_type(regular_content(path, 4) or b"") == "a TIFF image":
             advice = "write one of a single band with `gdal_translate -b 1 -co COMPRESS=DEFLATE FILE NEW.tif`"
             raise FileError(f"{path}: a TIFF whose bands or numbers are not read (Pillow); {advice}") from None
         raise FileError(f"{path}: not an image ({', '.join(_IMAGE_FORMATS)})") from None

@@ -161,13 +161,13 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "a sheet of no map": (["sheet", "folder", "-o", "s.pdf"], ["folder: no map in it"]),
     "a sheet for a saw in a word": (
         ["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm", "thin"],
-        ["kerf_mm: 'thin' is not a number; expected 0..100 mm"],
+        ["--kerf-mm: 'thin' is not a number; expected 0..100 mm"],
     ),
-    "a sheet for a saw below": (["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm=-1"], ["kerf_mm: -1.0 is outside"]),
-    "a sheet for no timber": (["sheet", "two.yaml", "-o", "s.pdf", "--stock-cm", "0"], ["stock_cm: 0.0 is outside"]),
+    "a sheet for a saw below": (["sheet", "two.yaml", "-o", "s.pdf", "--kerf-mm=-1"], ["--kerf-mm: -1.0 is outside"]),
+    "a sheet for no timber": (["sheet", "two.yaml", "-o", "s.pdf", "--stock-cm", "0"], ["--stock-cm: 0.0 is outside"]),
     "a sheet for short timber": (
         ["sheet", "peak", "-o", "s.pdf", "--stock-cm", "30"],
-        ["stock_cm: 30 is too short for blocks of the highest level", "or more"],
+        ["--stock-cm: 30 is too short for blocks of the highest level", "or more"],
     ),
     "a sheet of large pallets": (
         ["sheet", "large.yaml", "-o", "s.pdf"],
@@ -188,9 +188,15 @@ COMMAND_LINES: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
         ["metrics", "two.yaml", "--width-cm", "5"],
         ["--climb-cm: choose a robot", "--robot"],
     ),
-    "metrics of a climb in a word": (["metrics", "two.yaml", "--climb-cm", "high"], ["climb_cm: 'high'", "100000 cm"]),
-    "metrics of a climb below": (["metrics", "two.yaml", "--climb-cm=-1"], ["climb_cm: -1.0 is outside 0..100000 cm"]),
-    "metrics of a climb of no number": (["metrics", "two.yaml", "--climb-cm", "nan"], ["climb_cm: nan"]),
+    "metrics of a climb in a word": (
+        ["metrics", "two.yaml", "--climb-cm", "high"],
+        ["--climb-cm: 'high'", "100000 cm"],
+    ),
+    "metrics of a climb below": (
+        ["metrics", "two.yaml", "--climb-cm=-1"],
+        ["--climb-cm: -1.0 is outside 0..100000 cm"],
+    ),
+    "metrics of a climb of no number": (["metrics", "two.yaml", "--climb-cm", "nan"], ["--climb-cm: nan"]),
     "metrics in two forms": (["metrics", "two.yaml", "--json", "--csv"], ["--json and --csv exclude each other"]),
     "a data set nowhere": (["dataset", *OBSTACLE], ["one of the arguments -o/--output --verify is required"]),
     "a data set of no map": (["dataset", "-o", "out", "--maps", "0"], ["maps: 0 is not 1 or more"]),

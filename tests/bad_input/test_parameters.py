@@ -34,11 +34,15 @@ def in_a_file(refused: Refused, owner: str, name: str, value: object) -> str:
 
 
 def as_a_flag(refused: Refused, owner: str, name: str, text: str) -> str:
-    """The complaint that a value on the command line gets."""
+    """The complaint that a value on the command line gets, after the flag of an obstacle, or by the name of its own."""
+    if owner == "recipe":
+        flag = f"--{name.replace('_', '-')}"
+        line = refused("generate", f"{flag}={text}", "-o", "out")
+        assert line.startswith(f"rsegen: {flag}")
+        return name + line.removeprefix(f"rsegen: {flag}")
     given = "" if name == "levels" else "levels=5 "
-    row = ["--obstacle", f"{owner} {given}'{name}={text}'"]
-    line = refused("generate", *([f"--{name.replace('_', '-')}={text}"] if owner == "recipe" else row), "-o", "out")
-    return re.sub(rf"^rsegen: (--obstacle .*: )?(?={name}\b)", "", line)
+    line = refused("generate", "--obstacle", f"{owner} {given}'{name}={text}'", "-o", "out")
+    return re.sub(rf"^rsegen: --obstacle .*: (?={name}\b)", "", line)
 
 
 def in_python(owner: str, name: str, value: Any) -> str:

@@ -33,7 +33,7 @@ OBSTACLES: Mapping[str, tuple[str, Sequence[str]]] = {
     ),
     "a cell beyond the map": (
         "peak levels=5 first=0,10",
-        ["obstacles[0].first[1]: 10 is outside 0..9: the map has 10 x 10 blocks"],
+        ["--obstacle 'peak levels=5 first=0,10': first[1]: 10 is outside 0..9: the map has 10 x 10 blocks"],
     ),
     "a bracket that is open": ("peak levels=5 first=(2,2", ["first[0]: '(2' is not a coordinate"]),
     "brackets around nothing": ("peak levels=5 first=()", ["first: '()' is not a place"]),
@@ -214,5 +214,5 @@ NAMES = [
 @pytest.mark.parametrize("name", NAMES, ids=ascii)
 def test_a_name_cannot_leave_the_folder_or_break_the_world(refused: Refused, name: str) -> None:
     line = refused("generate", f"--name={name}", "-o", "out")
-    assert line.startswith("rsegen: name: ")
+    assert line.startswith("rsegen: --name: ")
     assert "1..64 letters, digits, _ . -" in line

@@ -181,7 +181,7 @@ def test_a_page_has_the_frame_cuts_the_weight_and_the_costs() -> None:
     assert "together" not in other_sections
     assert "Frames none Base boards 6 of" in words(read(replace(RECIPES["outer"], boundary="none")).pages[-2])
     short = words(read(RECIPES["real"], CutSettings(stock_cm=100)).pages[-2])
-    assert "100 cm of stock is too short for them: use 122.05 cm or more (--stock-cm)" in short
+    assert "100 cm of stock is too short for them: give 122.05 cm or more (--stock-cm)" in short
 
 
 def test_the_last_page_is_a_form_for_repetitions() -> None:

@@ -93,6 +93,21 @@ def test_without_any_extra_the_report_is_printed(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(extras, "find_spec", lambda name: None)
     text = report(capsys)
     assert all(pip_install([extra.name]) in text for extra in all_extras().values())
+    assert "\nExtras\n  none\n\nMissing\n" in text
+
+
+@pytest.mark.slow
+def test_what_is_missing_is_listed_once(monkeypatch: pytest.MonkeyPatch, capsys: Capture, tmp_path: Path) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in ("scipy", "pxr") else find_spec("numpy"))
+    alone_on_path(tmp_path, monkeypatch)
+    text = report(capsys)
+    installed, missing = text.split("\nMissing\n")
+    for extra in all_extras().values():
+        is_missing = extra.name in ("mat", "usd")
+        assert (extra.use in installed, extra.use in missing) == (not is_missing, is_missing)
+    for title in ("Gazebo Sim", "Gazebo Classic"):
+        assert title not in installed
+        assert missing.count(f"  {title}: ") == 1
 
 
 def test_a_simulator_that_breaks_is_a_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:

@@ -102,7 +102,7 @@ def test_an_inventory_in_inches(tmp_path: Path, capsys: pytest.CaptureFixture[st
 def test_a_number_without_a_unit_is_refused_with_inches(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["generate", "peak", "--units", "in", "--unit-cm", "3.5", "-o", str(tmp_path / "out")]
     assert main(words) == 2
-    assert "unit_cm: '3.5' has no unit; with units in write 3.5in or 3.5cm" in the_line(capsys.readouterr().err)
+    assert "--unit-cm: '3.5' has no unit; with units in write 3.5in or 3.5cm" in the_line(capsys.readouterr().err)
     assert not (tmp_path / "out").exists()
 
 

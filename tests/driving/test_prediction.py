@@ -13,9 +13,10 @@ import pytest
 
 import rsegen
 from rsegen.cli.edge import main
-from rsegen.driving.planning import northward, predict_way, predictions, predictor_for
+from rsegen.driving.planning import _way_back, northward, predict_way, predictions, predictor_for
 from rsegen.driving.prediction import FIRST, Prediction, Predictor, spread_drive
 from rsegen.driving.robot_runs import robot_runs
+from rsegen.driving.routes import planned_way
 from rsegen.driving.spread import FRICTION, HEADING, HEIGHT, START, spread_run
 from rsegen.errors import NoSimulator, SimulatorFailed
 from rsegen.robots.base import ROBOTS
@@ -70,6 +71,8 @@ def test_robots_cross_a_floor_and_no_wall(robot: str) -> None:
     assert crosses.seconds is not None
     assert crosses.seconds > across / ROBOTS[robot].driving_speed
     assert f"crosses with probability {held.probability:.2f} (0 of {FIRST} drives" in str(held)
+    assert "; so few cannot prove 0.00);" in str(held)
+    assert str(crosses).endswith("; so few cannot prove 1.00)")
 
 
 def test_the_same_drive_has_the_same_outcome_and_another_one_other_errors() -> None:
@@ -113,6 +116,7 @@ def test_a_robot_that_crosses_by_chance_is_driven_more_often(monkeypatch: pytest
     (end,) = found.ends
     assert (end.reason, end.drives) == ("tips over", 10)
     assert end.x == pytest.approx(np.mean(range(1, 20, 2)))
+    assert "cannot prove" not in str(found)
 
 
 def test_drives_without_a_result_count_neither_way(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,6 +161,23 @@ def test_both_sides_are_predicted_each_in_its_own_frame() -> None:
     assert predictions(rsegen.StepLimits(climb_cm=5), WALL) == {}
 
 
+def test_places_of_a_way_of_a_scene_that_was_turned_are_those_of_the_scene() -> None:
+    """A robot drives north over one edge, in the north of the map."""
+    scene = scene_of([[int(row < 3)] * 16 for row in range(16)], unit_cm=8.0)
+    turned = planned_way(northward(scene).field, ROBOTS["crawler"].body)
+    way = _way_back(turned)
+    assert turned.margin_at is not None
+    assert way.margin_at is not None
+    edge, length = 0.5, ROBOTS["crawler"].body.length
+    assert abs(way.margin_at[1] - edge) < length
+    assert abs(turned.margin_at[0] - edge) < length
+    assert abs(way.margin_at[0] + turned.margin_at[1]) < 1e-9
+    wall = planned_way(northward(WALL).field, ROBOTS["jackal"].body)
+    named = replace(wall, drops=((0.1, 0.2), (0.3, 0.4)), slips=(), at=(0.5, 0.6), margin_at=None)
+    back = _way_back(named)
+    assert (back.drops, back.slips, back.at) == (((-0.2, 0.1), (-0.4, 0.3)), (), (-0.6, 0.5))
+
+
 def test_workers_change_nothing() -> None:
     scene = scene_of([[(3 * i + 5 * row) % 4 for i in range(10)] for row in range(10)], unit_cm=0.35)
     (run,) = robot_runs(scene.field, ROBOTS["burger"], "straight", count=1, seed=1)
@@ -195,6 +216,25 @@ def test_a_drive_tells_before_how_surely_it_crosses() -> None:
     assert any("crosses with probability 0.9" in line for line in told.report())
     assert told.as_json()["prediction"] == told.prediction.as_json()
     assert rsegen.drive(FLOOR, robot="jackal", duration=1, seed=1, predict=False).prediction is None
+
+
+def test_the_bar_of_a_drive_that_crosses_ends_at_its_end(capsys: pytest.CaptureFixture[str]) -> None:
+    flags = ["--obstacle", "random levels=2", "--unit-cm", "0.1", "--boundary", "none", "--robot", "jackal"]
+    assert main(["drive", *flags, "--no-predict", "--duration", "25", "--seed", "1", "--progress", "json"]) == 0
+    printed = capsys.readouterr()
+    assert "crossed the map after" in printed.out
+    bar = [json.loads(line) for line in printed.err.splitlines()]
+    assert (bar[0]["done"], bar[0]["total"], bar[0]["unit"]) == (0, 25, "s")
+    assert 1 < bar[-1]["done"] == bar[-1]["total"] < 25
+
+
+def test_the_way_of_a_drive_says_where_the_robot_is_nearest_to_tipping_over() -> None:
+    told = rsegen.drive(PASSAGE, robot="jackal", route="way", duration=0.2, seed=1, predict=False)
+    assert told.way is not None
+    assert told.way.margin_at is not None
+    x, y = told.way.margin_at
+    assert any(f" from tipping over at {x + 0:.2f}, {y + 0:.2f} m" in line for line in told.report())
+    assert told.way.as_json()["margin_at"] == pytest.approx([x, y])
 
 
 def test_metrics_tell_how_surely_a_robot_gets_across(capsys: pytest.CaptureFixture[str]) -> None:

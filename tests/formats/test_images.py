@@ -90,8 +90,8 @@ def test_frames_of_a_heightmap_keep_their_height(
 @pytest.mark.parametrize(
     ("framed", "says"),
     [
-        ("9x10", "framed: 9x10 blocks with frames are 11 x 12 cells, which do not divide 24 x 12"),
-        ("6x10", "framed: 6x10: chunks are squares; use the blocks of one, as in 10x10"),
+        ("9x10", "--framed: 9x10 blocks with frames are 11 x 12 cells, which do not divide 24 x 12"),
+        ("6x10", "--framed: 6x10: chunks are squares; use the blocks of one, as in 10x10"),
     ],
 )
 def test_frames_that_an_image_cannot_have_are_refused(

@@ -205,8 +205,8 @@ def test_a_file_of_a_map_that_gives_none_says_nothing_of_them() -> None:
 @pytest.mark.parametrize(
     ("flags", "said"),
     [
-        (["--frame-friction", "-0.1"], "frame_friction: -0.1 is outside 0..1000"),
-        (["--level-friction", "0.1,rough"], "level_friction[1]: 'rough' is not a number; expected 0..1000"),
+        (["--frame-friction", "-0.1"], "--frame-friction: -0.1 is outside 0..1000"),
+        (["--level-friction", "0.1,rough"], "--level-friction[1]: 'rough' is not a number; expected 0..1000"),
     ],
 )
 def test_a_friction_that_cannot_be_is_one_line(

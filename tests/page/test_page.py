@@ -411,6 +411,20 @@ def test_commands_are_in_a_menu_by_what_they_are_for(page: Page) -> None:
     assert page.chrome.find_element(By.CSS_SELECTOR, "dialog h2").text == "Predict a crossing"
 
 
+@pytest.mark.parametrize("size", [(1280, 720), (1400, 900), (1920, 1080), (400, 800)])
+def test_the_menu_of_commands_needs_no_scroll_sideways(chrome: Chrome, address: str, size: tuple[int, int]) -> None:
+    page = Page(chrome, address, size=size)
+    page.button("Run").click()
+    boxes = "[menu, ...menu.querySelectorAll('button')].map((each) => each.getBoundingClientRect())"
+    menu = "const menu = document.querySelector(':popover-open');"
+    assert page.js(f"{menu} return menu.scrollWidth === menu.clientWidth")
+    lefts, rights = zip(*page.js(f"{menu} return {boxes}.map(({{ left, right }}) => [left, right])"), strict=True)
+    assert len(lefts) > 20
+    assert min(lefts) >= 0
+    assert max(rights) <= size[0]
+    assert len({*lefts[1:]}) == (1 if size[0] < 600 else 3), "columns"
+
+
 def test_escape_closes_a_menu_and_keeps_the_selection(page: Page) -> None:
     page.choose("Add", "Peak")
     page.button("Run").click()

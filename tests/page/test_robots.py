@@ -52,7 +52,7 @@ def test_a_pose_is_that_of_python(host: Host, doc: str, kind: str) -> None:
         known = rsegen.poses(FIELD, kind, x, y, heading)
         for name in ("x", "y", "z", "roll", "pitch", "yaw", "tilt") if known.stands[0] else ():
             assert told[name] == pytest.approx(float(getattr(known, name)[0]), abs=1e-9)
-        assert told["margin"] == float(known.tip_angle[0])
+        assert told["margin"] == pytest.approx(float(known.tip_angle[0]), abs=1e-9)
         assert told["stable"] == rsegen.stable_poses(FIELD, kind, x, y, heading).count[0]
         assert told["reason"] == REASONS[int(known.reason[0])]
         assert (told["stands"], told["holds"], told["pushes"]) == (known.stands[0], known.holds[0], known.pushes[0])
@@ -112,6 +112,7 @@ def test_a_way_goes_step_by_step_from_its_start_to_its_goal(host: Host, doc: str
     assert np.hypot(*(poses[[0, -1], :2] - [start, goal]).T).max() < 0.12, "tilted, its origin is a little aside"
     assert told["worst_tilt"] == pytest.approx(np.arccos(np.cos(poses[:, 3]) * np.cos(poses[:, 4])).max(), abs=1e-4)
     assert all(0 <= event["at"] < len(poses) for event in told["events"])
+    assert list(told["least_margin_at"]) in poses[:, :2].tolist()
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rsegen import HorizontalBarrier, Obstacle, Peak, Pit, Random, Recipe, build
 from rsegen.errors import ParameterError
-from rsegen.recipe.building import blocks
+from rsegen.recipe.building import blocks, largest_chunk, recipe_of
 from tests.support.strategies import obstacles, recipes
 
 
@@ -200,3 +200,17 @@ def test_a_pit_below_the_floor_is_refused() -> None:
 def test_ground_under_obstacles_that_would_be_too_high_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"ground_level: 32765 and obstacles of 4 units are above .*, 32766"):
         _on_ground(Random(levels=5), ground_level=32765)
+
+
+@given(recipes())
+def test_a_recipe_of_a_field_makes_the_field_again(recipe: Recipe) -> None:
+    field = build(recipe)
+    again = recipe_of(field)
+    assert build(again) == field
+    assert build(again, 3) == field
+    assert recipe_of(build(again)) == again
+
+
+@pytest.mark.parametrize(("sides", "chunk"), [((1, 1), 1), ((6, 4), 2), ((2000, 3000), 1000), ((1009, 1009), 1)])
+def test_the_chunks_of_a_field_are_as_large_as_they_may_be(sides: tuple[int, int], chunk: int) -> None:
+    assert largest_chunk(*sides) == chunk

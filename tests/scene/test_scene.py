@@ -71,8 +71,8 @@ def test_the_build_sheet_is_in_them() -> None:
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("frame_colour", "red", "frame_colour: invalid value 'red': expected #rrggbb, in quotes"),
-        ("level_colours", "#ffffff,#12345", "level_colours[1]: invalid value '#12345': expected #rrggbb, in quotes"),
+        ("frame_colour", "red", "--frame-colour: invalid value 'red': expected #rrggbb, in quotes"),
+        ("level_colours", "#ffffff,#12345", "--level-colours[1]: invalid value '#12345': expected #rrggbb, in quotes"),
     ],
 )
 def test_an_invalid_colour_is_refused_in_one_line(

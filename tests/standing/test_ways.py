@@ -76,6 +76,20 @@ def test_a_way_over_a_high_edge_tells_where_the_robot_falls() -> None:
     assert (flat.drops, flat.slips, events(flat)) == ((), (), [])
 
 
+def test_a_way_tells_where_the_robot_is_nearest_to_tipping_over() -> None:
+    """There is one edge on all of the map, so it is about that one."""
+    levels, body = np.zeros((30, 6), int), BODIES["crawler"]
+    levels[22:] = 1
+    way = best_way(field_of(levels, 0.08), body, 0)
+    level = best_way(field_of(np.zeros((30, 6), int)), body, 0)
+    assert way.margin is not None
+    assert level.margin is not None
+    assert way.margin < level.margin - 0.01
+    assert way.margin_at is not None
+    assert abs(way.margin_at[0] - 0.7) < body.length
+    assert no_way(straight(field_of(levels, 5.0), body, 0), body).margin_at is None
+
+
 def walled(*, has_gap: bool) -> Ints:
     """Levels of a wall across the field, with a gap of three blocks at its end."""
     levels = np.zeros((5, 7), int)

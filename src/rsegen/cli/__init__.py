@@ -91,7 +91,7 @@ CAPABILITY = Capability(
         "rsegen.geometry.mesh_kinds": ("mesh",),
         "rsegen.params.plugins": ("load_plugin",),
         "rsegen.recipe.batch": ("build_many",),
-        "rsegen.recipe.building": ("build",),
+        "rsegen.recipe.building": ("build", "recipe_of"),
         "rsegen.recipe.codec": ("schema",),
         "rsegen.recipe.recipe": ("Recipe",),
         "rsegen.recipe.recipe_file": ("load",),

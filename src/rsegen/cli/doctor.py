@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rsegen import __version__
@@ -87,13 +87,19 @@ def _diagnosis(here: Mapping[str, Any], findings: Sequence[Finding]) -> Iterator
     yield f"libraries   {libraries}"
     yield from (f"plug-in     {plugin}" for plugin in here["plugins"])
     for finding in findings:
-        yield f"\n{finding.title}"
-        yield from (f"  {line}" for line in finding.lines)
-    yield "\nExtras"
-    for extra in here["extras"]:
-        versions = ", ".join(f"{name} {number}" for name, number in extra["versions"].items())
-        state = f"missing: {', '.join(extra['missing'])}" if extra["missing"] else versions or "installed"
-        yield f"  {extra['name']:<10}{state} (for {extra['for']})"
+        yield from _section(finding.title, finding.lines)
+    installed = (extra for extra in here["extras"] if not extra["missing"])
+    yield from _section("Extras", map(_of_extra, installed))
     yield "\nMissing" if here["missing"] else "\nNothing is missing."
     for lack in here["missing"]:
         yield f"  {lack['what']}\n    {lack['remedy']}"
+
+
+def _section(title: str, lines: Iterable[str]) -> Iterator[str]:
+    yield f"\n{title}"
+    yield from [f"  {line}" for line in lines] or ["  none"]
+
+
+def _of_extra(extra: Mapping[str, Any]) -> str:
+    versions = ", ".join(f"{name} {number}" for name, number in extra["versions"].items())
+    return f"{extra['name']:<10}{versions or 'installed'} (for {extra['for']})"

@@ -12,6 +12,7 @@ Advice in messages is translated, as what Python writes as `force=True` is `--fo
 
 Every message recommends arguments of Python, in one of these forms. The flags are those that the parser of the command
 declares, so a new parameter is translated without a word here. What breaks it: a text of a user's that has such a form.
+A message that begins with a parameter names its flag, if that was given: `unit_cm: ...` is `--unit-cm: ...`.
 """
 
 from __future__ import annotations
@@ -103,13 +104,14 @@ def short_warnings() -> Iterator[None]:
         logging.root.removeHandler(nowhere)
 
 
-def failed(error: BaseException, signal: int, command: str | None = None) -> int:
+def failed(error: BaseException, signal: int, command: str | None = None, words: Sequence[str] = ()) -> int:
     """Say what went wrong in one line, if there is anyone to hear it, and no more after it; gives the exit code.
 
     signal: the number of the one that stopped the command, if it was stopped; command: its name, whose flags are named
+    words: those of the command line
     """
     code, message = _code_and_words(error, signal)
-    message = in_flags(message, command)
+    message = in_flags(_of_flag(message, command, words), command)
     if sys.stderr and message:
         with suppress(OSError):  # a terminal that was closed
             print(f"rsegen: {line_of(message)}", file=sys.stderr, flush=True)
@@ -225,7 +227,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             # A compiled module that a signal interrupts while it is imported raises its own ImportError.
             stopped = ours and signals.came
             command = next((word for word in words if word in commands()), None)
-            return failed(KeyboardInterrupt() if stopped else error, signals.number, command)
+            return failed(KeyboardInterrupt() if stopped else error, signals.number, command, words)
 
 
 def _run(words: Sequence[str], signals: Signals) -> int:
@@ -266,11 +268,26 @@ def _command_line(call: re.Match[str]) -> str:
     return " ".join(["rsegen", name, *map(_text, words)])
 
 
+def _of_flag(message: str, command: str | None, words: Sequence[str]) -> str:
+    """Return a message about a parameter as one about its flag, if that is in the words of a command."""
+    where = re.match(r"\w+(?=(\[\d+\])*: )", message)
+    if where is None or command is None or command not in commands():
+        return message
+    flag = _flags(command).get(where[0])
+    is_given = any(word.partition("=")[0] == flag for word in words)
+    return f"{flag}{message[where.end() :]}" if is_given else message
+
+
+def _flags(command: str) -> dict[str, str]:
+    """Return the flag of each declared parameter of a command."""
+    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command).actions)
+    return {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
+
+
 def _with_flags(text: str, command: str) -> str:
     if not _ARGUMENT.search(text):
         return text  # most messages have no advice, and no parser is made for them
-    declared = ((getattr(action, "declared", None), action.option_strings) for action in parser_of(command).actions)
-    flags = {parameter.name.strip("_"): names[-1] for parameter, names in declared if parameter and names}
+    flags = _flags(command)
 
     def flag(argument: re.Match[str]) -> str:
         name, value = argument[1], argument[2]

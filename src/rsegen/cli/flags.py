@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import os.path
+import re
 import shlex
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -103,7 +104,19 @@ def with_flags(start: Recipe, arguments: argparse.Namespace) -> Recipe:
 
             unit = parameters(Recipe)["unit_cm"].check("unit_cm", given_flags.get("unit_cm", start.unit_cm))
             given_flags["inventory"] = inventory_in(Path(name), unit)
-    return replace(start, **given_flags, obstacles=(*start.obstacles, *added))
+    try:
+        return replace(start, **given_flags, obstacles=(*start.obstacles, *added))
+    except ParameterError as error:
+        place = re.match(r"obstacles\[(\d+)\]\.?", error.where)
+        if place is None or (number := int(place[1]) - len(start.obstacles)) < 0:
+            raise
+        of_obstacle = ParameterError(error.where[place.end() :], error.problem)
+        raise of_obstacle.of(_obstacle_flag(arguments.obstacle[number])) from None
+
+
+def _obstacle_flag(text: str) -> str:
+    """Return the flag of an obstacle, as messages name it."""
+    return f"--obstacle {shown(text)}"
 
 
 def obstacle_in(text: str) -> Obstacle:
@@ -111,7 +124,7 @@ def obstacle_in(text: str) -> Obstacle:
     from rsegen.obstacles import kind
     from rsegen.recipe.codec import decode_obstacle
 
-    where = f"--obstacle {shown(text)}"
+    where = _obstacle_flag(text)
     try:
         name, *pairs = shlex.split(text)
     except ValueError:

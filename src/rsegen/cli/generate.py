@@ -6,7 +6,7 @@ import argparse
 import json
 import shlex
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -85,7 +85,7 @@ def generate(  # noqa: PLR0913  # each is a flag
 
 
 SHOWN = 10
-"""Maps that a report names one by one."""
+"""Maps that a report names one by one, and different warnings."""
 
 
 def add_generate(command: Parser) -> None:
@@ -185,9 +185,16 @@ def _lines(made: Generated) -> Iterator[str]:
         yield from describe_constraints(scene, json.loads((made.maps[0].folder / "constraints.json").read_bytes()))
     elif made.recipe.is_constrained:
         yield "how each map meets its constraints: constraints.json in its folder"
-    for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
-        yield f"warning: {text}"
+    yield from warnings_of(made.maps)
     yield from _how_to_open(made.maps[0], made.folder, made.recipe.simulator)
+
+
+def warnings_of(maps: Iterable[GeneratedMap]) -> Iterator[str]:
+    """Yield the different warnings of maps as lines; of very many, which chance may bring, the first ones."""
+    different = list(dict.fromkeys(text for generated in maps for text in generated.warnings))
+    yield from (f"warning: {text}" for text in different[:SHOWN])
+    if len(different) > SHOWN:
+        yield f"and {len(different) - SHOWN} more warnings; rsegen info shows those of a map"
 
 
 def _count(maps: int) -> str:

@@ -159,24 +159,25 @@ class ProgressLines:
     n = initial = 0.0
 
     def __init__(self, total: float, unit: str, step: str, *, is_shown: bool) -> None:
-        self._total, self._unit, self._step, self.is_shown = total, unit, step, is_shown
-        self._print()
+        self.total, self._unit, self._step, self.is_shown = total, unit, step, is_shown
+        self.refresh()
 
     def update(self, steps: float = 1) -> None:
         """Go on by some steps; the last one is always said."""
         self.n += steps
-        if steps and (self.n >= self._total or time.monotonic() - self._printed_at > _LINES_APART):
-            self._print()
+        if steps and (self.n >= self.total or time.monotonic() - self._printed_at > _LINES_APART):
+            self.refresh()
 
     def set_description(self, step: str) -> None:
         """Say what is done now."""
         self._step = step
-        self._print()
+        self.refresh()
 
-    def _print(self) -> None:
+    def refresh(self) -> None:
+        """Say how far it is."""
         self._printed_at = time.monotonic()
         if self.is_shown:
-            state = {"done": plain(self.n), "total": plain(self._total), "unit": self._unit, "step": self._step}
+            state = {"done": plain(self.n), "total": plain(self.total), "unit": self._unit, "step": self._step}
             print(json.dumps(state), file=sys.stderr, flush=True)
 
 
@@ -221,10 +222,12 @@ def maps_bar(recipe: Recipe) -> Iterator[Callable[[GeneratedMap], None]]:
 
 @contextmanager
 def seconds_bar(seconds: float) -> Iterator[Callable[[float], None]]:
-    """Yield a function for the simulation time."""
+    """Yield a function for the simulation time; what ends before all of these seconds is complete all the same."""
     style = "{l_bar}{bar}| {n:.0f}/{total:.0f} simulated s [{elapsed}<{remaining}, {rate_fmt}]"
     with progress_shown(seconds, "s", bar_format=style) as bar:
         yield lambda done: bar.update(done - bar.n)
+        bar.total = bar.n
+        bar.refresh()
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from rsegen.cli.flags import (
     recipe_from,
     recipes_from,
 )
-from rsegen.cli.generate import generate, going_on, run_options
+from rsegen.cli.generate import generate, going_on, run_options, warnings_of
 from rsegen.cli.parameters import Force, OutputFolder, Resume, Scheduler, Sync, Workers
 from rsegen.cli.parser import Parser
 from rsegen.cli.report import Report, call, counted, counting, progress_shown
@@ -191,8 +191,7 @@ def _series_lines(made: Series) -> Iterator[str]:
         yield f"  {row.map:<{width}}{decimal(row.difficulty):>12}" + "".join(f"{text:>12}" for text in lengths)
     if len(rows) > _ROWS:
         yield f"  ({len(rows) - len(_some(rows))} rows between them are left out)"
-    for text in dict.fromkeys(text for generated in made.maps for text in generated.warnings):
-        yield f"warning: {text}"
+    yield from warnings_of(made.maps)
     yield f"all rows: {made.table}"
     yield f"a picture: {made.picture}"
 

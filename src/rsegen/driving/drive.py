@@ -167,10 +167,14 @@ def _foreseen(way: PlannedWay) -> str:
     """Return the forecast for the way that the robots follow."""
     if way.length is not None:
         tilt, margin = (whole_degrees(angle or 0.0) for angle in (way.tilt, way.margin))
-        steepest = f"the robot tilts by up to {tilt}, {margin} from tipping over"
+        steepest = f"the robot tilts by up to {tilt}, {margin} from tipping over{_at(way.margin_at)}"
         return f"a way of {way.length:.2f} m across; {', '.join([steepest, *events(way)])}"
-    x, y = way.at or (0.0, 0.0)
-    return f"no way across by its poses; it follows the best straight lane, where it {way.reason} at {x:.2f}, {y:.2f} m"
+    return f"no way across by its poses; it follows the best straight lane, where it {way.reason}{_at(way.at)}"
+
+
+def _at(place: tuple[float, float] | None) -> str:
+    """Return a place [m] in words after what happens there."""
+    return f" at {place[0] + 0:.2f}, {place[1] + 0:.2f} m" if place else ""
 
 
 def _crossed(robot: DrivenRobot) -> str:

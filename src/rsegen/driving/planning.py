@@ -178,8 +178,18 @@ def _turned_back(found: Prediction) -> Prediction:
     outcomes = tuple(
         replace(one, path=_back(one.path), reason=_SIDES.get(one.reason, one.reason)) for one in found.outcomes
     )
-    way = found.way and replace(found.way, points=_back(found.way.points))
-    return replace(found, outcomes=outcomes, way=way)
+    return replace(found, outcomes=outcomes, way=found.way and _way_back(found.way))
+
+
+def _way_back(way: PlannedWay) -> PlannedWay:
+    """Return a way of a scene that was turned by `northward` in the scene, with the places that it names."""
+
+    def places(known: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        return tuple((x, y) for x, y in _back(np.reshape(known, (-1, 2))).tolist())
+
+    at, margin_at = (known and places((known,))[0] for known in (way.at, way.margin_at))
+    drops, slips = places(way.drops), places(way.slips)
+    return replace(way, points=_back(way.points), drops=drops, slips=slips, at=at, margin_at=margin_at)
 
 
 def _back(points: Array) -> Array:

@@ -160,6 +160,8 @@ class Prediction:
 
     def __str__(self) -> str:
         counts = f"{self.crossed} of {self.drives} drives in {self.simulator}, {self.motors} motors"
+        if self.crossed in (0, self.drives):  # the probability is an estimate of theirs, by a prior
+            counts += f"; so few cannot prove {self.crossed / self.drives:.2f}"
         rest = "otherwise it mostly" if self.crossed else "it mostly"
         end = f"; {rest} {self.ends[0]}" if self.ends else ""
         return f"crosses with probability {self.probability:.2f} ({counts}){end}"

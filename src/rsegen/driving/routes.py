@@ -188,7 +188,8 @@ class PlannedWay(Way):
         figures = {"length": self.length, "tilt": self.tilt, "margin": self.margin}
         places = {"drops": self.drops, "slips": self.slips}
         rounded = {name: [[round(x, 9), round(y, 9)] for x, y in at] for name, at in places.items()}
-        return {"crosses": True, **{name: round(value, 9) for name, value in figures.items()}, **rounded}
+        least = {"margin_at": [round(along, 9) for along in self.margin_at]} if self.margin_at else {}
+        return {"crosses": True, **{name: round(value, 9) for name, value in figures.items()}, **least, **rounded}
 
     def csv(self) -> Iterator[str]:
         """Yield the lines of a CSV file."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from rsegen.gazebo import MESH_TYPES, export
 from rsegen.gazebo.constraint_report import block_warnings
 from rsegen.gazebo.obj import face_count
+from rsegen.recipe.building import covered_obstacles
 from rsegen.recipe.recipe import Recipe
 from rsegen.scene.scene import Scene
 
@@ -50,11 +52,23 @@ def size_in_words(grid: tuple[int, int], cells: tuple[int, int]) -> str:
     return blocks if cells == grid else f"{blocks} ({cells[0]} x {cells[1]} cells with frames)"
 
 
+def covered_obstacles_in_words(scene: Scene) -> Iterator[str]:
+    """Yield a line for each obstacle of a map that later ones cover wholly."""
+    rows = scene.recipe.obstacles
+    for row, over in covered_obstacles(scene.recipe, scene.index):
+        names = [f"obstacles[{place}] ({rows[place].kind})" for place in (row, *over)]
+        more = f" and {len(over) - 3} more" if len(over) > 3 else ""
+        yield f"{names[0]} is wholly covered by {', '.join(names[1:4])}{more}; the map has no block of it"
+
+
 def warnings(scene: Scene) -> tuple[str, ...]:
-    """Return the warnings of a map, a line each: nothing to see, missing blocks, lost friction, slow in a simulator."""
+    """Return the warnings of a map, a line each: nothing to see, obstacles under others, missing blocks, lost friction,
+    slow in a simulator.
+    """
     lines = []
     if not scene.field.levels.any():
         lines.append("every block is at level 0: there is nothing to see except frames and ground")
+    lines += covered_obstacles_in_words(scene)
     lines += block_warnings(scene)
     recipe = scene.recipe
     is_mesh = recipe.collision == "mesh" and recipe.mesh_type != "multi"

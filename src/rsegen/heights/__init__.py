@@ -19,5 +19,6 @@ CAPABILITY = Capability(
         ),
     ),
     public={"rsegen.heights.base": ("imported",)},
+    reads="rsegen.heights.base:reads",
     manual="heights",
 )

@@ -282,6 +282,16 @@ register = IMPORTERS.register
 """Decorator of an importer, which is known by the suffixes of its files then."""
 
 
+def reads(path: Path, start: bytes) -> str:
+    """Return what reads a file with heights (`Capability.reads`): a table by its suffix, an occupancy grid by a key."""
+    suffix = path.suffix.lower()
+    if suffix in (".yaml", ".yml"):
+        is_known = bool(re.search(rb"^image:", start, re.MULTILINE))
+    else:
+        is_known = suffix in IMPORTERS and suffix != ".txt"  # which may be anything
+    return "rsegen import (for heights)" if is_known else ""
+
+
 def importer_for(path: Path) -> type[Importer]:
     """Return the importer for a file by its suffix, or a FileError that lists the known ones."""
     importer = IMPORTERS.get(path.suffix.lower())
@@ -326,13 +336,14 @@ def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Re
     import numpy as np
 
     from rsegen.obstacles.matrix import Matrix
+    from rsegen.recipe.building import largest_chunk
 
     n_x, n_y = heights.levels.shape
     common, side = math.gcd(n_x, n_y), chunk_size or heights.recipe_values.get("chunk_size")
     if side and common % side:
         raise ParameterError("chunk_size", f"{side} does not divide {n_x} x {n_y} cells; {common} does")
     # Without frames any chunk size that divides both sides gives the same map: the usual 10, or else the largest.
-    side = side or next(side for side in (10, *range(min(common, 1000), 0, -1)) if common % side == 0)
+    side = side or (10 if common % 10 == 0 else largest_chunk(n_x, n_y))
     parts = {"heights": heights.levels}
     # -1 leaves a cell as it is, so whoever removes the second matrix has the holes again.
     if heights.holes is not None and heights.holes.any():

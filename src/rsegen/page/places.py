@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from rsegen.errors import FileError, ParameterError, shown
+from rsegen.errors import FileError, ParameterError, shown, system_reason
 from rsegen.page.model.document import SUFFIXES
 
 HOLDS: Mapping[str, Literal["drive", "dataset", "recipe"]] = {
@@ -42,7 +42,7 @@ class Places(NamedTuple):
         except RuntimeError as error:  # a loop of links
             raise FileError(f"{shown(text)}: {error}") from None
         except OSError as error:
-            raise FileError(f"{shown(text)}: {error.strerror}") from None
+            raise FileError(f"{shown(text)}: {system_reason(error)}") from None
         for folder in (self.folder.resolve(), *([self.sent.resolve()] if self.sent else [])):
             if path.is_relative_to(folder):
                 if any(part.startswith(".") for part in path.relative_to(folder).parts):
@@ -84,7 +84,7 @@ def names_in(folder: Path) -> Iterator[str]:
         with os.scandir(folder) as entries:
             shown = sorted(entry.name for entry in entries if not entry.name.startswith(".") and stays(entry))
     except OSError as error:
-        raise FileError(f"{folder}: {error.strerror}") from None
+        raise FileError(f"{folder}: {system_reason(error)}") from None
     yield from shown[:MOST]
 
 

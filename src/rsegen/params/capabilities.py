@@ -71,6 +71,7 @@ class Capability(NamedTuple):
     extras: optional libraries
     sidecars: optional files next to each world (`writing/sidecars.py`), which become flags of `generate`
     targets: a function from a text such as DIR#17, which is no file, to the recipe that it names, or None
+    reads: a function from the path of a file and its first bytes to what reads it, as `rsegen scan`, or an empty text
     crossers: a function that finds the robot of a kind or file, which crosses fields (`field/crossing.py`)
     predictor: a function that tells how surely a robot gets across a scene (`field/crossing.py`)
     doctor: a function that looks at this machine, and gives a `Finding`
@@ -88,6 +89,7 @@ class Capability(NamedTuple):
     extras: tuple[Extra, ...] = ()
     sidecars: tuple[str, ...] = ()
     targets: str = ""
+    reads: str = ""
     crossers: str = ""
     predictor: str = ""
     doctor: str = ""

@@ -66,6 +66,7 @@ def add_preview(command: Parser) -> None:
 
 def run_preview(arguments: argparse.Namespace) -> Report:
     """Draw, and write the picture."""
+    from rsegen.gazebo.map_summary import covered_obstacles_in_words
     from rsegen.pictures.preview import preview
 
     picture = picture_of(arguments.output, force=arguments.force)
@@ -83,4 +84,5 @@ def run_preview(arguments: argparse.Namespace) -> Report:
         raise ParameterError("--at" if error.where in ("x", "y") else f"--{error.where}", error.problem) from None
     content = {"file": str(picture.path), "map": scene.name, "seed": scene.recipe.seed}
     lines = [f"{picture.path}: {scene.name}, seed {scene.recipe.seed}"]
-    return Report(lines=lines, content=content, notes=which_map(arguments.target, arguments.map))
+    covered = (f"warning: {text}" for text in covered_obstacles_in_words(scene))
+    return Report(lines=lines, content=content, notes=[*which_map(arguments.target, arguments.map), *covered])

@@ -8,8 +8,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from rsegen.errors import FileError, ParameterError
-from rsegen.input_files import parser_message, refuse_duplicates, text_of
+from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.input_files import file_type, parser_message, refuse_duplicates, regular_content, text_of
+from rsegen.params.capabilities import hooks
 from rsegen.params.sorts import Json
 from rsegen.recipe.codec import decode, encode
 from rsegen.recipe.recipe import Recipe
@@ -47,8 +48,26 @@ def recipe_and_content(path: Path) -> tuple[Recipe, object]:
     try:
         content = recipe_content(path)
         return decode(content), content
-    except ParameterError as error:
-        raise error.of(str(path)) from None
+    except UserError as error:
+        if other := _other_file(path):
+            raise FileError(f"{path}: {other}") from None
+        raise error.of(str(path)) if isinstance(error, ParameterError) else error from None
+
+
+_START = 4096
+"""Bytes of a file by which it is known what it is."""
+
+
+def _other_file(path: Path) -> str:
+    """Return what a file is that is no recipe, and what reads it; an empty text if that is not known."""
+    if not (start := regular_content(path, _START)):
+        return ""
+    what, readers = file_type(start), [reader for reads in hooks("reads") if (reader := reads(path, start))]
+    if not what and not readers:
+        return ""
+    if (path.parent / "recipe.json").is_file():
+        readers = [f"its folder, which has one: {path.parent}"]
+    return f"{what or f'a {path.suffix} file'}, and not a recipe{'; use ' if readers else ''}{' or '.join(readers)}"
 
 
 def recipe_content(path: Path) -> object:

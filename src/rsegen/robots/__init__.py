@@ -36,6 +36,7 @@ CAPABILITY = Capability(
         "rsegen.robots.robot_picture": ("robot_picture",),
     },
     extras=(MESH, XACRO),
+    reads="rsegen.robots.lookup:reads",
     crossers="rsegen.robots.lookup:crosser",
     words={"robot": "rsegen.robots.base:ROBOTS", "crossable_by": "rsegen.robots.base:ROBOTS"},
     calls=("rsegen.robots.page",),

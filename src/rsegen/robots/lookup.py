@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TypeAlias
 
 from numpy.typing import ArrayLike
@@ -18,6 +19,12 @@ from rsegen.standing.stable import StablePoses
 
 DrivableRobot: TypeAlias = Robot | SdfRobot
 """A robot that can be driven over a map: of a kind, or of a file."""
+
+
+def reads(path: Path, start: bytes) -> str:
+    """Return what reads the file of a robot (`Capability.reads`); a world in SDF is none."""
+    is_known = path.suffix.lower() in SUFFIXES and (path.suffix != ".xml" or b"<mujoco" in start)
+    return "rsegen robot" if is_known and b"<world" not in start else ""
 
 
 def chosen_robot(

@@ -36,7 +36,7 @@ from rsegen.standing.body import Body
 from rsegen.standing.draping import draped
 from rsegen.standing.drawing import hull
 from rsegen.standing.resting import REASONS, has_stood, of_settled
-from rsegen.standing.settling import PaddedGround, outer_radius, settle
+from rsegen.standing.settling import PaddedGround, centre_at, outer_radius, settle
 from rsegen.standing.spots import Spot, spot_generator, spots_on_map
 from rsegen.standing.stable import stable_at
 from rsegen.standing.ways import Lattice
@@ -231,8 +231,9 @@ def pose(  # noqa: PLR0913  # each is named by the page
     *_, field = _map(host, doc, index)
     body = robot_of_page(host, robot).body
     ground = PaddedGround.of(field, outer_radius(body))
-    settled = settle(ground, body, *(np.array([value]) for value in (x, y, heading)))
-    rest, (*_, count) = of_settled(ground, body, settled), stable_at(ground, body, settled.x, settled.y, settled.yaw)
+    at_x, at_y, yaw = (np.array([value]) for value in (x, y, heading))
+    found = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
+    rest = of_settled(ground, body, found.level)
     stands, clearance = bool(rest.stands[0]), float(rest.clearance[0])
     names = ("x", "y", "z", "roll", "pitch", "yaw", "tilt")
     if stands:
@@ -262,7 +263,7 @@ def pose(  # noqa: PLR0913  # each is named by the page
         "margin": float(rest.tip_angle[0]),
         "clearance": clearance if isfinite(clearance) else None,
         "contacts": rest.contacts[0].tolist() if stands else [],
-        "stable": int(count[0]),
+        "stable": int(found.counts[0]),
         "polygon": [corner.tolist() for corner in polygon],
     }
 
@@ -398,6 +399,7 @@ class DrawnWay(TypedDict):
     length: float
     worst_tilt: float
     least_margin: float
+    least_margin_at: tuple[float, float]  # x and y of the robot's origin
 
 
 @call_of_host
@@ -430,11 +432,14 @@ def way(  # noqa: PLR0913  # each is named by the page
             "length": 0.0,
             "worst_tilt": 0.0,
             "least_margin": 0.0,
+            "least_margin_at": (0.0, 0.0),
         }
     poses = route.poses
-    worst, least = float(poses.tilt.max()), float(poses.tip_angle.min())
+    worst, tips_at = float(poses.tilt.max()), int(poses.tip_angle.argmin())
+    least, (x, y) = float(poses.tip_angle[tips_at]), (round(float(along[tips_at]), 5) for along in (poses.x, poses.y))
     events = [(at, "falls") for at in route.drops] + [(at, "slides") for at in route.slips]
-    text = f"{route.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {degrees(least):.0f} from tipping over"
+    tips = f"{degrees(least):.0f} from tipping over at {x + 0:.2f}, {y + 0:.2f} m"
+    text = f"{route.length:.2f} m, tilts up to {degrees(worst):.0f} degrees, {tips}"
     rows = np.stack([getattr(poses, name) for name in ("x", "y", "z", "roll", "pitch", "yaw")], axis=1)
     return {
         "found": True,
@@ -444,6 +449,7 @@ def way(  # noqa: PLR0913  # each is named by the page
         "length": route.length,
         "worst_tilt": worst,
         "least_margin": least,
+        "least_margin_at": (x, y),
     }
 
 

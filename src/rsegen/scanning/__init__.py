@@ -43,5 +43,6 @@ CAPABILITY = Capability(
         "rsegen.scanning.scans": ("ComparedMap", "ScannedMap", "compare", "scan"),
     },
     extras=(SCAN, E57, BAG),
+    reads="rsegen.scanning.clouds:reads",
     manual="scan",
 )

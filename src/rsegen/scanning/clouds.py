@@ -79,6 +79,12 @@ def is_cloud(path: Path) -> bool:
     return path.suffix.lower() in CLOUDS
 
 
+def reads(path: Path, _: bytes) -> str:
+    """Return what reads a file with a point cloud or a depth image (`Capability.reads`)."""
+    form = "" if path.suffix.lower() == ".txt" else CLOUDS.get(path.suffix.lower(), "")
+    return f"rsegen scan (for {'a depth image' if form == 'image' else 'a point cloud'})" if form else ""
+
+
 def read_clouds(
     paths: Sequence[Path],
     values: str | None = None,

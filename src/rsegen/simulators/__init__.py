@@ -25,6 +25,7 @@ CAPABILITY = Capability(
         ),
     ),
     public={"rsegen.simulators.commands": ("open",), "rsegen.simulators.open_world": ("OpenResult",)},
+    reads="rsegen.simulators.open_world:reads",
     doctor="rsegen.simulators.installed:finding",
     manual="gazebo",
 )

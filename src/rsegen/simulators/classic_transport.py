@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator, Set
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from functools import partial
 
-from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed, library_message
+from rsegen.errors import NoMessage, NothingRuns, SimulatorFailed, library_message, system_reason
 from rsegen.simulators.inbox import Inbox
 from rsegen.simulators.patience import Patience
 from rsegen.simulators.wire import CLASSIC, Message
@@ -254,7 +254,7 @@ def transport_client(address: tuple[str, int], patience: Patience) -> AbstractCo
         return closing(TransportClient(address, patience))
     except OSError as error:
         host, port = address
-        raise NothingRuns(f"Gazebo Classic: no answer from {host}:{port} ({error.strerror or error})") from None
+        raise NothingRuns(f"Gazebo Classic: no answer from {host}:{port} ({system_reason(error)})") from None
 
 
 def _disconnect(other: socket.socket) -> None:

@@ -74,9 +74,10 @@ def finding() -> Finding:
     simulators = installed()
     lines, missing = list[str](), list[tuple[str, str]]()
     for known in simulators:
-        version = f" {known['version']}"
-        problem = f": {known['problem'] or 'not installed'}"
-        lines.append(f"{known['title']}{problem if known['version'] is None else version}")
+        if known["version"]:
+            lines.append(f"{known['title']} {known['version']}")
+        elif known["problem"]:  # what is not installed is among what is missing alone
+            lines.append(f"{known['title']}: {known['problem']}")
         lines += (f"  {name}: {path}" for name, path in known["commands"].items())
         if known["version"] is None:
             lacks = "robots cannot be driven in it" if known["embedded"] else "worlds cannot be opened in it"

@@ -33,6 +33,12 @@ from rsegen.writing.target_worlds import World
 _WORLD = re.compile(r"<world\s[^>]*?\bname\s*=\s*['\"]([^'\"]*)['\"]")
 """The name of a world in its file."""
 
+
+def reads(path: Path, start: bytes) -> str:
+    """Return what opens the file of a world (`Capability.reads`)."""
+    return "rsegen open" if path.suffix.lower() == ".world" or b"<world" in start else ""
+
+
 _NO_SCREEN = "no screen here (neither DISPLAY nor WAYLAND_DISPLAY is set), so there can be no window"
 
 _LOOK = Patience(seconds=1.0, sign=0.3)

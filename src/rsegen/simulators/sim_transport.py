@@ -36,7 +36,7 @@ from functools import partial
 from queue import SimpleQueue
 from typing import Any
 
-from rsegen.errors import NoMessage, SimulatorFailed
+from rsegen.errors import NoMessage, SimulatorFailed, system_reason
 from rsegen.simulators.inbox import Inbox
 from rsegen.simulators.patience import Patience, Wait, share
 from rsegen.simulators.wire import SIM, Message
@@ -119,7 +119,7 @@ class Discovery:
             self._join(interfaces(environment), is_chosen=bool(_variable(environment, "IP")))
         except OSError as error:
             self.close()
-            raise SimulatorFailed(f"Gazebo Sim: no multicast on this computer ({error.strerror or error})") from None
+            raise SimulatorFailed(f"Gazebo Sim: no multicast on this computer ({system_reason(error)})") from None
 
     def send(self, event: Event, **content: Message) -> None:
         """Send a message to all programs; `content`: sub or pub."""

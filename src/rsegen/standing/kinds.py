@@ -10,7 +10,6 @@ from rsegen.field.crossing import CrossingModel
 from rsegen.field.stepfield import Ints, Mask, StepField
 from rsegen.standing.body import Body
 from rsegen.standing.pose_statistics import PoseStatistics, pose_statistics
-from rsegen.standing.resting import resting_poses
 from rsegen.standing.stable import stable_poses
 from rsegen.standing.ways import Reach, Watch, Way, best_way, events, reach
 
@@ -99,8 +98,8 @@ class RobotOnField(CrossingModel):
         """Return it where it settles after it was put down at x, y [m] with a heading [rad], to be drawn."""
         from rsegen.standing.drawing import RobotDrawing
 
-        rests, ways = resting_poses(field, self.body, x, y, heading), stable_poses(field, self.body, x, y, heading)
-        return RobotDrawing(body=self.body, rests=rests, stable=int(ways.count[0]))
+        found = stable_poses(field, self.body, x, y, heading)
+        return RobotDrawing(body=self.body, rests=found.level, stable=int(found.count[0]))
 
     def pose_maps(self, scene: Scene, heading: float, format: str) -> bytes:  # noqa: A002  # matplotlib's word
         """Return maps of its tilt, margin and reason at a heading [rad], as an image file."""

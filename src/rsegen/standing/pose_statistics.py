@@ -51,7 +51,7 @@ def statistics_of(ground: PaddedGround, body: Body, rest: Settled) -> PoseStatis
     """Return the statistics of robots at rest."""
     every = of_settled(ground, body, rest)
     some = rest.some(np.unique(np.linspace(0, len(rest.x) - 1, _SAMPLE).astype(int))) if len(rest.x) else rest
-    _, _, counts = stable_at(ground, body, some.x, some.y, some.yaw)
+    counts = stable_at(ground, body, some.x, some.y, some.yaw).counts
     tilts, clearances = every.tilt[every.stands], every.clearance[every.stands & np.isfinite(every.clearance)]
     median, p90 = np.quantile(tilts, [0.5, 0.9]).tolist() if len(tilts) else (None, None)
     return PoseStatistics(

@@ -10,6 +10,7 @@ side of a block keeps from being still.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,23 +43,36 @@ class StablePoses:
         The number of the place of each.
     count : ndarray of int, shape (n,)
         How many there are at each place: 0 where the robot tips over however it is put down.
+    level : Poses
+        The one at each place that it takes when it is put down level, n of them, as `rsegen.poses` gives them.
     """
 
     poses: Poses
     place: Ints
     count: Ints
+    level: Poses
 
 
 def stable_poses(field: StepField, body: Body, x: ArrayLike, y: ArrayLike, heading: ArrayLike) -> StablePoses:
     """Return all poses in which a robot may rest at each x, y [m] and heading [rad], as in `resting_poses`."""
     at_x, at_y, yaw = places(field, body, x, y, heading)
     ground = PaddedGround.of(field, outer_radius(body))
-    rest, place, count = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
-    return StablePoses(poses=of_settled(ground, body, rest), place=place, count=count)
+    found = stable_at(ground, body, *centre_at(body, at_x, at_y, yaw), yaw)
+    poses, level = (of_settled(ground, body, rests) for rests in (found.rests, found.level))
+    return StablePoses(poses=poses, place=found.place, count=found.counts, level=level)
 
 
-def stable_at(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> tuple[Settled, Ints, Ints]:
-    """Return all rests with the centre of mass at x, y [m] and a heading, (n,); the place of each, and their counts."""
+class StableRests(NamedTuple):
+    """All rests at n places, m of them; the place of each, their counts, and the rest of a robot put down level."""
+
+    rests: Settled
+    place: Ints
+    counts: Ints
+    level: Settled
+
+
+def stable_at(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) -> StableRests:
+    """Return all rests with the centre of mass at x, y [m] and a heading, (n,) each."""
     level = np.zeros((len(x), 1, 2))
     starts = np.concatenate([level, *(slope * _sides(yaw) for slope in _SLOPES)], axis=1)
     count, tilts = starts.shape[:2]
@@ -76,7 +90,8 @@ def stable_at(ground: PaddedGround, body: Body, x: Array, y: Array, yaw: Array) 
         is_alike = np.einsum("kni,ni->kn", upright[:later], upright[later]) >= np.cos(np.radians(APART[1]))
         kept[later] &= ~(kept[:later] & is_near & is_alike).any(axis=0)
     numbers = numbers.T[kept.T]
-    return rest.some(numbers), numbers // tilts, kept.sum(axis=0)
+    level_rest = rest.some(np.arange(count) * tilts)
+    return StableRests(rest.some(numbers), numbers // tilts, kept.sum(axis=0), level_rest)
 
 
 def _sides(yaw: Array) -> Array:

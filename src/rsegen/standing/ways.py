@@ -63,7 +63,7 @@ class Way:
     """The best way of a robot from the level ground on one side of a field to that on the other.
 
     crosses: whether there is one; length: metres, with turns as the path of its sides; length_ratio: to straight across
-    tilt: the largest on it, and margin: the least turn by which the robot tips over on it; radians
+    tilt: the largest on it, and margin: the least turn by which it tips over on it, radians, at margin_at, metres
     points: (k, 2), x and y of the robot's origin, metres, empty without a way
     drops, slips: the places on it where the robot falls, or slides by itself, metres; they do not end it
     reason: without a way, what ends the straight lane that gets farthest, and `at` which place, metres
@@ -75,6 +75,7 @@ class Way:
     tilt: float | None
     margin: float | None
     points: Array
+    margin_at: tuple[float, float] | None = None
     drops: tuple[tuple[float, float], ...] = ()
     slips: tuple[tuple[float, float], ...] = ()
     reason: str | None = None
@@ -729,9 +730,11 @@ def events(way: Any) -> list[str]:
 def _summary(ground: PaddedGround, body: Body, lanes: Lanes, turned: Settled | None = None) -> dict[str, Any]:
     """Return the report of a way: the worst of its poses, and where the robot falls or slides."""
     rests = of_settled(ground, body, joined([turned, lanes.poses]) if turned else lanes.poses)
+    least = int(rests.tip_angle.argmin())
     return {
         "tilt": float(rests.tilt.max()),
-        "margin": float(rests.tip_angle.min()),
+        "margin": float(rests.tip_angle[least]),
+        "margin_at": (float(rests.x[least]), float(rests.y[least])),
         "drops": tuple(lanes.starts_of(lanes.drops, body)),
         "slips": tuple(lanes.starts_of(lanes.slips, body)),
     }

@@ -28,7 +28,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from rsegen.errors import FileError, FilesDamaged, OutputError
+from rsegen.errors import FileError, FilesDamaged, OutputError, system_reason
 from rsegen.input_files import JOURNAL, Checksum, checksum_of, open_regular
 from rsegen.params.sorts import Json
 from rsegen.writing.swap import NotPutBack, put, sync
@@ -124,7 +124,7 @@ def read_journal(folder: Path) -> Journal | None:
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
+        raise FileError(f"{path}: {system_reason(error)}") from None
     except (ValueError, TypeError, KeyError, RecursionError, AttributeError):
         raise FileError(
             f"{path}: is not a journal of rsegen, or is damaged, so nothing in this folder is replaced; move the "
@@ -420,7 +420,7 @@ def read_errors(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         where = error.filename or folder
-        raise OutputError(f"{where}: cannot be read: {error.strerror or error}") from None
+        raise OutputError(f"{where}: cannot be read: {system_reason(error)}") from None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -19,7 +19,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, Stuck, UserError, WriteError
+from rsegen.errors import Incomplete, OutputError, ParameterError, Stopped, Stuck, UserError, WriteError, system_reason
 from rsegen.input_files import JOURNAL, Checksum
 from rsegen.recipe.codec import map_json
 from rsegen.recipe.recipe import Recipe
@@ -184,7 +184,7 @@ def _ended(error: BaseException, store: Store, plan: RunPlan[Item, Made], made: 
         return error
     if isinstance(error, OSError):
         kind = Stuck if stuck else WriteError
-        return kind(f"{store.folder}: cannot be written: {error.strerror or error}; {left}{stuck}")
+        return kind(f"{store.folder}: cannot be written: {system_reason(error)}; {left}{stuck}")
     return Incomplete(f"{error}; {left}")
 
 

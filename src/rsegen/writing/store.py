@@ -25,7 +25,7 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, Stuck, WriteError, shown
+from rsegen.errors import REFUSED, OutputError, RsegenError, Stopped, Stuck, WriteError, shown, system_reason
 from rsegen.gazebo import Bundle
 from rsegen.input_files import JOURNAL, Checksum
 from rsegen.params.sorts import Json
@@ -310,7 +310,7 @@ def open_store(folder: Path, *, sync: bool = True, wait: float = 0.0, output: Pa
 
 def _write_error(store: Store, what: Path, error: OSError, *, is_hidden_new: bool) -> RsegenError:
     """Return the error of a system's error, which says what is left; an OutputError if nothing is."""
-    problem = f"{what}: cannot be written: {error.strerror or error}"
+    problem = f"{what}: cannot be written: {system_reason(error)}"
     if words := store.swaps.words():
         return Stuck(f"{problem}{words}")
     if is_hidden_new and os.path.lexists(store.home):

@@ -304,7 +304,7 @@ def test_frames_that_a_robot_does_not_get_over_are_refused() -> None:
 
 def test_a_robot_that_is_unknown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["generate", "--crossable-by", "buger", "-o", str(tmp_path / "out")]) == 2
-    assert "crossable_by: unknown robot 'buger'; did you mean 'burger'?" in the_line(capsys.readouterr().err)
+    assert "--crossable-by: unknown robot 'buger'; did you mean 'burger'?" in the_line(capsys.readouterr().err)
 
 
 def test_a_map_of_blocks_higher_than_its_obstacles_is_drawn_and_coloured(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from hashlib import blake2b
 from pathlib import Path
 from types import MappingProxyType
 
-from rsegen.errors import FileError, ParameterError, UserError
+from rsegen.errors import FileError, ParameterError, UserError, system_reason
 from rsegen.input_files import regular_content
 from rsegen.page.calls import Question
 from rsegen.page.model.session import Draft, Session
@@ -208,7 +208,7 @@ class DraftFile:
             write_state(self._stem, content)
             self.failed = ""
         except OSError as error:
-            reason = error.strerror or str(error)
+            reason = system_reason(error)
             self.failed = f"unsaved changes are lost if rsegen ends: they cannot be kept in {state_folder()} ({reason})"
 
     def remove(self) -> None:

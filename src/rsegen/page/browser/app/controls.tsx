@@ -98,7 +98,7 @@ export function Menu({ label, icon, title, children, class: name = "", wide = fa
       </button>
       <div id={id} ref={list} popover="auto" class={wide ? "menu wide" : "menu"} onToggle={place} onKeyDown={walk}
         onClick={(event) => (event.target as Element).closest("button") && list.current!.hidePopover()}>
-        {children}
+        {wide ? <div>{children}</div> : children}
       </div>
     </>
   );

@@ -447,6 +447,7 @@ export interface DrawnWay {
   length: number;
   worst_tilt: number;
   least_margin: number;
+  least_margin_at: [number, number]; // x and y of the robot's origin
 }
 
 /* An event on a way: a drop, or a slip. */

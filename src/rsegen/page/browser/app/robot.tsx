@@ -14,6 +14,7 @@ export const best = signal<"length" | "tilt" | "margin">("length");
 
 const degrees = (angle: number) => Number(((angle * 180) / Math.PI).toFixed(1));
 const centimetres = (length: number | null) => (length === null ? "–" : `${(100 * length).toFixed(1)} cm`);
+const place = ([x, y]: [number, number]) => `${x.toFixed(2)}, ${y.toFixed(2)} m`;
 
 const times = (way: DrawnWay, what: string) => String(way.events.filter(({ text }) => text === what).length);
 
@@ -94,7 +95,7 @@ export function RobotPanel() {
           {wayStart.value && !way.value && searching.value?.of !== "way" && <p class="note" role="status">Now click the goal.</p>}
           {way.value && <div aria-live="polite">
             {way.value.found
-              ? <Facts rows={[["length", `${way.value.length.toFixed(2)} m`], ["largest tilt", `${degrees(way.value.worst_tilt)}°`], ["least margin", `${degrees(way.value.least_margin)}°`], ["falls", times(way.value, "falls")], ["slides", times(way.value, "slides")]]} />
+              ? <Facts rows={[["length", `${way.value.length.toFixed(2)} m`], ["largest tilt", `${degrees(way.value.worst_tilt)}°`], ["least margin", `${degrees(way.value.least_margin)}° at ${place(way.value.least_margin_at)}`], ["falls", times(way.value, "falls")], ["slides", times(way.value, "slides")]]} />
               : <p class="note">{way.value.text}</p>}
           </div>}
         </>}
