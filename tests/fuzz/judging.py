@@ -89,9 +89,9 @@ class Judge:
         importlib.import_module("PIL.Image").init()
         usual = edge.failed
 
-        def failed(error: BaseException, signal: int, command: str | None = None) -> int:
+        def failed(error: BaseException, *of: object) -> int:
             self._error = error
-            return int(usual(error, signal, command))
+            return int(usual(error, *of))
 
         edge.failed = failed
         building: Any = importlib.import_module("rsegen.recipe.building")
