@@ -72,8 +72,8 @@ from rsegen.rating.reliability import failures_allowed as failures_allowed
 from rsegen.recipe.batch import build_many as build_many
 from rsegen.recipe.building import build as build
 from rsegen.recipe.codec import schema as schema
+from rsegen.recipe.from_field import recipe_of as recipe_of
 from rsegen.recipe.recipe import Recipe as Recipe
-from rsegen.recipe.recipe import recipe_of as recipe_of
 from rsegen.recipe.recipe_file import load as load
 from rsegen.robots.commands import spots as spots
 from rsegen.robots.lookup import poses as poses

@@ -143,7 +143,7 @@ YAML: Mapping[str, tuple[str | bytes, Sequence[str]]] = {
     "sixteen bits a letter": ("seed: 1\n".encode("utf-16"), ["not a text in UTF-8"]),
     "a null character": (b"seed: 1\n\0", ["not YAML", "#x0000"]),
     "a bell": (b"name: \a\n", ["not YAML", "#x0007"]),
-    "a picture": (b"\x89PNG\r\n\x1a\n" + bytes(100), ["not a text in UTF-8"]),
+    "a picture": (b"\x89PNG\r\n\x1a\n" + bytes(100), ["a PNG image, and not a recipe"]),
     "a huge file": (b"#" * (4 * 2**20 + 1), ["larger than 4 MiB", "JSON: up to 64 MiB"]),
     "very many keys": (f"{{{', '.join(f'k{key}: 1' for key in range(5000))}}}", ["unknown key 'k0'"]),
 }

@@ -30,8 +30,9 @@ class InNumpy(mujoco_world._Shapes):
                 self._axis[geom], self._mu[:, geom] = shape.axis, (shape.mu_axis, shape.mu_other)
         self._body = np.asarray(model.geom_bodyid)
 
-    def count(self, data: Any) -> None:
-        for part in np.unique(np.array(self._part)[data.contact.geom]):
+    def count(self, contact: Any) -> None:
+        self.steps += 1
+        for part in np.unique(np.array(self._part)[contact.geom]):
             self.counts[part] += 1
 
     def turn(self, data: Any) -> None:
@@ -55,12 +56,12 @@ def _cross(a: Any, b: Any) -> Any:
     return a[[1, 2, 0]] * b[[2, 0, 1]] - a[[2, 0, 1]] * b[[1, 2, 0]]
 
 
-def slide_in_numpy(model: Any, data: Any) -> None:
+def slide_in_numpy(model: Any, data: Any, contact: Any) -> None:
     """Correct all contacts at once."""
     if data.ncon:
         change = np.empty(data.nefc)
         mujoco.mj_mulJacVec(model, data, change, data.qacc)
-        at, mu, reference = data.contact.efc_address, data.contact.friction, data.efc_aref
+        at, mu, reference = contact.efc_address, contact.friction, data.efc_aref
         at, mu, left = at[at >= 0], mu[at >= 0], change - reference
         reference[at] -= np.hypot(mu[:, 0] * left[at + 1], mu[:, 1] * left[at + 2])
 
@@ -80,3 +81,18 @@ def test_a_drive_has_the_bits_that_numpy_gives_it(kind: str, monkeypatch: pytest
     assert states[0] == states[1]
     assert world.poses()[runs[0].name].x > runs[0].start.x + 0.3
     assert any(states[0][2][runs[0].name].values())
+
+
+def test_contacts_are_counted_where_they_are_asked_for_and_change_nothing() -> None:
+    scene = compose(decode({"name": "field", "boundary": "none", "seed": 5, "obstacles": []}), 0)
+    runs = robot_runs(scene.field, ROBOTS["burger"], "straight", count=1, seed=1)
+    states = []
+    for contacts in (True, False):
+        world = mujoco_world.MujocoWorld(scene, runs)
+        samples = drive_in_steps(world, runs, 1.0, world.step_seconds, contacts=contacts)
+        assert bool(samples) == contacts
+        states.append((world.data.qpos.tobytes(), world.shares()[runs[0].name]))
+    (with_contacts, shares), (without, none) = states
+    assert with_contacts == without
+    assert len([part for part, share in shares.items() if "wheel" in part and share > 0.9]) == 2
+    assert none == {}

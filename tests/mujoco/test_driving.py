@@ -38,9 +38,9 @@ def test_a_robot_drives_straight_at_its_speed(kind: str, motors: str) -> None:
     world, robot = world_of(kind, motors=motors), robot_of(kind)
     settled(world)
     world.drive("robot", robot, 0.2, 0.0)
-    world.step(1000)
+    world.step_with_contacts(1000)
     before = world.poses()["robot"]
-    world.step(1000)
+    world.step_with_contacts(1000)
     after = world.poses()["robot"]
     assert after.x - before.x == pytest.approx(0.2, rel=0.01)
     assert abs(after.y) < 1e-4

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rsegen import HorizontalBarrier, Obstacle, Peak, Pit, Random, Recipe, build
 from rsegen.errors import ParameterError
 from rsegen.recipe.building import blocks
-from rsegen.recipe.recipe import largest_chunk, recipe_of
+from rsegen.recipe.from_field import largest_chunk, recipe_of
 from tests.support.strategies import obstacles, recipes
 
 

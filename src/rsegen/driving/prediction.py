@@ -199,6 +199,7 @@ class Predictor:
         while number < min(FIRST, self.drives):
             outcomes += self._outcomes(scene, run, [number])
             number += 1
+            report_share(_BAR, number / self.drives)
             if sum(outcome.seconds is None for outcome in outcomes) >= failures:
                 break
         return self._prediction(outcomes, run, number)
@@ -210,6 +211,7 @@ class Predictor:
         """
         tried = self.tried(scene, run, known=known)
         if tried.next_drive >= self.drives or tried.crossed in (0, tried.drives):
+            report_share(_BAR, 1)
             return tried
         rest, outcomes = range(tried.next_drive, self.drives), list(tried.outcomes)
         work = partial(self._outcomes, scene, run)

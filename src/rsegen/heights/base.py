@@ -24,7 +24,7 @@ from rsegen.errors import FileError, ParameterError
 from rsegen.params.registry import Contract, Registry, name_conflict
 from rsegen.params.sorts import CENTIMETRES as UNITS
 from rsegen.params.sorts import Cell, validate
-from rsegen.recipe.recipe import Recipe, largest_chunk
+from rsegen.recipe.recipe import Recipe
 
 if TYPE_CHECKING:
     from rsegen.field.stepfield import Array, Ints, Mask
@@ -336,6 +336,7 @@ def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Re
     import numpy as np
 
     from rsegen.obstacles.matrix import Matrix
+    from rsegen.recipe.from_field import largest_chunk
 
     n_x, n_y = heights.levels.shape
     common, side = math.gcd(n_x, n_y), chunk_size or heights.recipe_values.get("chunk_size")

@@ -18,17 +18,15 @@ import mujoco
 import numpy as np
 
 
-def slide(model: Any, data: Any) -> None:
-    """Correct the references of contacts, between the making of constraints and their solution."""
+def slide(model: Any, data: Any, contact: Any) -> None:
+    """Correct the references of contacts, `data.contact`, between the making of constraints and their solution."""
     if not data.ncon:
         return
     # A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
     change = np.empty(data.nefc)
     mujoco.mj_mulJacVec(model, data, change, data.qacc)
     reference = data.efc_aref
-    rows = reference.tolist()
     left = (change - reference).tolist()
-    for at, (mu, mu2, *_) in zip(data.contact.efc_address.tolist(), data.contact.friction.tolist(), strict=True):
+    for at, (mu, mu2, *_) in zip(contact.efc_address.tolist(), contact.friction.tolist(), strict=True):
         if at >= 0:  # none for one that is near, and does not touch
-            rows[at] -= abs(complex(mu * left[at + 1], mu2 * left[at + 2]))
-    reference[:] = rows
+            reference[at] -= abs(complex(mu * left[at + 1], mu2 * left[at + 2]))

@@ -63,6 +63,7 @@ class WheelMotors:
             model.dof_solref[self.dofs], model.dof_solimp[self.dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
             self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self.dofs)
         self._is_limited = bool((self._torques < _STRONG).any())
+        self._limits: list[tuple[int, int, float, float]] = []  # see `after_step`
 
     def command(self, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's wheels, rad/s."""
@@ -82,6 +83,9 @@ class WheelMotors:
             self._has_changed = not np.array_equal(self._now, self._wanted)
             if self.react:
                 self._turning = list(zip(self._rows.tolist(), (self._now * self.turns).tolist(), strict=True))
+                forces = np.where(self.turns, _AT_LIMIT * self._torques, -1.0)
+                columns = self._rows, self.dofs, forces, _SLOW * np.abs(self._now)
+                self._limits = list(zip(*(column.tolist() for column in columns), strict=True))
         if not self.react and len(self.dofs):
             data.qvel[self.dofs] = self._now
 
@@ -98,9 +102,10 @@ class WheelMotors:
         """Count the steps in which motors are at their limit, and wheels slow."""
         self._steps += 1
         if self.react and self._is_limited:
-            forces = np.abs(data.efc_force[self._rows + data.ne])
-            slow = np.abs(data.qvel[self.dofs]) < _SLOW * np.abs(self._now)
-            self._at_limit += slow & ((forces > _AT_LIMIT * self._torques) | ~self.turns)
+            forces, speeds, first = data.efc_force, data.qvel, data.ne
+            for wheel, (row, dof, force, speed) in enumerate(self._limits):
+                if abs(speeds[dof]) < speed and abs(forces[first + row]) > force:
+                    self._at_limit[wheel] += 1
 
     def notes(self) -> Iterator[str]:
         """Yield a sentence for each robot whose motors are too weak for where it is."""

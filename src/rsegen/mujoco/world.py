@@ -104,7 +104,7 @@ class MujocoWorld(EmbeddedWorld):
         self.data.qpos[at : at + 7] = (start.x, start.y, start.z, *turn)
         self.wheels.stop()
         self.belts.stop(self.shapes)
-        self.shapes.counts = [0] * len(self.shapes.counts)
+        self.shapes.forget()
         self._begin()
 
     def _begin(self) -> None:
@@ -138,9 +138,9 @@ class MujocoWorld(EmbeddedWorld):
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
         with without_log():
-            self._step(steps)
+            self._step(steps, is_counted=False)
 
-    def _step(self, steps: int) -> None:
+    def _step(self, steps: int, *, is_counted: bool) -> None:
         model, data, shapes, wheels, belts = self.model, self.data, self.shapes, self.wheels, self.belts
         for _ in range(steps):
             wheels.before_step(data)
@@ -148,20 +148,23 @@ class MujocoWorld(EmbeddedWorld):
             if not data.nefc:  # in the air, or MuJoCo's memory is full
                 self._check()
             wheels.turn(data)
-            slide(model, data)
+            contact = data.contact  # made anew each time that MuJoCo is asked for it
+            slide(model, data, contact)
             mujoco.mj_step2(model, data)
             wheels.after_step(data)
             belts.after_step(data, shapes)
             self._steps += 1
-            shapes.count(data)
+            if is_counted:
+                shapes.count(contact)
             if self._steps % self._period == 0:
                 self._keep()
                 self._check()
 
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and give the contacts before the first step."""
+        """Step, and give the contacts before the first step; those of each step count for `shares`."""
         contacts = list(self._contacts())
-        self.step(steps)
+        with without_log():
+            self._step(steps, is_counted=True)
         return contacts
 
     # What it tells.
@@ -184,13 +187,13 @@ class MujocoWorld(EmbeddedWorld):
         return self._rows
 
     def shares(self) -> Mapping[str, Mapping[str, float]]:
-        """Return, for each robot, the share of all steps in which each of its parts (LINK::COLLISION) had contact."""
+        """Return, for each robot, the share of steps with contacts in which each part (LINK::COLLISION) had one."""
         found = {}
         for name in self._names:
             own = [
                 (part, self.shapes.counts[index]) for (robot, part), index in self.shapes.parts.items() if robot == name
             ]
-            shares = {part: round(count / max(self._steps, 1), 3) for part, count in own if count}
+            shares = {part: round(count / max(self.shapes.steps, 1), 3) for part, count in own if count}
             found[name] = dict(sorted(shares.items(), key=lambda share: -share[1]))
         return found
 
@@ -251,7 +254,8 @@ class MujocoWorld(EmbeddedWorld):
 
     def _check(self) -> None:
         """Raise a SimulatorFailed if the physics has failed."""
-        warnings = [mujoco.mju_warningText(kind, at.lastinfo) for kind, at in enumerate(self.data.warning) if at.number]
+        found = self.data.warning
+        warnings = [mujoco.mju_warningText(kind, found[kind].lastinfo) for kind in np.flatnonzero(found.number)]
         if warnings or not np.isfinite(self.data.qpos).all():
             why = f" ({warnings[0].rstrip('. ')})" if warnings else ""
             problem = f"the physics failed after {self._seconds:g} s{why}, so this drive has no result"
@@ -319,7 +323,7 @@ class _Shapes:
     """The collision shapes of all robots: which part each is, and the directions of its friction.
 
     parts: numbers of parts by robot and LINK::COLLISION; names: of shapes by their number in MuJoCo
-    counts: steps in which each part had contact
+    steps: in which contacts were counted; counts: those of them in which each part had contact
     turned: whether the friction of any shape has a direction; speed: of the surface of each shape, m/s, 0 but for belts
 
     A robot has some ten contacts. For so few, Python's numbers take a quarter of the time of numpy's arrays.
@@ -341,14 +345,19 @@ class _Shapes:
                 x, y, z = shape.axis.tolist()
                 own = own._replace(axis=(x, y, z), mu_axis=friction * shape.mu_axis, mu_other=friction * shape.mu_other)
             self.directions[geom] = own
-        self.counts = [0] * (len(self.parts) + 1)  # 0 is the map
+        self.steps, self.counts = 0, [0] * (len(self.parts) + 1)  # 0 is the map
         self.turned = any(shape.axis is not None or shape.belt >= 0 for shape in shapes)
 
-    def count(self, data: Any) -> None:
+    def count(self, contact: Any) -> None:
         """Count a step for each part that has contact."""
+        self.steps += 1
         part = self._part
-        for index in {part[geom] for pair in data.contact.geom.tolist() for geom in pair}:
+        for index in {part[geom] for pair in contact.geom.tolist() for geom in pair}:
             self.counts[index] += 1
+
+    def forget(self) -> None:
+        """Count anew."""
+        self.steps, self.counts = 0, [0] * len(self.counts)
 
     def turn(self, data: Any) -> None:
         """Turn the planes of contacts: their first direction along the axis of the shape, with its own friction.

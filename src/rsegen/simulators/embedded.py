@@ -65,7 +65,10 @@ class EmbeddedWorld(SteppedWorld):
 
     @abstractmethod
     def shares(self) -> Mapping[str, Mapping[str, float]]:
-        """Return, for each robot, the share of all steps in which each of its parts (LINK::COLLISION) had contact."""
+        """Return, for each robot, the share of steps in which each of its parts (LINK::COLLISION) had contact.
+
+        Those of `step_with_contacts` count; none were taken: no part is named.
+        """
 
     @abstractmethod
     def held_by(self, name: str) -> str | None:
