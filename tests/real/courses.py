@@ -24,10 +24,14 @@ _GROUND = "<plane><normal>0 0 1</normal><size>100 100</size></plane>"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Course:
-    """Robots by their names, in lanes from y = 0 on, and a stair in front of each, as geometries with their places."""
+    """Robots by their names, in lanes from y = 0 on, and a stair in front of each, as geometries with their places.
+
+    afloat: metres above the ground, without gravity; 0: on the ground
+    """
 
     robots: Mapping[str, Robot]
     stair: Sequence[tuple[str, str]] = ()
+    afloat: float = 0.0
 
     def world(self, backend: str) -> str:
         """The world file for a simulator with these names of messages and plug-ins."""
@@ -39,6 +43,7 @@ class Course:
         return f"""\
 <sdf version="1.6">
   <world name="course">
+    <gravity>0 0 {0 if self.afloat else -9.8}</gravity>
     <physics type="ode">
       <max_step_size>0.001</max_step_size>
       <real_time_update_rate>10000</real_time_update_rate>
@@ -51,7 +56,7 @@ class Course:
     def _models(self, backend: str) -> Iterator[str]:
         yield _fixed("ground", "0 0 0", _GROUND)
         for lane, (name, robot) in enumerate(self.robots.items()):
-            yield robot.model(name, backend, (0, lane * LANE, 0, 0, 0, 0))
+            yield robot.model(name, backend, (0, lane * LANE, self.afloat, 0, 0, 0))
             for step, (place, geometry) in enumerate(self.stair):
                 yield _fixed(f"step_{lane}_{step}", place.format(y=lane * LANE), geometry)
 

@@ -203,7 +203,7 @@ def test_errors_of_the_simulator_are_warned_of(
     if is_over:
         assert "warning: [Err]" in out
     else:  # Harmonic does not load such a world
-        assert "the world was not loaded; its last errors are: [Err]" in err
+        assert "the world was not loaded; its last errors are: " in err
 
 
 def test_a_robot_of_a_file_is_driven(gazebo: Installation, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

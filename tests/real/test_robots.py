@@ -109,6 +109,14 @@ def test_wheels_climb_less_in_sim(
     assert level(climbing(ROBOTS[kind], [height], gazebo_sim, tmp_path), height) == climbed
 
 
+def test_motors_turn_the_chassis_the_other_way_but_not_in_classic(gazebo: Installation, tmp_path: Path) -> None:
+    """Afloat, nothing else turns it: where motors act back, wheels that spin up lift its nose."""
+    course = Course(robots={"one": ROBOTS["burger"]}, afloat=1.0)
+    (end,) = driven(gazebo, tmp_path, course, {"one": (0.22, 0.0)}, (200,))
+    assert end["one"].z == pytest.approx(1.0, abs=0.1)
+    assert end["one"].pitch == pytest.approx(0, abs=1e-6) if gazebo.backend == "classic" else end["one"].pitch < -0.1
+
+
 @pytest.mark.long(reason="a server more")
 def test_flippers_and_arm_reach_the_commanded_angles(gazebo_classic: Installation, tmp_path: Path) -> None:
     angles = {"left_flipper_pivot": 0.6, "right_flipper_pivot": 0.9, "shoulder_joint": 0.8}

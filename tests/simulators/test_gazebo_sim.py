@@ -154,10 +154,11 @@ def test_an_error_in_the_world_differs_from_one_in_a_spawned_model(line: str, *,
     assert SIM.load_failed(f"[Msg] Loading SDF world file\n\x1b[1;31m{line}\x1b[0m\n") == failed
 
 
-def test_an_error_behind_a_warning_without_a_line_break_is_a_line_of_its_own() -> None:
-    """As Harmonic says of a world that has a model twice."""
+@pytest.mark.parametrize("mark", ["[Err] [Server.cc:86]", "(2026-11-28 07:53:24.155) [error] [ServerPrivate.cc:794]"])
+def test_an_error_behind_a_warning_without_a_line_break_is_a_line_of_its_own(mark: str) -> None:
+    """As Harmonic and Jetty say of a world that has a model twice."""
     warning = "Warning [Utils.cc:115] Non-unique name[a] detected 2 times in XML children of world with name[a]."
-    error = "[Err] [Server.cc:86] Error Code 2: Msg: model with name[a] already exists."
+    error = f"{mark} Error Code 2: Msg: model with name[a] already exists."
     assert SIM.error_lines(f"{warning}\x1b[1;31m{error}\x1b[0m\n") == [error]
 
 

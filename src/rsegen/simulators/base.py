@@ -27,6 +27,9 @@ _MARKS = ("[Err]", "[error]", "Error [", "Error Code", "Library error for [", "e
 """Marks of error lines: of Gazebo up to Harmonic, and since Ionic; of libsdformat up to 9, and later; of an
 installation whose libraries do not fit each other."""
 
+_LINE_START = re.compile(r"\[Err\]|\(\d{4}-\d\d-\d\d [\d:.]+\) \[")
+"""How a line of Gazebo Sim's begins: an error's up to Harmonic, and every one since Ionic, with the time."""
+
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 """An escape sequence of a terminal, by which Gazebo colours its lines."""
 
@@ -160,7 +163,7 @@ class Simulator(ABC):
     def error_lines(self, log: str) -> list[str]:
         """Return the error lines of a log, without harmless ones."""
         # A warning of libsdformat ends without a line break, so an error may stand behind it.
-        lines = plain_text(log).replace("[Err]", "\n[Err]").splitlines()
+        lines = _LINE_START.sub(r"\n\g<0>", plain_text(log)).splitlines()
         errors = (line.strip() for line in lines if any(mark in line for mark in _MARKS))
         return self.without_harmless(errors)
 
