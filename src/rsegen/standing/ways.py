@@ -139,6 +139,10 @@ _NEXT, _AHEAD = 24, 1 / 8
 """Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
 is looked at in vain: of fewer, each call costs as much as its poses."""
 
+_STRAIGHT_ON = 5
+"""Places straight on that are looked at with one: searches of a way have less than half of the calls, and take two
+thirds of the time."""
+
 _FEW_STEPS = 30
 """Steps of a move by a block up to which its middle is not looked at before all of it: the robot is no small one."""
 
@@ -587,13 +591,20 @@ class Lattice:
         return None
 
     def _look_from(self, place: _Place, front: Sequence[tuple[float, int, _Place | None]]) -> None:
-        """Find what the robot can do from a place, and from those that are likely to be next, unless it is known."""
+        """Find what the robot can do from a place, and from those that are likely to be next, unless it is known.
+
+        These are the next ones at the front, and those straight on, as most ways hardly turn.
+        """
         i, j, k = place
         if self._is_driven[place] and self._is_turned[place] and self._is_turned[i, j, (k - 1) % HEADINGS]:
             return
         count = max(_NEXT, int(_AHEAD * np.count_nonzero(self._is_driven)))
         likely = [on for _, _, on in nsmallest(count, front) if on and not self._is_driven[on]]
-        self._find_from(np.unique([np.ravel_multi_index(on, self.moves.shape) for on in (place, *likely)]))
+        cells = np.array([i, j]) + np.arange(_STRAIGHT_ON + 1)[:, None] * _MOVES[k]
+        x, y = cells[((cells >= 0) & (cells < self.moves.shape[:2])).all(axis=1)].T
+        straight_on = np.ravel_multi_index((x, y, np.full(len(x), k)), self.moves.shape)  # the first is the place
+        found = [np.ravel_multi_index(on, self.moves.shape) for on in likely]
+        self._find_from(np.unique(np.append(straight_on, np.array(found, np.intp))))
 
     def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
         """Yield the places to which the robot can go on, and length and worst of each move; a turn moves its sides."""
