@@ -63,7 +63,8 @@ class WheelMotors:
             model.dof_solref[self.dofs], model.dof_solimp[self.dofs] = MOTOR_SOLREF, MOTOR_SOLIMP
             self._rows = np.searchsorted(np.flatnonzero(model.dof_frictionloss), self.dofs)
         self._is_limited = bool((self._torques < _STRONG).any())
-        self._limits: list[tuple[int, int, float, float]] = []  # see `after_step`
+        # Of each wheel: its row, degree of freedom, force at its motor's limit, and the speed below which it is slow.
+        self._limits: list[tuple[int, int, float, float]] = []
 
     def command(self, robot: int, left: float, right: float) -> None:
         """Set the speeds of a robot's wheels, rad/s."""
