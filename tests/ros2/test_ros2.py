@@ -145,6 +145,7 @@ def test_colcon_builds_it_and_its_setup_says_where_the_models_are(tmp_path: Path
     if not any((Path(prefix) / "share" / "ament_cmake").is_dir() for prefix in prefixes):
         missing("no ament_cmake: run scripts/ros2, or name its folder in CMAKE_PREFIX_PATH")
     tools = os.environ | {"PATH": f"{Path(colcon).parent}{os.pathsep}{os.environ['PATH']}"}
+    tools.pop("VIRTUAL_ENV", None)  # CMake would take the python3 in it
     for scene in (NAMED, SCENES["frames alone"]):
         written(scene, tmp_path / "src")
     subprocess.run([colcon, "build"], cwd=tmp_path, env=tools, check=True, capture_output=True)

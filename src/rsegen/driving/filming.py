@@ -8,7 +8,7 @@ flippers swing. A video does not change the drive: it has the same steps, in sho
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import hypot
 
 import numpy as np
@@ -54,19 +54,23 @@ class FilmedWorld(SteppedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, and take every frame."""
+        for some in self._pieces(steps):
+            self._world.step(some)
+
+    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
+        """Step, and give the contacts before the first step."""
+        contacts = [self._world.step_with_contacts(some) for some in self._pieces(steps)]
+        return contacts[0] if contacts else ()
+
+    def _pieces(self, steps: int) -> Iterator[int]:
+        """Yield the steps up to each frame, which is taken before they are simulated, and those up to the end."""
         while steps:
             if self._steps % self._every == 0:
                 self._animation.add(self._view.picture(self._world.link_poses()))
             some = min(steps, self._every - self._steps % self._every)
-            self._world.step(some)
+            yield some
             self._steps += some
             steps -= some
-
-    def step_with_contacts(self, steps: int) -> Sequence[Contact]:
-        """Step, and give the contacts before the first step."""
-        contacts = self._world.step_with_contacts(0)
-        self.step(steps)
-        return contacts
 
     def video(self) -> bytes:
         """Return the video up to now, an animated WebP in real time, with the end as its last frame."""
