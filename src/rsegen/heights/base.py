@@ -320,7 +320,7 @@ def imported(path: Path, reading: Importer, unit_cm: float | None = None, chunk_
     Recipe
         The recipe.
     """
-    return recipe_of(path, heights_in(path, reading, unit_cm), chunk_size)
+    return recipe_of_heights(path, heights_in(path, reading, unit_cm), chunk_size)
 
 
 def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> Heights:
@@ -331,7 +331,7 @@ def heights_in(path: Path, reading: Importer, unit_cm: float | None = None) -> H
         return reading.read(path, unit_cm)
 
 
-def recipe_of(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
+def recipe_of_heights(path: Path, heights: Heights, chunk_size: int | None = None) -> Recipe:
     """Return the recipe of one map of heights, with those of filled holes as their own matrix; see `imported`."""
     import numpy as np
 

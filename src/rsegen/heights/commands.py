@@ -56,7 +56,7 @@ def add_import(command: Parser) -> None:
 
 def run_import(arguments: argparse.Namespace) -> Report:
     """Import, generate, and say what was made and how far heights were rounded."""
-    from rsegen.heights.base import heights_in, importer_for, recipe_of
+    from rsegen.heights.base import heights_in, importer_for, recipe_of_heights
     from rsegen.heights.pictures import rounding_plot
     from rsegen.scene.scene import compose
 
@@ -66,7 +66,7 @@ def run_import(arguments: argparse.Namespace) -> Report:
         name: sorts[name].check(name, given_values[name]) for name in ("unit_cm", "chunk_size") if name in given_values
     }
     heights = heights_in(path, _reading(importer_for(path), arguments), settled.get("unit_cm"))
-    recipe = with_flags(recipe_of(path, heights, settled.get("chunk_size")), arguments)
+    recipe = with_flags(recipe_of_heights(path, heights, settled.get("chunk_size")), arguments)
     if picture and heights.rounding is None:
         raise ParameterError("--errors", f"{path} has levels, which are not rounded")
     report = produce(recipe, arguments)

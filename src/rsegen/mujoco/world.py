@@ -137,9 +137,9 @@ class MujocoWorld(EmbeddedWorld):
 
     def step(self, steps: int) -> None:
         """Simulate this number of steps, as fast as possible."""
-        with without_log():
-            self._step(steps, is_counted=False)
+        self._step(steps, is_counted=False)
 
+    @without_log()
     def _step(self, steps: int, *, is_counted: bool) -> None:
         model, data, shapes, wheels, belts = self.model, self.data, self.shapes, self.wheels, self.belts
         for _ in range(steps):
@@ -163,8 +163,7 @@ class MujocoWorld(EmbeddedWorld):
     def step_with_contacts(self, steps: int) -> Sequence[Contact]:
         """Step, and give the contacts before the first step; those of each step count for `shares`."""
         contacts = list(self._contacts())
-        with without_log():
-            self._step(steps, is_counted=True)
+        self._step(steps, is_counted=True)
         return contacts
 
     # What it tells.

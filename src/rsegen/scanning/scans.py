@@ -15,7 +15,7 @@ import numpy as np
 
 from rsegen.errors import FileError, ScanError
 from rsegen.field.stepfield import Array, StepField
-from rsegen.heights.base import Heights, filled, recipe_of
+from rsegen.heights.base import Heights, filled, recipe_of_heights
 from rsegen.recipe.building import build
 from rsegen.recipe.recipe import Recipe
 from rsegen.scanning.clouds import read_clouds
@@ -209,5 +209,5 @@ def _recipe(scan: Scan, name: str, *, fill_holes: bool) -> Recipe:
         },
         holes=holes if fill_holes else None,
     )
-    recipe = recipe_of(Path(name), heights, scan.chunk_size)
+    recipe = recipe_of_heights(Path(name), heights, scan.chunk_size)
     return replace(recipe, description=f"scan of {name}"[:500])

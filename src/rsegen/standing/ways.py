@@ -600,11 +600,11 @@ class Lattice:
             return
         count = max(_NEXT, int(_AHEAD * np.count_nonzero(self._is_driven)))
         likely = [on for _, _, on in nsmallest(count, front) if on and not self._is_driven[on]]
-        cells = np.array([i, j]) + np.arange(_STRAIGHT_ON + 1)[:, None] * _MOVES[k]
-        x, y = cells[((cells >= 0) & (cells < self.moves.shape[:2])).all(axis=1)].T
-        straight_on = np.ravel_multi_index((x, y, np.full(len(x), k)), self.moves.shape)  # the first is the place
-        found = [np.ravel_multi_index(on, self.moves.shape) for on in likely]
-        self._find_from(np.unique(np.append(straight_on, np.array(found, np.intp))))
+        on_x, on_y = (int(cells) for cells in _MOVES[k])
+        n_x, n_y, _ = self.moves.shape
+        line = [(i + m * on_x, j + m * on_y) for m in range(_STRAIGHT_ON + 1)]  # the first is the place
+        straight_on = [(x, y, k) for x, y in line if 0 <= x < n_x and 0 <= y < n_y]
+        self._find_from(np.unique([np.ravel_multi_index(on, self.moves.shape) for on in (*straight_on, *likely)]))
 
     def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
         """Yield the places to which the robot can go on, and length and worst of each move; a turn moves its sides."""
