@@ -47,7 +47,9 @@ def judged(robot: str, unit: float, seed: int) -> dict[str, Any]:
     found = reach(field, body)
     seconds = time.process_time() - began
     lattice = Lattice(field, body)
-    lattice._find_from(np.arange(lattice.moves.size if unit else 0))  # of the course it would take as long again
+    every = np.arange(lattice.moves.size if unit else 0)  # of the course it would take as long again
+    lattice._drive_from(every)
+    lattice._turn_at(every)
     ways = [way.length if way.crosses else np.inf for way in (found.west_east, found.south_north)]
     lines = [np.round(way.points, 6).ravel() for way in (found.west_east, found.south_north)]
     return {

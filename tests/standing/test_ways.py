@@ -214,7 +214,8 @@ def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: 
     field, body = field_of(np.random.default_rng(seed).integers(0, 4, (7, 6)), 0.03), BODIES["jackal"]
     lattice = Lattice(field, body)
     region = lattice.region()
-    lattice._find_from(np.arange(lattice.moves.size))
+    lattice._drive_from(np.arange(lattice.moves.size))
+    lattice._turn_at(np.arange(lattice.moves.size))
     places, edges = np.arange(lattice.moves.size).reshape(lattice.moves.shape), dict[tuple[int, int], float]()
     for i, j, k in np.argwhere(lattice.moves).tolist():
         x, y = round(np.cos(k * np.pi / 4)), round(np.sin(k * np.pi / 4))
@@ -239,7 +240,8 @@ def test_a_region_and_ways_are_those_that_scipy_finds_on_the_same_lattice(seed: 
 def test_a_region_is_that_of_all_moves_but_needs_few_where_a_robot_gets_around(unit: float, most: float) -> None:
     lattice = Lattice(field_of(np.random.default_rng(7).integers(0, 4, (8, 7)), unit), BODIES["crawler"])
     region, driven = lattice.region(), lattice._is_driven.mean()
-    lattice._find_from(np.arange(lattice.moves.size))
+    lattice._drive_from(np.arange(lattice.moves.size))
+    lattice._turn_at(np.arange(lattice.moves.size))
     assert np.array_equal(lattice.region(), region)
     assert driven < most
 

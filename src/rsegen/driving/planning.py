@@ -57,7 +57,8 @@ def predict_way(predictor: Predictor, scene: Scene, robot: DrivableRobot, best: 
     for way in _ways(lattice, scene, robot):
         (run,) = runs_along(scene.field, robot, way)
         try:
-            found = predictor.tried(scene, run, _FAILURES)
+            surest = max((one.probability for one, _ in tried), default=0.0)
+            found = predictor.tried(scene, run, predictor.failures_below(surest, _FAILURES))
         except SimulatorFailed as error:
             failure = error
             continue

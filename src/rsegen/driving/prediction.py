@@ -66,6 +66,11 @@ _LONG, _MORE = 3.0, 15.0
 """Times the length of its way at full speed, and seconds more, after which a robot has not crossed."""
 
 
+def _probability(crossed: int, drives: int) -> float:
+    """Return the probability of crossing if so many of some drives cross."""
+    return (crossed + PRIOR) / (drives + 2 * PRIOR)
+
+
 def _mean(places: Sequence[Array]) -> tuple[float, float]:
     x, y = np.mean(places, axis=0).tolist()
     return x, y
@@ -140,7 +145,7 @@ class Prediction:
     @property
     def probability(self) -> float:
         """Probability of crossing, 0..1."""
-        return (self.crossed + PRIOR) / (self.drives + 2 * PRIOR)
+        return _probability(self.crossed, self.drives)
 
     @property
     def seconds(self) -> float | None:
@@ -203,6 +208,13 @@ class Predictor:
             if sum(outcome.seconds is None for outcome in outcomes) >= failures:
                 break
         return self._prediction(outcomes, run, number)
+
+    def failures_below(self, probability: float, most: int) -> int:
+        """Return after how many failures, at most so many, first drives cannot say more than a probability."""
+        count = min(FIRST, self.drives)
+        return next(
+            (failures for failures in range(1, most) if _probability(count - failures, count) <= probability), most
+        )
 
     def predict(self, scene: Scene, run: RobotRun, known: Prediction | None = None) -> Prediction:
         """Return whether a robot crosses on its run; SimulatorFailed if no drive has a result.

@@ -15,11 +15,13 @@ which the robot must be turned to tip over, is largest.
 The largest region needs all turns, but few moves: with the moves that are known to be driven, and with all that may
 be, the strongly connected components are bounds, and a move between two components of the first in one of the second is
 driven only where that one is as large as the largest known. First those are that connect each component with one
-before it, as a tree. So edges are looked at as lazily as in lazy searches (Bohlin and Kavraki 2000).
+before it, as a tree. So edges are looked at as lazily as in lazy searches (Bohlin and Kavraki 2000). A way across needs
+far fewer: the robot is trusted with all moves, what is not known of the best way is found, and so on (`_cheapest`).
 
-Cost: some 12 poses a move, or as many as steps of the robot, and half of the moves where the robot gets nearly
-everywhere, but nearly all where it gets nowhere: a second to ten on 10 x 10 to 40 x 40 blocks. What breaks it: what
-breaks lanes; and each move begins at the robot's full speed, which a straight lane does not give.
+Cost: some 12 poses a move, or as many as steps of the robot. For the region half of the moves where the robot gets
+nearly everywhere, but nearly all where it gets nowhere: a second to ten on 10 x 10 to 40 x 40 blocks; for a way one to
+three seconds, or as long as for the region where there is none. What breaks it: what breaks lanes; and each move begins
+at the robot's full speed, which a straight lane does not give.
 """
 
 from __future__ import annotations
@@ -27,7 +29,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from heapq import heapify, heappop, heappush, nsmallest
 from itertools import pairwise
 from typing import Any
 
@@ -55,6 +56,7 @@ from rsegen.standing.lanes import (
 )
 from rsegen.standing.pose_statistics import PoseStatistics, statistics_of
 from rsegen.standing.resting import Poses, has_stood, margins, of_settled
+from rsegen.standing.searching import cheapest
 from rsegen.standing.settling import PaddedGround, Settled, joined, outer_radius, settle, settled_on_level
 
 
@@ -128,20 +130,11 @@ _RISK = 3.0
 """Weight of risk in a safe way: a metre at half of the tilt at which the robot tips over counts as 2.5 metres on level
 ground, and one on which it falls as four."""
 
-_EAGER = 3.0
-"""Weight of what is left in the search for a safe way, which is found among a tenth of the moves, and costs at most
-three times as much as the safest one (weighted A*, Pohl 1970)."""
-
 _Place = tuple[int, int, int]
 """Cells along x and y, and the heading."""
 
-_NEXT, _AHEAD = 24, 1 / 8
-"""Places at the front of a search that are looked at together, at least and as a share of all before, which bounds what
-is looked at in vain: of fewer, each call costs as much as its poses."""
-
-_STRAIGHT_ON = 5
-"""Places straight on that are looked at with one: searches of a way have less than half of the calls, and take two
-thirds of the time."""
+_AROUND = 2
+"""Cells around a way at which poses are found with those on it."""
 
 _FEW_STEPS = 30
 """Steps of a move by a block up to which its middle is not looked at before all of it: the robot is no small one."""
@@ -191,11 +184,13 @@ class Lattice:
         shape = (*field.shape, HEADINGS)
         self.moves, self.turns, self._stands = (np.zeros(shape, bool) for _ in range(3))
         self._is_driven, self._is_turned, self._is_settled = (np.zeros(shape, bool) for _ in range(3))
-        self.worst_of_moves, self.worst_of_turns, self._worst_of_places = (np.zeros(shape) for _ in range(3))
+        self.worst_of_moves, self.worst_of_turns = np.zeros(shape), np.zeros(shape)
+        self._worst_of_places = np.full(shape, -np.inf if best == "margin" else 0.0)  # no pose is better
         # The tilt at which it tips over on level ground, in which the risk of a safe way is counted.
         self._tips_at = _margin_on_level(self.ground, body) if best == "safe" else np.inf
         self._turn_length = body.width / 2 * np.pi / 4
         self._closed: list[tuple[float, float, int]] = []
+        self._lanes_at_ends: dict[int, tuple[Array, Array, Array, Mask, Array]] = {}
         self._driven_on: dict[tuple[float, float, float], float] = {}  # metres that are surely driven from a place
         nowhere = np.empty(0)
         self._rest, self._number_of_rest = settle(self.ground, body, nowhere, nowhere, nowhere), np.full(shape, -1)
@@ -280,40 +275,6 @@ class Lattice:
         self.turns.ravel()[places] = has_stood(rest)
         ends = self._worst_of_places.ravel()
         self.worst_of_turns.ravel()[places] = np.maximum.reduce([ends[places], ends[after], self._worst_value(rest)])
-
-    def _explore(self, starts: Mapping[_Place, float]) -> None:
-        """Find all that the robot can do from places on, wave by wave, each from the places that the last one reached.
-
-        Not for the shortest way, of which the search asks for little; for others nearly all of it counts.
-        """
-        if self.best in ("length", "safe"):
-            return
-        # A wave is all places that the last one was first to reach: found together, they cost far less than one by one.
-        front = np.array([np.ravel_multi_index(place, self.moves.shape) for place in starts], np.intp)
-        seen = np.zeros(self.moves.size, bool)
-        while len(front):
-            seen[front] = True
-            i, j, k = np.unravel_index(front, self.moves.shape)
-            before, after = self._find_from(front), np.ravel_multi_index((i, j, (k + 1) % HEADINGS), self.moves.shape)
-            driven = self.moves.ravel()[front]
-            ahead = i[driven] + _MOVES[k[driven], 0], j[driven] + _MOVES[k[driven], 1], k[driven]
-            reached = np.concatenate(
-                [
-                    np.ravel_multi_index(ahead, self.moves.shape),
-                    after[self.turns.ravel()[front]],
-                    before[self.turns.ravel()[before]],
-                ]
-            )
-            front = np.unique(reached[~seen[reached]])
-
-    def _find_from(self, places: Ints) -> Ints:
-        """Find the moves and turns from places, and return the places at the headings before them."""
-        i, j, k = np.unravel_index(places, self.moves.shape)
-        before = np.ravel_multi_index((i, j, (k - 1) % HEADINGS), self.moves.shape)
-        self._drive_from(places)
-        self._turn_at(np.unique(np.concatenate([places, before])))
-        self._tell(float(self._is_driven.mean()))
-        return before
 
     def _driven(
         self, x: Array, y: Array, yaw: Array, length: Array, ends: tuple[Ints, Ints] | None = None
@@ -414,7 +375,6 @@ class Lattice:
         starts, goals = self._ends(axis)
         if not starts or not goals:
             return None
-        self._explore(starts)
         last = self.field.shape[axis] - 1
         for _ in range(_CHECKED):
             best = self._best(starts, goals, lambda place: self.field.block_width * float(last - place[axis]))
@@ -504,7 +464,6 @@ class Lattice:
         starts, goals = (self._standing_at(*cell) for cell in cells)
         if not starts or not goals:
             return None
-        self._explore(starts)
         best = self._best(starts, goals, self._distance_to(cells[1]))
         return self._driven_way(self._length(best[1]), best[1]) if best else None
 
@@ -533,7 +492,7 @@ class Lattice:
             def risked(cost: float, length: float, worst: float) -> float:
                 return cost + length * (1 + _RISK * worst)
 
-            return self._cheapest(start, goals, risked, lambda place: _EAGER * left(place))
+            return self._cheapest(start, goals, risked, left)
         limit = np.inf
         if self.best != "length":
             least = self._cheapest(starts, goals, lambda cost, _, worst: max(cost, worst))
@@ -556,84 +515,102 @@ class Lattice:
     ) -> tuple[float, list[_Place]] | None:
         """Return the least cost from a start to a goal, which have costs too, and the places between.
 
-        Of all places at the front the one goes on whose cost, and a bound of what is left, are least (Dijkstra; with a
-        bound A*, Hart, Nilsson and Raphael 1968). What the robot can do there is found then.
+        The robot is trusted with all that is not known to fail, and nothing is taken to be worse than the poses at its
+        ends. What is not known of the best way then is found, until nothing is: no other way is better than that one
+        (LazySP, Dellin and Srinivasa 2016). On rough ground that takes two to twenty ways.
         cost_of: the cost after a move, from that before, the length and the worst of it; it never falls
         left: a cost from a place that no way to a goal is below, and which falls by no more than a move costs
         """
-        costs, before = dict(starts), dict[_Place | None, _Place]()
-        # None is beyond all goals.
-        front: list[tuple[float, int, _Place | None]] = [
-            (cost + left(place), 0, place) for place, cost in starts.items()
-        ]
-        heapify(front)
-        done, arrived = set[_Place](), np.inf
-        while front:
-            _, _, place = heappop(front)
-            if place is None:
-                places = [before[None]]
-                while places[-1] in before:
-                    places.append(before[places[-1]])
-                return arrived, places[::-1]
-            if place in done:
-                continue
-            done.add(place)
-            self._look_from(place, front)
-            cost = costs[place]
-            if place in goals and (last := cost_of(cost, 0.0, goals[place])) < arrived:
-                arrived, before[None] = last, place
-                heappush(front, (last, 1, None))
-            for onward, length, worst in self._onward(*place):
-                after = cost_of(cost, length, worst)
-                if after < costs.get(onward, np.inf) - 1e-9:
-                    costs[onward], before[onward] = after, place
-                    heappush(front, (after + left(onward), 0, onward))
-        return None
+        begins, ends = (
+            {int(np.ravel_multi_index(place, self.moves.shape)): value for place, value in values.items()}
+            for values in (starts, goals)
+        )
+        while True:
+            found = cheapest(begins, ends, self._hopes(), cost_of, lambda at: left(self._place(at)))
+            if found is None:
+                return None
+            cost, way = found
+            if self._knows(np.array(way)):
+                return cost, [self._place(at) for at in way]
 
-    def _look_from(self, place: _Place, front: Sequence[tuple[float, int, _Place | None]]) -> None:
-        """Find what the robot can do from a place, and from those that are likely to be next, unless it is known.
+    def _place(self, number: int) -> _Place:
+        """Return the place of a number in `moves`."""
+        cell, k = divmod(number, HEADINGS)
+        return (*divmod(cell, self.field.shape[1]), k)
 
-        These are the next ones at the front, and those straight on, as most ways hardly turn.
+    def _hopes(self) -> Callable[[int], Iterator[tuple[int, float, float]]]:
+        """Return what yields the places to which a robot may go on from a place, numbers in `moves`.
+
+        With the length of each move, and the worst on it, or less; a turn moves its sides.
         """
-        i, j, k = place
-        if self._is_driven[place] and self._is_turned[place] and self._is_turned[i, j, (k - 1) % HEADINGS]:
-            return
-        count = max(_NEXT, int(_AHEAD * np.count_nonzero(self._is_driven)))
-        likely = [on for _, _, on in nsmallest(count, front) if on and not self._is_driven[on]]
-        on_x, on_y = (int(cells) for cells in _MOVES[k])
-        n_x, n_y, _ = self.moves.shape
-        line = [(i + m * on_x, j + m * on_y) for m in range(_STRAIGHT_ON + 1)]  # the first is the place
-        straight_on = [(x, y, k) for x, y in line if 0 <= x < n_x and 0 <= y < n_y]
-        self._find_from(np.unique([np.ravel_multi_index(on, self.moves.shape) for on in (*straight_on, *likely)]))
+        tails, heads = self._moves_from(np.arange(self.moves.size))
+        fails = (self._is_settled & ~self._stands).ravel()
+        least = np.where(fails, np.inf, self._worst_of_places.ravel())
+        leads_to, hoped = np.full(self.moves.size, -1), np.full(self.moves.size, np.inf)
+        leads_to[tails], hoped[tails] = heads, np.maximum(least[tails], least[heads])
+        known = np.where(self.moves, self.worst_of_moves, np.inf).ravel()
+        moves = np.where(self._is_driven.ravel(), known, hoped).tolist()
+        least = least.reshape(self.turns.shape)
+        known, hoped = np.where(self.turns, self.worst_of_turns, np.inf), np.maximum(least, np.roll(least, -1, axis=2))
+        turns, ahead = np.where(self._is_turned, known, hoped).ravel().tolist(), leads_to.tolist()
+        lengths = (self.field.block_width, self.field.block_width * 2**0.5) * (HEADINGS // 2)
 
-    def _onward(self, i: int, j: int, k: int) -> Iterator[tuple[_Place, float, float]]:
-        """Yield the places to which the robot can go on, and length and worst of each move; a turn moves its sides."""
-        if self.moves[i, j, k]:
-            along_x, along_y = (int(cells) for cells in _MOVES[k])
-            length = self.field.block_width * (2**0.5 if k % 2 else 1.0)
-            yield (i + along_x, j + along_y, k), length, float(self.worst_of_moves[i, j, k])
-        for turn, after in ((k, k + 1), (k - 1, k - 1)):
-            if self.turns[i, j, turn]:
-                yield (i, j, after % HEADINGS), self._turn_length, float(self.worst_of_turns[i, j, turn])
+        def onward(at: int) -> Iterator[tuple[int, float, float]]:
+            k = at % HEADINGS
+            to_left, to_right = at + 1 - HEADINGS * (k == HEADINGS - 1), at - 1 + HEADINGS * (k == 0)
+            if moves[at] < np.inf:
+                yield ahead[at], lengths[k], moves[at]
+            if turns[at] < np.inf:
+                yield to_left, self._turn_length, turns[at]
+            if turns[to_right] < np.inf:
+                yield to_right, self._turn_length, turns[to_right]
+
+        return onward
+
+    def _knows(self, places: Ints) -> bool:
+        """Return whether all along a way, numbers in `moves`, is known; find what is not, first how the robot stands.
+
+        Poses at the places around are found with them: the next ways mostly lead there, and a call for few is as dear.
+        """
+        i, j, k = np.unravel_index(places, self.moves.shape)
+        if not self._is_settled.ravel()[places].all():
+            aside = np.arange(-_AROUND, _AROUND + 1)
+            x, y = np.broadcast_arrays(i[:, None, None] + aside[:, None], j[:, None, None] + aside)
+            inside = (x >= 0) & (x < self.field.shape[0]) & (y >= 0) & (y < self.field.shape[1])
+            cells = x[inside] * self.field.shape[1] + y[inside]
+            self._settle_at((cells[:, None] * HEADINGS + np.arange(HEADINGS)).ravel())
+            return False
+        turned = np.diff(k) % HEADINGS
+        moves, turns = places[:-1][turned == 0], np.where(turned == 1, places[:-1], places[1:])[turned > 0]
+        moves, turns = moves[~self._is_driven.ravel()[moves]], turns[~self._is_turned.ravel()[turns]]
+        self._drive_from(moves)
+        self._turn_at(turns)
+        self._tell(float(self._is_driven.mean()))
+        return not len(moves) and not len(turns)
 
     def _ends(self, axis: int) -> tuple[dict[_Place, float], dict[_Place, float]]:
         """Return the places where the robot comes in, and those where it gets out, with the worst on the lane there."""
-        numbers, middles = np.flatnonzero(lines_along(self.field, axis)), across(self.field, axis)
-        first, last = self.field.middles()[axis][0], self.field.shape[axis] - 1
-        edge, yaw = entry_distance(self.field, self.body, axis), np.full(len(middles), axis * np.pi / 2)
-        outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
-        # Lanes in, then lanes out.
-        along = np.repeat([-edge, -first], len(middles))
-        length, aside = np.repeat([edge + first, outward], len(middles)), np.tile(middles, 2)
-        x, y = (along, aside) if axis == 0 else (aside, along)
-        passed, worst = self._driven(x, y, np.tile(yaw, 2), length)
+        if axis not in self._lanes_at_ends:
+            self._lanes_at_ends[axis] = self._drive_ends(axis)
+        x, y, length, passed, worst = self._lanes_at_ends[axis]
+        numbers, last = np.flatnonzero(lines_along(self.field, axis)), self.field.shape[axis] - 1
         ends: list[dict[_Place, float]] = [{}, {}]
         for number in np.flatnonzero(passed).tolist():
             if not self._is_closed(float(x[number]), float(y[number]), 2 * axis, float(length[number])):
-                side, line = number // len(middles), int(numbers[number % len(middles)])
+                side, line = number // len(numbers), int(numbers[number % len(numbers)])
                 cell = (0, last)[side]
                 ends[side][(cell, line, 0) if axis == 0 else (line, cell, 2)] = float(worst[number])
         return ends[0], ends[1]
+
+    def _drive_ends(self, axis: int) -> tuple[Array, Array, Array, Mask, Array]:
+        """Return x and y where lanes in begin, then those out, their lengths, whether they are driven, the worst."""
+        middles = across(self.field, axis)
+        first, edge = self.field.middles()[axis][0], entry_distance(self.field, self.body, axis)
+        outward = self.field.extent[axis] / 2 - min(float(self.body.low[0]), 0.0) + step_of(self.body) + first
+        along = np.repeat([-edge, -first], len(middles))
+        length, aside = np.repeat([edge + first, outward], len(middles)), np.tile(middles, 2)
+        x, y = (along, aside) if axis == 0 else (aside, along)
+        return x, y, length, *self._driven(x, y, np.full(len(x), axis * np.pi / 2), length)
 
     def _way_of(self, axis: int, places: list[_Place]) -> Way:
         """Return the way over places: what its poses are, on its lanes at both ends too, and where it turns."""
