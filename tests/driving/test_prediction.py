@@ -14,7 +14,7 @@ import pytest
 import rsegen
 from rsegen.cli.edge import main
 from rsegen.driving.planning import _way_back, northward, predict_way, predictions, predictor_for
-from rsegen.driving.prediction import FIRST, Prediction, Predictor, spread_drive
+from rsegen.driving.prediction import FIRST, PRIOR, Prediction, Predictor, spread_drive
 from rsegen.driving.robot_runs import robot_runs
 from rsegen.driving.routes import planned_way
 from rsegen.driving.spread import FRICTION, HEADING, HEIGHT, START, spread_run
@@ -73,6 +73,17 @@ def test_robots_cross_a_floor_and_no_wall(robot: str) -> None:
     assert f"crosses with probability {held.probability:.2f} (0 of {FIRST} drives" in str(held)
     assert "; so few cannot prove 0.00);" in str(held)
     assert str(crosses).endswith("; so few cannot prove 1.00)")
+
+
+def test_a_way_is_left_once_it_can_be_no_surer_than_one_before() -> None:
+    judge = predictor()
+
+    def surest(failures: int) -> float:
+        return (FIRST - failures + PRIOR) / (FIRST + 2 * PRIOR)
+
+    assert surest(1) == pytest.approx(0.81, abs=0.005)  # as of five of six that cross
+    assert [judge.failures_below(known, 3) for known in (0.0, surest(2), surest(1), 1.0)] == [3, 2, 1, 1]
+    assert replace(judge, drives=2).failures_below(0.6, 3) == 1  # of two drives one that fails leaves a half
 
 
 def test_the_same_drive_has_the_same_outcome_and_another_one_other_errors() -> None:
