@@ -28,6 +28,8 @@ FAST ?= --numprocesses=2
 WHAT ?=
 MUTANTS ?=
 FUZZ ?=
+# Of the long tests one in so many, those that a commit draws; all without a number.
+LONG_SHARE ?=
 CRASH ?=
 # What tests and developers need, 2 GB, in a fifth of pip's time.
 UV := $(BIN)/uv pip install --quiet --python
@@ -45,7 +47,7 @@ test: $(VENV)/tester classic screen browser npm compiler
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not long" $(ARGS)
 
 test-all: $(VENV)/developer gazebo screen browser npm compiler learners
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(ARGS)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest $(if $(LONG_SHARE),--long-share=$(LONG_SHARE)) $(ARGS)
 
 test-fast: $(VENV)/tester
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -m "not slow and not long and not real" $(FAST) $(addprefix tests/,$(WHAT))

@@ -13,11 +13,15 @@ files are in memory, if there is enough of it for them.
 
 import os
 import signal
+import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
+from functools import cache
 from importlib.util import find_spec
+from itertools import compress
 from pathlib import Path
+from zlib import crc32
 
 import pytest
 from hypothesis import settings
@@ -58,7 +62,32 @@ if "TMPDIR" not in os.environ and _takes_files(MEMORY):
     os.environ["TMPDIR"] = tempfile.tempdir = MEMORY
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--long-share", type=int, metavar="N", help="of long tests run one in N: those that a commit draws"
+    )
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    share = config.getoption("long_share")
+    return f"long tests: part {_drawn_part(share)} of {share}, drawn by the commit" if share else ""
+
+
+@cache
+def _drawn_part(share: int) -> int:
+    """Return which of so many parts of the long tests a commit has: each has another one."""
+    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=TESTS, check=True, capture_output=True, text=True).stdout
+    return int(head, 16) % share
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if share := config.getoption("long_share"):
+        is_left = [
+            bool(item.get_closest_marker("long")) and crc32(item.nodeid.encode()) % share != _drawn_part(share)
+            for item in items
+        ]
+        config.hook.pytest_deselected(items=list(compress(items, is_left)))
+        items[:] = [item for item, left in zip(items, is_left, strict=True) if not left]
     for item in items:
         for folder, marker in MARKED_FOLDERS.items():
             if (TESTS / folder) in item.path.parents:
