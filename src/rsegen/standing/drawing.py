@@ -114,7 +114,7 @@ _MANY, _WAYS = 1000, 32
 
 
 def _without_inner(points: Array) -> Array:
-    """Return points (n, 2) but those inside the polygon of the farthest in some directions (Akl and Toussaint, 1978)."""
+    """Return points (n, 2) but those inside the polygon of the farthest in some directions (Akl, Toussaint 1978)."""
     if len(points) <= _MANY:
         return points
     ways = np.arange(_WAYS) * 2 * np.pi / _WAYS
